@@ -1,0 +1,20 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+int main(int argc, char** argv) {
+  CLI::App app{"Gelenk: a kinematics and inverse-kinematics research sandbox"};
+  app.set_version_flag("--version", "gelenk " GELENK_VERSION);
+  app.require_subcommand(1);
+  int status = 0;
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "gelenk: %s\n", error.what());
+    return 1;
+  }
+  return status;
+}

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kinematics/skeleton.h"
+#include "skinning/skin.h"
+
+namespace gelenk {
+
+/// What a user names on the command line or drops on the window: a skeleton, mostly with a body around it.
+struct Model {
+  std::string name;
+  Skeleton skeleton;
+  std::optional<Skin> skin = {};
+  bool planar = false;                 ///< moves in the x-y plane: seen from above by default
+  std::vector<std::string> handles = {};  ///< joints that get a drag handle; empty: the end-effectors
+  std::vector<std::string> notes = {};    ///< facts worth telling, such as the weight lost by keeping four influences
+};
+
+/// Built-in models by name ("figure", "planar", robots), else a file by its extension.
+/// Throws std::invalid_argument listing the names, or ParseError.
+Model openModel(const std::string& nameOrFile);
+
+/// Names of the built-in models.
+std::vector<std::string> builtInModels();
+
+}  // namespace gelenk

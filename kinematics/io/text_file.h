@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gelenk {
+
+/// The whole file. Throws std::runtime_error with the system's reason when it cannot be opened or read.
+std::string readFile(const std::string& path);
+
+/// Writes beside the target under a temporary name and renames, so that a failure leaves the old file untouched.
+/// Throws std::runtime_error with the system's reason.
+void writeFile(const std::string& path, std::string_view content);
+
+/// Lines without their ends (LF, CRLF); a last line without an end counts.
+std::vector<std::string_view> splitLines(std::string_view text);
+
+/// Words between blanks and tabs.
+std::vector<std::string_view> splitWords(std::string_view line);
+
+/// The whole word as a finite number / an integer; nullopt if it is anything else (locale-independent, "inf" and "nan" are no
+/// numbers here).
+std::optional<double> parseNumber(std::string_view word);
+std::optional<int> parseInteger(std::string_view word);
+
+/// Shortest text that reads back as exactly the same double.
+std::string exactNumber(double value);
+
+}  // namespace gelenk

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace gelenk {
+
+/// Why a solver stopped. That it stopped and that the goal is reached are different facts: judge.h decides the second.
+enum class Stop {
+  Converged,    ///< every goal within its tolerance and all limits kept, by the solver's own evaluation
+  Stationary,   ///< no descent direction is left: the best point near the start of a goal that is not met
+  Stalled,      ///< steps or progress too small without being stationary
+  Budget,       ///< iterations or time spent
+  Failure,      ///< a numerical breakdown; q is the last good configuration
+  Unsupported,  ///< this solver does not do such problems; q is the start
+};
+const char* toString(Stop stop);
+
+/// Work done, counted by the evaluator and the solver.
+struct Counters {
+  int iterations = 0;
+  int forwardKinematics = 0;
+  int jacobians = 0;
+  int hessians = 0;
+  int factorisations = 0;
+  int restarts = 0;
+};
+
+struct IterationRecord {
+  Eigen::VectorXd q;
+  double residual = 0.0;  ///< weighted root of the summed squares before the step, metres and radians alike
+  double stepNorm = 0.0;  ///< |dq|
+  double damping = 0.0;   ///< lambda or mu where the method has one
+  double seconds = 0.0;   ///< since the solve began
+};
+
+enum class TraceLevel { Off, Residuals, Full };  ///< Full keeps q of every iteration
+
+struct Budget {
+  int maxIterations = 200;
+  double maxSeconds = 1.0;
+  int restarts = 0;           ///< random restarts allowed beyond the first attempt
+  unsigned long long seed = 1;  ///< of the restarts and of stochastic solvers
+};
+
+struct IkReport {
+  Eigen::VectorXd q;
+  Stop why = Stop::Failure;
+  double residual = 0.0;  ///< at q, as the solver sees it
+  Counters counters;
+  double seconds = 0.0;
+  std::vector<IterationRecord> trace;
+};
+
+}  // namespace gelenk
