@@ -2,19 +2,24 @@
 #include <cstdio>
 #include <exception>
 
+#include "apps/commands.h"
+
 int main(int argc, char** argv) {
   CLI::App app{"Gelenk: a kinematics and inverse-kinematics research sandbox"};
   app.set_version_flag("--version", "gelenk " GELENK_VERSION);
   app.require_subcommand(1);
-  int status = 0;
+  gelenk::addCommands(app);
+#ifdef GELENK_GRAPHICS
+  gelenk::addGraphicsCommands(app);
+#endif
 
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
+  } catch (const CLI::Error& error) {
     return app.exit(error);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "gelenk: %s\n", error.what());
     return 1;
   }
-  return status;
+  return 0;
 }

@@ -1,0 +1,7 @@
+#include "apps/commands.h"
+
+namespace gelenk {
+
+void addGraphicsCommands(CLI::App&) {}
+
+}  // namespace gelenk
