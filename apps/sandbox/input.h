@@ -1,0 +1,38 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+namespace gelenk {
+
+/// Something the user did. Keys, buttons and modifiers are GLFW's codes (GLFW/glfw3.h).
+struct InputEvent {
+  enum class Kind { MouseMove, MouseButton, Wheel, Key, Character, Drop };
+  Kind kind = Kind::MouseMove;
+  double x = 0.0, y = 0.0;  ///< MouseMove: pixels from the upper left; Wheel: steps
+  int code = 0;             ///< button, key, or code point
+  bool down = false;        ///< MouseButton, Key
+  std::string path = {};    ///< Drop
+};
+
+/// What one frame gets to see.
+struct Input {
+  int width = 0, height = 0;  ///< framebuffer, pixels
+  double scale = 1.0;
+  std::vector<InputEvent> events = {};
+};
+
+/// Holds events until a frame may see them. Within one frame a button or key changes at most once, and a button changes only
+/// after the moves before it were seen: a quick tap is never lost, whatever the frame rate.
+class InputQueue {
+ public:
+  void add(InputEvent event) { waiting_.push_back(std::move(event)); }
+  std::vector<InputEvent> take();
+  bool empty() const { return waiting_.empty(); }
+
+ private:
+  std::deque<InputEvent> waiting_;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace gelenk {
+
+class Sandbox;
+
+/// One room of the sandbox: an inspector tab, a menu, a tab of the bottom strip, things drawn into the view, a share of every
+/// frame. Override what is needed. All calls come from the one thread, inside Sandbox::frame, in the order of panels.cpp.
+///
+/// The rest of the program is reached through the Sandbox that is passed in (sandbox.h): its session (pose, goals, solver),
+/// openModel(), showFrames() to pose the figure for a frame, ghosts to draw further bodies, deformer to replace
+/// the skinning, select(), requestStatus().
+class Panel {
+ public:
+  virtual ~Panel() = default;
+
+  /// The tab's title and the panel's key in scene files.
+  virtual std::string name() const = 0;
+
+  virtual bool hasInspector() const { return false; }
+  /// Inside the inspector's tab: plain ImGui calls; the width is about 300 px times the scale.
+  virtual void drawInspector(Sandbox&) {}
+
+  virtual bool hasBottomStrip() const { return false; }
+  /// Inside the bottom strip's tab (plots, timeline).
+  virtual void drawBottomStrip(Sandbox&) {}
+
+  /// Inside the main menu bar, between Model and Help: `if (ImGui::BeginMenu("Lecture")) {...}`.
+  virtual void drawMenu(Sandbox&) {}
+
+  /// Before the frame's solve: playback, goals that move by themselves. dt: seconds.
+  virtual void step(Sandbox&, double /*dt*/) {}
+
+  /// After the solve, before rendering: ghosts, and lines and labels over the view (overlay.h, sandbox.overlay()).
+  virtual void overlay(Sandbox&) {}
+
+  /// After another model was opened: drop everything that belonged to the old one.
+  virtual void modelChanged(Sandbox&) {}
+
+  /// A key that the sandbox itself has no use for (GLFW key code); true when taken.
+  virtual bool keyPressed(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
+
+  /// A dropped or opened file that is no model and no scene (.bvh, .amc, ...); true when taken. May throw ParseError.
+  virtual bool openFile(Sandbox&, const std::string& /*path*/) { return false; }
+
+  /// State for the scene file as a JSON text, "" for none; load gets what save returned. load may throw std::exception.
+  virtual std::string save() const { return {}; }
+  virtual void load(Sandbox&, const std::string& /*json*/) {}
+};
+
+/// Every panel there is, in the order of their tabs: an explicit table in panels.cpp.
+std::vector<std::unique_ptr<Panel>> makePanels();
+
+}  // namespace gelenk

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/sandbox/input.h"
+#include "apps/sandbox/panel.h"
+#include "apps/scene.h"
+#include "apps/session.h"
+
+namespace gelenk {
+
+class Overlay;
+
+/// A further body in the view: a comparison, a keyframe, a mocap source. Drawn in the frame in which it is added.
+struct Ghost {
+  Frames worldFromJoint;             ///< of the sandbox's own model, or of the skin's where one is given
+  Eigen::Vector3f tint = {0.3f, 0.5f, 0.9f};  ///< sRGB, 0..1
+  float opacity = 0.4f;
+  const Skin* skin = nullptr;        ///< nullptr: the model's own; must live until the end of the frame
+  std::string label = {};
+};
+
+/// Replaces the skinned surface of the model before it is drawn and picked, e.g. by muscle layers. Called every frame.
+using SkinDeformer = std::function<void(const Frames& worldFromJoint, SkinnedVertices& vertices)>;
+
+/// What the sandbox is started with.
+struct SandboxOptions {
+  std::string model = "figure";
+  std::string skeletonFile = {}, weightsFile = {};
+  int width = 1280, height = 800;  ///< pixels
+  double scale = 1.0;              ///< of type and spacing
+  Theme theme = Theme::Light;
+  std::string solver = "hybrid";
+};
+
+/// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.
+/// Needs a current OpenGL 3.3 context for its whole life.
+class Sandbox {
+ public:
+  explicit Sandbox(const SandboxOptions& options);
+  ~Sandbox();
+  Sandbox(const Sandbox&) = delete;
+  Sandbox& operator=(const Sandbox&) = delete;
+
+  /// Takes input, steps, solves, draws into the framebuffer that is bound. dt: seconds. Deterministic but for what is measured
+  /// (times, fps), which is shown and never fed back.
+  void frame(const Input& input, double dt);
+  bool wantsToClose() const;
+
+  // --- model and scene
+  Session& session();
+  const Session& session() const;
+  /// A built-in name, a model file, a scene (.json), or a file that a panel takes. Failures are shown on screen and return false.
+  bool open(const std::string& nameOrFile, const std::string& skeletonFile = {}, const std::string& weightsFile = {});
+  /// A model that the program made itself.
+  void openModel(Model model, const ModelReference& reference);
+  bool saveSceneTo(const std::string& path);
+  Scene scene() const;
+
+  // --- what panels use
+  SceneView& view();
+  ViewOptions& options();
+  Theme theme() const;
+  float scale() const;  ///< HiDPI factor: multiply pixel sizes by it
+  int frameNumber() const;
+  double time() const;  ///< sum of dt, seconds
+
+  /// Shows these frames instead of the session's pose, in this frame only; the solver rests. For poses that no q describes;
+  /// where one does, prefer session().setPose(q).
+  void showFrames(Frames worldFromJoint);
+  /// What is drawn: the frames shown, else the session's.
+  const Frames& shownFrames() const;
+  /// The model's surface as it was drawn last (world, metres); empty without a skin.
+  const SkinnedVertices& surface() const;
+
+  std::vector<Ghost>& ghosts();         ///< emptied at the beginning of every frame
+  void setDeformer(SkinDeformer deformer);  ///< empty: plain linear blend skinning on the GPU
+  Overlay& overlay();                   ///< lines, dots, labels over the view, this frame
+  /// Colour of every vertex (linear 0..1) instead of the clay, this frame: weights, distances, strain.
+  void showVertexColours(std::vector<Eigen::Vector3f> colours);
+
+  std::optional<int> selectedJoint() const;
+  void select(std::optional<int> joint);
+  void say(const std::string& sentence, bool isError = false);  ///< a notice at the lower edge that fades
+  bool playing() const;                 ///< Space toggles it; panels that play motion obey it
+  void setPlaying(bool playing);
+  void showInspector(const std::string& panelName);  ///< brings a tab to the front
+  void showBottomStrip(const std::string& panelName);
+
+  /// Everything the status file holds, as a JSON text (docs/sandbox.md).
+  std::string status() const;
+  std::string renderer() const;  ///< GL_RENDERER
+
+  struct State;
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gelenk
