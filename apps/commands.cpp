@@ -2,6 +2,10 @@
 
 namespace gelenk {
 
-void addCommands(CLI::App&) {}
+void addInfoCommand(CLI::App& app);
+
+void addCommands(CLI::App& app) {
+  addInfoCommand(app);
+}
 
 }  // namespace gelenk

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <stdexcept>
+
+#include "apps/model_files.h"
 
 namespace gelenk {
 namespace {
@@ -28,9 +31,11 @@ std::vector<std::string> builtInModels() {
 Model openModel(const std::string& nameOrFile) {
   for (const BuiltIn& entry : builtIns())
     if (entry.name == nameOrFile) return entry.make();
+  if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);
   std::string known;
   for (const std::string& name : builtInModels()) known += (known.empty() ? "" : ", ") + name;
-  throw std::invalid_argument(fmt::format("no model is called '{}'; there are: {}", nameOrFile, known));
+  throw std::invalid_argument(fmt::format("no model is called '{}'; there are: {}, and files ending in {}", nameOrFile, known,
+                                          knownExtensions()));
 }
 
 }  // namespace gelenk

@@ -1,0 +1,114 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "apps/model_files.h"
+#include "kinematics/forward_kinematics.h"
+#include "skinning/io/obj.h"
+
+namespace gelenk {
+namespace {
+
+using nlohmann::json;
+
+struct Request {
+  std::string file;
+  std::string skeleton, weights;
+  bool asJson = false;
+};
+
+json boundsOf(const Eigen::AlignedBox3d& box) {
+  return {{"lower", {box.min().x(), box.min().y(), box.min().z()}}, {"upper", {box.max().x(), box.max().y(), box.max().z()}}};
+}
+
+std::string counted(int n, const std::string& one, const std::string& many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
+
+void addMesh(const Mesh& mesh, json& facts) {
+  const MeshTopology shape = topology(mesh);
+  Eigen::AlignedBox3d box;
+  for (const auto& p : mesh.positions) box.extend(p);
+  facts["vertices"] = shape.vertices;
+  facts["triangles"] = shape.triangles;
+  facts["components"] = shape.components;
+  facts["closed"] = shape.closed();
+  facts["manifold"] = shape.manifold();
+  facts["bounds"] = boundsOf(box);
+  json& warnings = facts["warnings"];
+  const auto warn = [&](int n, const std::string& one, const std::string& many) {
+    if (n > 0) warnings.push_back(counted(n, one, many));
+  };
+  warn(shape.boundaryEdges, "edge lies on one triangle only: the surface is open", "edges lie on one triangle only: the surface is open");
+  warn(shape.nonManifoldEdges, "edge is not manifold (more than two triangles, or two that disagree on orientation)",
+       "edges are not manifold (more than two triangles, or two that disagree on orientation)");
+  warn(shape.nonManifoldVertices, "vertex joins several fans of triangles", "vertices join several fans of triangles");
+  warn(shape.unreferencedVertices, "vertex belongs to no triangle", "vertices belong to no triangle");
+  warn(shape.degenerateTriangles, "triangle has no area", "triangles have no area");
+  if (shape.closed() && shape.manifold() && enclosedVolume(mesh) < 0.0) warnings.push_back("the triangles face inwards");
+}
+
+void addSkeleton(const Skeleton& skeleton, json& facts) {
+  Eigen::AlignedBox3d box;
+  for (const auto& frame : restFrames(skeleton)) box.extend(frame.translation());
+  facts["joints"] = skeleton.jointCount();
+  facts["dofs"] = skeleton.nv();
+  facts["root"] = skeleton.joint(0).name;
+  facts["jointBounds"] = boundsOf(box);
+  if (!facts.contains("bounds")) facts["bounds"] = facts["jointBounds"];
+}
+
+json factsOf(const Request& request) {
+  json facts{{"file", request.file}, {"warnings", json::array()}, {"notes", json::array()}};
+  const auto kind = fileKind(request.file);
+  facts["format"] = kind ? describe(*kind) : "model";
+  if (kind == FileKind::ObjMesh && request.skeleton.empty()) {
+    addMesh(readObj(request.file), facts);
+    return facts;
+  }
+  const Model model = request.skeleton.empty()
+                          ? openModel(request.file)
+                          : openBody(request.file, request.skeleton, request.weights.empty() ? std::nullopt : std::optional(request.weights));
+  if (model.skin) addMesh(model.skin->mesh, facts);
+  addSkeleton(model.skeleton, facts);
+  for (const std::string& note : model.notes) facts["notes"].push_back(note);
+  return facts;
+}
+
+std::string corner(const json& p) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", p[0].get<double>(), p[1].get<double>(), p[2].get<double>()); }
+
+void print(const json& facts) {
+  fmt::print("{}: {}\n", facts["file"].get<std::string>(), facts["format"].get<std::string>());
+  if (facts.contains("joints"))
+    fmt::print("  joints     {} ({} degrees of freedom), root '{}'\n", facts["joints"].get<int>(), facts["dofs"].get<int>(), facts["root"].get<std::string>());
+  if (facts.contains("vertices"))
+    fmt::print("  mesh       {} vertices, {} triangles, {}, {}, {}\n", facts["vertices"].get<int>(), facts["triangles"].get<int>(),
+               counted(facts["components"].get<int>(), "component", "components"), facts["closed"].get<bool>() ? "closed" : "open",
+               facts["manifold"].get<bool>() ? "manifold" : "not manifold");
+  fmt::print("  bounds     {} to {} m\n", corner(facts["bounds"]["lower"]), corner(facts["bounds"]["upper"]));
+  for (const json& note : facts["notes"]) fmt::print("  note       {}\n", note.get<std::string>());
+  for (const json& warning : facts["warnings"]) fmt::print("  warning    {}\n", warning.get<std::string>());
+}
+
+void run(const Request& request) {
+  const json facts = factsOf(request);
+  if (request.asJson)
+    fmt::print("{}\n", facts.dump(2));
+  else
+    print(facts);
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& app) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = app.add_subcommand("info", "What is in a file or a built-in model");
+  command->add_option("file", request->file, "A file, or the name of a built-in model")->required();
+  command->add_option("--skeleton", request->skeleton, "Skeleton file for an OBJ");
+  command->add_option("--weights", request->weights, "Weights file for an OBJ with a skeleton");
+  command->add_flag("--json", request->asJson, "Print JSON");
+  command->callback([request] { run(*request); });
+}
+
+}  // namespace gelenk
