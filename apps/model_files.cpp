@@ -75,7 +75,7 @@ Model openBody(const std::string& objPath, const std::string& skeletonPath, cons
   const BoneWeights bones = readPinocchioWeights(*weightsPath, model.skeleton.jointCount() - 1, mesh);
   WeightLoss loss;
   auto influences = fourLargest(jointWeights(bones, model.skeleton), model.skeleton.jointCount(), &loss);
-  model.notes.push_back(fmt::format("four largest weights kept: {:.2f} % of the weight lost on average, {:.1f} % at most ({} of {} vertices had more)",
+  model.notes.push_back(fmt::format("four largest weights kept, bones that turn about one joint counted together: {:.2f} % of the weight lost on average, {:.1f} % at most ({} of {} vertices had more)",
                                     100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, mesh.positions.size()));
   model.skin = bindSkin(std::move(mesh), restFrames(model.skeleton), std::move(influences));
   return model;
