@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace gelenk {
+
+/// A deformed point and the first derivatives of the deformation with respect to the lattice parameters.
+struct FfdSample {
+  Eigen::Vector3d position;
+  Eigen::Matrix3d derivatives;  ///< columns d/du, d/dv, d/dw
+};
+
+/// One control plane whose 4 x 4 points are an affine image of the section rectangle, point(u, v) = origin + axes (u, v).
+/// Metres; u, v in [0, 1] span the rectangle.
+struct FfdPlane {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Zero();
+
+  Eigen::Vector3d point(double u, double v) const { return origin + axes * Eigen::Vector2d(u, v); }
+};
+
+/// A tri-cubic Bezier volume, the free-form deformation of Sederberg and Parry 1986:
+///     x(u, v, w) = sum_ijk B_i(u) B_j(v) B_k(w) P_ijk,   B_i the cubic Bernstein polynomials.
+/// Plane k holds the 16 points with the same k, w runs along the bone. Parameters outside [0, 1] extrapolate the polynomial.
+struct FfdLattice {
+  std::array<Eigen::Vector3d, 64> points;  ///< index 16 k + 4 j + i
+
+  FfdSample evaluate(const Eigen::Vector3d& uvw) const;
+  Eigen::Vector3d position(const Eigen::Vector3d& uvw) const;
+};
+
+/// The lattice of four affine planes.
+FfdLattice latticeOf(const std::array<FfdPlane, 4>& planes);
+
+/// The same volume evaluated without its 64 points: Bernstein polynomials reproduce affine functions, so the tri-cubic
+/// collapses to x = sum_k B_k(w) plane_k(u, v). About five times cheaper, and an independent route for tests.
+FfdSample evaluateAffine(const FfdPlane* fourPlanes, const Eigen::Vector3d& uvw);
+
+/// Cubic Bernstein polynomials at t, and their derivatives.
+Eigen::Vector4d bernstein(double t);
+Eigen::Vector4d bernsteinDerivative(double t);
+
+}  // namespace gelenk
