@@ -2,9 +2,11 @@
 
 namespace gelenk {
 
+void addFkCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
 
 void addCommands(CLI::App& app) {
+  addFkCommand(app);
   addInfoCommand(app);
 }
 

@@ -3,20 +3,29 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 
+#include "apps/chain_models.h"
 #include "apps/model_files.h"
+#include "kinematics/robots.h"
 
 namespace gelenk {
 namespace {
 
 struct BuiltIn {
   std::string name;
-  Model (*make)();
+  std::function<Model()> make;
 };
 
 const std::vector<BuiltIn>& builtIns() {
-  static const std::vector<BuiltIn> table{};
+  static const std::vector<BuiltIn> table = [] {
+    std::vector<BuiltIn> entries;
+    entries.push_back({"planar", [] { return planarModel(lecturePlanarChain()); }});
+    for (const Robot& robot : robots())
+      entries.push_back({std::string(robot.name), [table = robot.table] { return dhModel(table()); }});
+    return entries;
+  }();
   return table;
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "apps/chain_models.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/text_file.h"
 #include "skinning/io/obj.h"
@@ -28,6 +29,7 @@ constexpr std::array extensions = {
     Extension{".attachment.out", FileKind::PinocchioWeights},
     Extension{".attachment", FileKind::PinocchioWeights},
     Extension{".weights", FileKind::PinocchioWeights},
+    Extension{".dh", FileKind::DhTable},
 };
 
 std::string lowerCase(std::string text) {
@@ -50,6 +52,7 @@ std::string describe(FileKind kind) {
     case FileKind::ObjMesh: return "OBJ mesh";
     case FileKind::PinocchioSkeleton: return "Pinocchio skeleton";
     case FileKind::PinocchioWeights: return "Pinocchio bone weights";
+    case FileKind::DhTable: return "Denavit-Hartenberg table";
   }
   return "";
 }
@@ -89,6 +92,7 @@ Model openModelFile(const std::string& path) {
     case FileKind::PinocchioSkeleton:
       model.skeleton = namedAsHuman(readPinocchioSkeleton(path));
       return model;
+    case FileKind::DhTable: return openDhModel(path);
     case FileKind::ObjMesh:
       throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton");
     case FileKind::PinocchioWeights:

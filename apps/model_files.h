@@ -13,6 +13,7 @@ enum class FileKind {
   ObjMesh,             ///< .obj
   PinocchioSkeleton,   ///< .skel, .skeleton, .skeleton.out
   PinocchioWeights,    ///< .attachment, .attachment.out, .weights
+  DhTable,             ///< .dh
 };
 
 /// nullopt for an extension that no format here has.

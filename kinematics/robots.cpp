@@ -37,7 +37,7 @@ DhTable ur5() {
           .convention = DhConvention::Standard,
           .rows = {row(0.0, 0.089159, pi / 2), row(-0.425, 0.0, 0.0), row(-0.39225, 0.0, 0.0), row(0.0, 0.10915, pi / 2),
                    row(0.0, 0.09465, -pi / 2), row(0.0, 0.0823, 0.0)},
-          .rest = pose({0.0, -pi / 3, 2 * pi / 3, -5 * pi / 6, -pi / 2, 0.0})};
+          .rest = pose({0.0, -pi / 3, pi / 2, -2 * pi / 3, -pi / 2, 0.0})};
 }
 
 /// Franka Emika Panda, modified convention (the lecture's); the last row is the flange.
