@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/camera.h"
+#include "apps/theme.h"
 #include "solvers/ik_problem.h"
 
 namespace gelenk {
@@ -14,18 +16,6 @@ struct ModelReference {
   std::string nameOrFile = "figure";
   std::string skeletonFile = {};
   std::string weightsFile = {};
-};
-
-enum class Theme { Light, Dark };
-
-/// Where the viewer stands: looking at target from distance, z up. The GL-free part of a camera.
-struct SceneView {
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< metres, world
-  double azimuth = 0.0;      ///< radians about z; 0 looks along +y (at the model's front)
-  double elevation = 0.0;    ///< radians above the horizon, in [-pi/2, pi/2]
-  double distance = 3.0;     ///< metres from eye to target; orthographic views show the same height as perspective ones
-  double fieldOfView = 0.6;  ///< radians, vertical
-  bool orthographic = false;
 };
 
 /// What is drawn.
@@ -69,7 +59,7 @@ struct Scene {
   ModelReference model;
   Eigen::VectorXd q;  ///< nq, radians and metres
   std::vector<SceneGoal> goals;
-  SceneView view;
+  Camera camera;
   ViewOptions options;
   std::string solver = "hybrid";
   Theme theme = Theme::Light;

@@ -62,8 +62,8 @@ class Session {
   /// reached. q: nq; projected to the limits. Throws std::invalid_argument on a wrong length or values that are not finite.
   void setPose(const Eigen::VectorXd& q);
   void resetPose();   ///< rest pose, only the handles pinned at the beginning are pinned
-  /// Left and right change places (reflection in the plane x = 0 of the rest pose); false where the model has no such symmetry.
-  bool mirrorPose();
+  /// Left and right change places, see kinematics/symmetry.h. Throws std::invalid_argument where the model is not symmetric.
+  void mirrorPose();
 
   // --- goals
   const std::vector<SceneGoal>& goals() const { return goals_; }
@@ -132,12 +132,14 @@ class Session {
   void anchorSurfaceGoals();
   void place(const Eigen::VectorXd& q);
   Eigen::Vector3d blendedPoint(const SurfacePoint& point) const;
+  std::string makeUnsupportedReason(const IkProblem& problem) const;
 
   std::shared_ptr<const Model> model_;  // shared: panels and ghosts may outlive an opened model for a frame
   Eigen::VectorXd q_;
   Frames frames_;
   std::vector<SceneGoal> goals_;
   std::optional<int> dragged_;
+  GoalState afterDrag_ = GoalState::Held;
   std::vector<Snapshot> past_, future_;
   std::string solverName_;
   std::unique_ptr<FrameSolver> solver_;

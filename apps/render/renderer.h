@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/camera.h"
+#include "apps/theme.h"
 #include "skinning/gpu/skinned_mesh_gl.h"
 
 namespace gelenk {
@@ -13,8 +14,6 @@ namespace gelenk {
 struct Colour {
   float r = 0, g = 0, b = 0, a = 1;
 };
-
-enum class Theme { Light, Dark };
 
 enum class SurfaceColour {
   Clay,    ///< the body's tint

@@ -35,7 +35,7 @@ class Panel {
   /// Before the frame's solve: playback, goals that move by themselves. dt: seconds.
   virtual void step(Sandbox&, double /*dt*/) {}
 
-  /// After the solve, before rendering: ghosts, and lines and labels over the view (overlay.h, sandbox.overlay()).
+  /// After the solve, before rendering: ghosts, and lines and labels over the view (sandbox.overlay(), label()).
   virtual void overlay(Sandbox&) {}
 
   /// After another model was opened: drop everything that belonged to the old one.

@@ -64,7 +64,7 @@ class Sandbox {
   Scene scene() const;
 
   // --- what panels use
-  SceneView& view();
+  Camera& camera();
   ViewOptions& options();
   Theme theme() const;
   float scale() const;  ///< HiDPI factor: multiply pixel sizes by it
@@ -81,7 +81,10 @@ class Sandbox {
 
   std::vector<Ghost>& ghosts();         ///< emptied at the beginning of every frame
   void setDeformer(SkinDeformer deformer);  ///< empty: plain linear blend skinning on the GPU
-  Overlay& overlay();                   ///< lines, dots, labels over the view, this frame
+  Overlay& overlay();                   ///< lines, dots, bones, fills over the view, this frame (apps/render/renderer.h)
+  Overlay& overlayInScene();            ///< the same, hidden by bodies in front
+  /// Text at a world point, this frame; colour sRGB 0..1.
+  void label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour);
   /// Colour of every vertex (linear 0..1) instead of the clay, this frame: weights, distances, strain.
   void showVertexColours(std::vector<Eigen::Vector3f> colours);
 

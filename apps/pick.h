@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "apps/camera.h"
+#include "apps/scene.h"
+#include "skinning/skin.h"
+
+namespace gelenk {
+
+/// Where a ray meets a surface first.
+struct SurfaceHit {
+  SurfacePoint point;
+  Eigen::Vector3d position;  ///< metres, world
+  double depth = 0.0;        ///< metres along the ray
+};
+
+/// The nearest triangle that the ray meets from outside (front faces only). positions: of the posed mesh, one a vertex.
+/// Moeller and Trumbore 1997, every triangle: about 0.5 ms for 70,000 triangles. nullopt where it meets none.
+std::optional<SurfaceHit> pickSurface(const std::vector<std::array<int, 3>>& triangles,
+                                      const std::vector<Eigen::Vector3d>& positions, const Ray& ray);
+
+/// The joint that carries most of a point of the skin.
+int dominantJoint(const Skin& skin, const SurfacePoint& point);
+
+/// What the mouse may do to a dragged point: stay in the plane through `start` that faces the viewer, on the horizontal plane
+/// through it, or on the line through it along one world axis.
+enum class DragConstraint { ViewPlane, GroundPlane, AxisX, AxisY, AxisZ };
+
+/// The point of the constraint's plane or line that lies under the pixel; for a line the one nearest to the pixel's ray.
+/// nullopt where the ray runs nearly along the plane (within 3 degrees) or the line, or meets it behind the eye.
+std::optional<Eigen::Vector3d> dragTarget(const Camera& camera, const Viewport& viewport, const Eigen::Vector2d& pixel,
+                                          const Eigen::Vector3d& start, DragConstraint constraint);
+
+}  // namespace gelenk

@@ -1,0 +1,7 @@
+#pragma once
+
+namespace gelenk {
+
+enum class Theme { Light, Dark };
+
+}  // namespace gelenk
