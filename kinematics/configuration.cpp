@@ -87,7 +87,13 @@ VectorXd integrate(const Skeleton& skeleton, const VectorXd& q, const VectorXd& 
 }
 
 VectorXd difference(const Skeleton& skeleton, const VectorXd& from, const VectorXd& to) {
-  VectorXd dq(skeleton.nv());
+  VectorXd dq;
+  difference(skeleton, from, to, dq);
+  return dq;
+}
+
+void difference(const Skeleton& skeleton, const VectorXd& from, const VectorXd& to, VectorXd& dq) {
+  dq.resize(skeleton.nv());
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const int axes = static_cast<int>(skeleton.joint(i).axes.size());
     const int iq = skeleton.qIndex(i), iv = skeleton.vIndex(i);
@@ -95,7 +101,6 @@ VectorXd difference(const Skeleton& skeleton, const VectorXd& from, const Vector
     if (skeleton.joint(i).ball)
       dq.segment<3>(iv + axes) = logRotation(quaternionAt(from, iq + axes).conjugate() * quaternionAt(to, iq + axes));
   }
-  return dq;
 }
 
 VectorXd randomWithinLimits(const Skeleton& skeleton, std::mt19937_64& random) {
@@ -129,7 +134,13 @@ VectorXd randomWithinLimits(const Skeleton& skeleton, std::mt19937_64& random) {
 }
 
 VectorXd projectToLimits(const Skeleton& skeleton, const VectorXd& q) {
-  VectorXd out = q;
+  VectorXd out;
+  projectToLimits(skeleton, q, out);
+  return out;
+}
+
+void projectToLimits(const Skeleton& skeleton, const VectorXd& q, VectorXd& out) {
+  if (&out != &q) out = q;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
     int at = skeleton.qIndex(i);
@@ -143,7 +154,6 @@ VectorXd projectToLimits(const Skeleton& skeleton, const VectorXd& q) {
       rotation = fromSwingTwistCoordinates(projectBall(*joint.ballLimit, swingTwistCoordinates(rotation)));
     putQuaternion(out, at, rotation);
   }
-  return out;
 }
 
 double limitViolation(const Skeleton& skeleton, const VectorXd& q, int i) {

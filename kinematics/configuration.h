@@ -17,6 +17,7 @@ void integrate(const Skeleton& skeleton, const Eigen::VectorXd& q, const Eigen::
 
 /// The tangent with integrate(from, difference(from, to)) == to (ball joints: as rotations). Length nv.
 Eigen::VectorXd difference(const Skeleton& skeleton, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
+void difference(const Skeleton& skeleton, const Eigen::VectorXd& from, const Eigen::VectorXd& to, Eigen::VectorXd& out);
 
 /// Uniform within limits: axes uniform in their range (unlimited rotations in [-pi, pi], unlimited translations in
 /// [-1, 1] m), limited balls uniform in swing-twist coordinates, free balls uniform over all rotations.
@@ -25,6 +26,8 @@ Eigen::VectorXd randomWithinLimits(const Skeleton& skeleton, std::mt19937_64& ra
 /// The nearest configuration within limits, joint by joint: axes are clamped, swings are moved to the nearest point of their
 /// cone (Euclidean in swing-twist coordinates), twists are clamped, quaternions are normalised.
 Eigen::VectorXd projectToLimits(const Skeleton& skeleton, const Eigen::VectorXd& q);
+/// The same into existing storage, which may be q itself.
+void projectToLimits(const Skeleton& skeleton, const Eigen::VectorXd& q, Eigen::VectorXd& out);
 
 /// How far the joint lies outside its limits, 0 within: radians or metres for axes and twists; for swings the excess of the
 /// normalised ellipse radius times the smaller ellipse radius. Judged from the quaternion itself.

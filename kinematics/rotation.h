@@ -26,6 +26,9 @@ Eigen::Vector3d swingTwistCoordinates(const Eigen::Quaterniond& q);
 /// The rotation with the swing-twist coordinates c; |(c.x, c.y)| <= 2.
 Eigen::Quaterniond fromSwingTwistCoordinates(const Eigen::Vector3d& c);
 
+/// d(swingTwistCoordinates(q)) / d(omega) for q <- q * exp(omega), 3 x 3. Finite but meaningless at a swing of exactly pi.
+Eigen::Matrix3d swingTwistJacobian(const Eigen::Quaterniond& q);
+
 /// Smallest rotation that turns direction a into direction b (neither need be a unit vector, neither may be zero).
 /// Antiparallel directions have no unique axis: one perpendicular to a is chosen.
 Eigen::Quaterniond rotationBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);

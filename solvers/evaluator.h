@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <chrono>
+#include <vector>
 
 #include "kinematics/jacobian.h"
 #include "solvers/ik_problem.h"
@@ -42,6 +43,15 @@ class CountedEvaluator {
   /// The Jacobian at q(); computed when asked for, once a place.
   const Eigen::MatrixXd& jacobian();
 
+  /// d/dt jacobian() while q moves along d: the contraction of the geometric Hessian with d, m x nv. J + 1/2 of it is the
+  /// matrix of Halley's method: (J + 1/2 dJ) d is the goal's motion to second order. Aim, Pole and Posture rows are 0.
+  void jacobianDerivative(const Eigen::VectorXd& d, Eigen::MatrixXd& dJ);
+
+  /// Second derivatives of cost() at q() in the tangent, nv x nv: exact for Position, Orientation, Pose and Posture, any joint
+  /// kind; Aim and Pole enter by their Gauss-Newton part J^T J. For ball joints the block of joints i <= j from the root is
+  /// (r_i . r_j) I - r_j r_i^T - [r_j e^T - (r_j . e) I], symmetrised for i = j, r = effector - joint, in world axes.
+  const Eigen::MatrixXd& hessian();
+
   /// True when every goal is within the problem's tolerances, by the residual at q().
   bool withinTolerance() const;
 
@@ -49,12 +59,23 @@ class CountedEvaluator {
   double seconds() const;  ///< since construction
 
  private:
+  /// The tangent dimensions of one ball, or one axis, on the way from the root to a goal's joint.
+  struct Group {
+    int first, count;
+  };
+  void addPointDerivative(const std::vector<Group>& path, int row, const Eigen::VectorXd& d, Eigen::MatrixXd& dJ) const;
+  void addPointCurvature(const std::vector<Group>& path, int row, const Eigen::Vector3d& force);
+  void addRotationCurvature(const std::vector<Group>& path, const Eigen::Vector3d& moment);
+  void addPostureHessian(int row, double weight);
+
   const IkProblem& problem_;
   int rows_ = 0;
+  std::vector<std::vector<Group>> paths_;  ///< per goal, from the root
   Eigen::VectorXd q_, r_;
   Frames frames_;
   Twists twists_;
-  Eigen::MatrixXd J_;
+  Eigen::MatrixXd J_, H_;
+  Eigen::Matrix3Xd A_, B_, C_;  ///< scratch, 3 x nv
   bool jacobianIsCurrent_ = false;
   Counters counters_;
   std::chrono::steady_clock::time_point begin_;

@@ -1,8 +1,13 @@
 #include <array>
 #include <stdexcept>
 
+#include "solvers/ceres_solver.h"
+#include "solvers/evolution.h"
 #include "solvers/ik_solver.h"
+#include "solvers/qp.h"
+#include "solvers/quasi_newton.h"
 #include "solvers/step_rules.h"
+#include "solvers/task_priority.h"
 
 namespace gelenk {
 namespace {
@@ -11,6 +16,23 @@ constexpr std::array catalogue{
     SolverEntry{"pseudo-inverse", "Pseudo-inverse Newton", "Lecture 10.1.4, n > m", &makePseudoInverse},
     SolverEntry{"jacobian-transpose", "Jacobian transpose", "Buss 2004", &makeJacobianTranspose},
     SolverEntry{"dls", "Damped least squares", "Wampler 1986; Buss 2004", &makeDampedLeastSquares},
+    SolverEntry{"nakamura", "Damped by manipulability", "Nakamura, Hanafusa 1986", &makeNakamura},
+    SolverEntry{"chiaverini", "Numerical filtering", "Maciejewski, Klein 1988; Chiaverini 1997", &makeChiaverini},
+    SolverEntry{"sdls", "Selectively damped least squares", "Buss, Kim 2005", &makeSelectivelyDamped},
+    SolverEntry{"lm-chan", "Levenberg-Marquardt, damping by the error", "Chan, Lawrence 1988", &makeLmChan},
+    SolverEntry{"lm-sugihara", "Levenberg-Marquardt, robust damping", "Sugihara 2011", &makeLmSugihara},
+    SolverEntry{"lm-gain-ratio", "Levenberg-Marquardt, gain ratio", "Marquardt 1963; Nielsen 1999", &makeLmGainRatio},
+    SolverEntry{"exact-hessian", "Newton with the exact Hessian", "Nocedal, Wright 2006, ch. 3", &makeExactHessian},
+    SolverEntry{"halley", "Halley's method (QuIK)", "Lloyd, Irani, Ahmadi 2022", &makeHalley},
+    SolverEntry{"geodesic", "Levenberg-Marquardt, geodesic acceleration", "Transtrum, Sethna 2012", &makeGeodesic},
+    SolverEntry{"bfgs", "BFGS, projected", "Zhao, Badler 1994", &makeBfgs},
+    SolverEntry{"l-bfgs", "L-BFGS, projected", "Nocedal 1980; Byrd, Lu, Nocedal, Zhu 1995", &makeLbfgs},
+    SolverEntry{"qp", "Quadratic program with limits", "Escande, Mansard, Wieber 2014", &makeQpDifferential},
+    SolverEntry{"task-priority", "Task priority with null space", "Siciliano, Slotine 1991", &makeTaskPriority},
+    SolverEntry{"ceres-lm", "Ceres, Levenberg-Marquardt", "ceres-solver.org", &makeCeresLm},
+    SolverEntry{"ceres-dogleg", "Ceres, dogleg", "ceres-solver.org; Powell 1970", &makeCeresDogleg},
+    SolverEntry{"ceres-line-search", "Ceres, L-BFGS line search", "ceres-solver.org", &makeCeresLineSearch},
+    SolverEntry{"evolution", "Evolution with gradient polishing", "Ruppel et al. 2018 (bio_ik)", &makeEvolution},
 };
 
 }  // namespace

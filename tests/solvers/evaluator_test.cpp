@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/ik_solver.h"
-#include "solvers/judge.h"
+#include "kinematics/rotation.h"
 #include "tests/kinematics/random_skeleton.h"
 
 namespace gelenk {
@@ -48,24 +47,64 @@ TEST(Evaluator, JacobianMatchesCentralDifferencesForEveryGoalKind) {
   }
 }
 
-TEST(SolverContract, ErrorReportedEqualsErrorRecomputedByForwardKinematics) {
-  std::mt19937_64 random(2);
-  for (const SolverEntry& entry : solverCatalogue()) {
-    const auto solver = entry.make();
-    for (int i = 0; i < 20; ++i) {
-      const Skeleton skeleton = testing::randomSkeleton(random, 8);
-      const int tip = skeleton.jointCount() - 1;
-      const Vector3d target = forwardKinematics(skeleton, randomWithinLimits(skeleton, random))[tip].translation();
-      IkProblem problem{.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random),
-                        .goals = {{.joint = tip, .target = target}}};
-      if (!solver->whyUnsupported(problem).empty()) continue;
-      const IkReport report = solver->solve(problem, {}, TraceLevel::Off);
-      const Judgement verdict = judge(problem, report.q);
-      ASSERT_TRUE(verdict.finite) << entry.name;
-      EXPECT_NEAR(verdict.goals[0].position, report.residual, 1e-12) << entry.name;
-      EXPECT_LE(verdict.limitViolation, 1e-12) << entry.name;
-      EXPECT_EQ(report.why == Stop::Converged, verdict.solved) << entry.name;
+TEST(Evaluator, HessianMatchesSecondDifferencesOfTheCostForEveryJointKind) {
+  std::mt19937_64 random(21);
+  constexpr double h = 1e-4;
+  for (int i = 0; i < 30; ++i) {
+    const Skeleton skeleton = testing::randomSkeleton(random, 6);
+    const VectorXd q = randomWithinLimits(skeleton, random);
+    const int tip = skeleton.jointCount() - 1;
+    IkProblem problem{.skeleton = &skeleton, .start = q};
+    problem.goals = {{.kind = GoalKind::Pose, .joint = tip, .pointInJoint = {0.1, 0, 0.2}, .target = testing::randomUnit(random),
+                      .orientation = expRotation(2.0 * testing::randomUnit(random)), .weight = 0.7},
+                     {.joint = tip / 2, .pointInJoint = {0.3, 0.1, 0}, .target = 2.0 * testing::randomUnit(random)},
+                     {.kind = GoalKind::Posture, .posture = randomWithinLimits(skeleton, random), .weight = 0.1}};
+    CountedEvaluator at(problem);
+    at.moveTo(q);
+    const Eigen::MatrixXd H = at.hessian();
+    const auto cost = [&](int a, double x, int b, double y) {
+      VectorXd dq = VectorXd::Zero(skeleton.nv());
+      dq[a] += x;
+      dq[b] += y;
+      at.moveTo(integrate(skeleton, q, dq));
+      return at.cost();
+    };
+    for (int a = 0; a < skeleton.nv(); ++a)
+      for (int b = 0; b <= a; ++b) {
+        const double differences =
+            (cost(a, h, b, h) - cost(a, h, b, -h) - cost(a, -h, b, h) + cost(a, -h, b, -h)) / (4.0 * h * h);
+        EXPECT_NEAR(H(a, b), differences, 3e-6 * std::max(1.0, H.norm())) << a << ", " << b;  // h^2 and rounding / h^2
+        EXPECT_NEAR(H(a, b), H(b, a), 1e-14 * H.norm());
+      }
+  }
+}
+
+TEST(Evaluator, JacobianDerivativeGivesTheGoalsMotionToSecondOrder) {
+  std::mt19937_64 random(22);
+  for (int i = 0; i < 30; ++i) {
+    const Skeleton skeleton = testing::randomSkeleton(random, 7);
+    const VectorXd q = randomWithinLimits(skeleton, random);
+    const int tip = skeleton.jointCount() - 1;
+    const Frames before = forwardKinematics(skeleton, q);
+    IkProblem problem{.skeleton = &skeleton, .start = q, .goals = {{.kind = GoalKind::Pose, .joint = tip}}};
+    CountedEvaluator at(problem);
+    VectorXd d(skeleton.nv());
+    for (double& x : d) x = uniform01(random) - 0.5;
+    double errors[2];
+    for (int k = 0; k < 2; ++k) {
+      const VectorXd step = (k == 0 ? 0.02 : 0.01) * d;
+      at.moveTo(q);
+      Eigen::MatrixXd dJ;
+      at.jacobianDerivative(step, dJ);
+      const VectorXd predicted = (at.jacobian() + 0.5 * dJ) * step;
+      const Eigen::Isometry3d after = forwardKinematics(skeleton, integrate(skeleton, q, step))[tip];
+      VectorXd actual(6);
+      actual.head<3>() = after.translation() - before[tip].translation();
+      actual.tail<3>() = logRotation(Eigen::Quaterniond(after.linear() * before[tip].linear().transpose()));
+      errors[k] = (predicted - actual).norm();
     }
+    // third order: half the step, an eighth of the error
+    EXPECT_LE(errors[1], std::max(errors[0] / 6.0, 2e-11));
   }
 }
 

@@ -1,0 +1,147 @@
+// Every solver that joins the catalogue inherits these tests.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "solvers/evaluator.h"
+#include "solvers/ik_solver.h"
+#include "solvers/judge.h"
+#include "tests/solvers/random_problem.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::VectorXd;
+using testing::OwnedProblem;
+using testing::randomProblem;
+
+/// GELENK_CONTRACT_PROBLEMS=100000 for the long run.
+int problemCount() {
+  if (const char* wanted = std::getenv("GELENK_CONTRACT_PROBLEMS")) return std::atoi(wanted);
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+  return 40;
+#endif
+#endif
+  return 400;
+}
+
+const Budget shortBudget{.maxIterations = 60, .maxSeconds = 1e9, .restarts = 1, .seed = 7};
+
+class SolverContract : public ::testing::TestWithParam<SolverEntry> {
+ protected:
+  std::unique_ptr<IkSolver> solver = GetParam().make();
+
+  /// Calls check(owned, report) for random problems that the solver supports; the others must be refused honestly.
+  template <typename Check>
+  void forEachProblem(int count, unsigned long long seed, Check check) {
+    std::mt19937_64 random(seed);
+    for (int i = 0; i < count; ++i) {
+      const OwnedProblem owned = randomProblem(random, i);
+      SCOPED_TRACE("problem " + std::to_string(i) + " of seed " + std::to_string(seed) + ": " + owned.story);
+      solver->prepare(*owned.skeleton);
+      const IkReport report = solver->solve(owned.problem, shortBudget, TraceLevel::Off);
+      if (!solver->whyUnsupported(owned.problem).empty()) {
+        ASSERT_EQ(report.why, Stop::Unsupported);
+        ASSERT_EQ(report.q, owned.problem.start);
+        continue;
+      }
+      ASSERT_NE(report.why, Stop::Unsupported);
+      check(owned, report);
+      if (HasFatalFailure()) return;
+    }
+  }
+};
+
+TEST_P(SolverContract, AnswersAreFiniteWithinLimitsAndTheirErrorIsTheOneReported) {
+  forEachProblem(problemCount(), 11, [&](const OwnedProblem& owned, const IkReport& report) {
+    const Judgement verdict = judge(owned.problem, report.q);
+    ASSERT_TRUE(verdict.finite);
+    EXPECT_LE(verdict.limitViolation, 1e-9);
+    CountedEvaluator at(owned.problem);
+    at.moveTo(report.q);
+    // rounding of one forward kinematics over metres
+    EXPECT_NEAR(at.residual().norm(), report.residual, 1e-12 * (1.0 + report.residual));
+    EXPECT_EQ(report.why == Stop::Converged, verdict.solved) << toString(report.why);
+    EXPECT_LE(report.counters.iterations, shortBudget.maxIterations * (1 + shortBudget.restarts));
+  });
+}
+
+TEST_P(SolverContract, TheSameProblemAndSeedGiveTheSameBits) {
+  const auto another = GetParam().make();
+  forEachProblem(problemCount() / 4, 12, [&](const OwnedProblem& owned, const IkReport& report) {
+    another->prepare(*owned.skeleton);
+    const IkReport again = another->solve(owned.problem, shortBudget, TraceLevel::Off);
+    EXPECT_EQ(again.q, report.q);
+    EXPECT_EQ(again.why, report.why);
+    EXPECT_EQ(again.residual, report.residual);
+    EXPECT_EQ(again.counters.iterations, report.counters.iterations);
+    EXPECT_EQ(again.counters.forwardKinematics, report.counters.forwardKinematics);
+  });
+}
+
+TEST_P(SolverContract, TracingChangesNothingAndTellsTheResiduals) {
+  forEachProblem(problemCount() / 8, 13, [&](const OwnedProblem& owned, const IkReport& report) {
+    const IkReport traced = solver->solve(owned.problem, shortBudget, TraceLevel::Full);
+    EXPECT_EQ(traced.q, report.q);
+    for (const IterationRecord& record : traced.trace) {
+      EXPECT_TRUE(std::isfinite(record.residual));
+      EXPECT_EQ(record.q.size(), owned.skeleton->nq());
+    }
+  });
+}
+
+TEST_P(SolverContract, NoGoalsAreMetAtOnce) {
+  forEachProblem(40, 14, [&](const OwnedProblem& owned, const IkReport& report) {
+    if (!owned.problem.goals.empty()) return;
+    EXPECT_EQ(report.why, Stop::Converged);
+    EXPECT_EQ(report.residual, 0.0);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract,
+                         ::testing::ValuesIn(solverCatalogue().begin(), solverCatalogue().end()), [](const auto& info) {
+                           std::string name(info.param.name);
+                           for (char& c : name)
+                             if (c == '-') c = '_';
+                           return name;
+                         });
+
+/// What the method is for: from a random start a local method with restarts reaches a reachable position.
+TEST(Catalogue, EveryIterativeSolverReachesMostReachablePositionsOfAFreeArm) {
+  for (const SolverEntry& entry : solverCatalogue()) {
+    const auto solver = entry.make();
+    std::mt19937_64 random(5);
+    int supported = 0, solved = 0;
+    for (int i = 0; i < 20; ++i) {
+      const Skeleton arm = testing::straightChain(4);
+      const VectorXd there = randomWithinLimits(arm, random);
+      IkProblem problem{.skeleton = &arm, .start = randomWithinLimits(arm, random)};
+      problem.goals = {{.joint = 4, .target = forwardKinematics(arm, there)[4].translation()}};
+      problem.positionTolerance = 1e-4;
+      if (!solver->whyUnsupported(problem).empty()) continue;
+      ++supported;
+      solver->prepare(arm);
+      const IkReport report = solver->solve(problem, {.maxIterations = 500, .maxSeconds = 1e9, .restarts = 5}, TraceLevel::Off);
+      solved += judge(problem, report.q).solved;
+    }
+    EXPECT_GE(solved, supported - 1) << entry.name << " of " << supported;
+  }
+}
+
+TEST(Catalogue, NamesAreUniqueAndUnknownOnesListThem) {
+  for (const SolverEntry& a : solverCatalogue()) {
+    int same = 0;
+    for (const SolverEntry& b : solverCatalogue()) same += a.name == b.name;
+    EXPECT_EQ(same, 1) << a.name;
+  }
+  try {
+    makeSolver("newtonn");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("lm-gain-ratio"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace gelenk
