@@ -22,24 +22,6 @@ int ballIndex(const Skeleton& skeleton, int joint) {
   return skeleton.qIndex(joint) + static_cast<int>(skeleton.joint(joint).axes.size());
 }
 
-/// Point of the ellipse (x/a)^2 + (y/b)^2 = 1 nearest to p outside it: Newton on the secular equation
-/// (a px / (t + a^2))^2 + (b py / (t + b^2))^2 = 1, which is convex and decreasing for t >= 0, so it never overshoots.
-Vector2d nearestOnEllipse(const Vector2d& radii, const Vector2d& p) {
-  const Vector2d squares = radii.cwiseProduct(radii);
-  double t = 0.0;
-  for (int i = 0; i < 60; ++i) {
-    const Vector2d shifted = squares.array() + t;
-    const Vector2d ratio = radii.cwiseProduct(p).cwiseQuotient(shifted);
-    const double f = ratio.squaredNorm() - 1.0;
-    const double slope = -2.0 * (ratio.array().square() / shifted.array()).sum();
-    const double step = -f / slope;
-    t += step;
-    if (std::abs(step) <= 1e-16 * (t + squares.maxCoeff())) break;
-  }
-  Vector2d nearest = squares.cwiseProduct(p).cwiseQuotient((squares.array() + t).matrix());
-  return nearest / nearest.cwiseQuotient(radii).norm();  // onto the ellipse to the last bit
-}
-
 Vector3d projectBall(const BallLimit& limit, Vector3d c) {
   const Vector2d offset = c.head<2>() - limit.swingCentre;
   if (offset.cwiseQuotient(limit.swingRadii).squaredNorm() > 1.0)
@@ -58,6 +40,24 @@ double range(const AxisDof& dof, bool upper) {
 }
 
 }  // namespace
+
+Vector2d nearestOnEllipse(const Vector2d& radii, const Vector2d& p) {
+  // Newton on the secular equation (a px / (t + a^2))^2 + (b py / (t + b^2))^2 = 1, which is convex and decreasing for
+  // t >= 0, so it never overshoots.
+  const Vector2d squares = radii.cwiseProduct(radii);
+  double t = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const Vector2d shifted = squares.array() + t;
+    const Vector2d ratio = radii.cwiseProduct(p).cwiseQuotient(shifted);
+    const double f = ratio.squaredNorm() - 1.0;
+    const double slope = -2.0 * (ratio.array().square() / shifted.array()).sum();
+    const double step = -f / slope;
+    t += step;
+    if (std::abs(step) <= 1e-16 * (t + squares.maxCoeff())) break;
+  }
+  Vector2d nearest = squares.cwiseProduct(p).cwiseQuotient((squares.array() + t).matrix());
+  return nearest / nearest.cwiseQuotient(radii).norm();  // onto the ellipse to the last bit
+}
 
 double uniform01(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 

@@ -35,6 +35,9 @@ double limitViolation(const Skeleton& skeleton, const Eigen::VectorXd& q, int jo
 /// Largest violation of all joints.
 double limitViolation(const Skeleton& skeleton, const Eigen::VectorXd& q);
 
+/// Point of the ellipse (x / radii.x)^2 + (y / radii.y)^2 = 1 nearest to a point outside it.
+Eigen::Vector2d nearestOnEllipse(const Eigen::Vector2d& radii, const Eigen::Vector2d& point);
+
 /// The quaternion of joint i, which must be a ball.
 Eigen::Quaterniond ballRotation(const Skeleton& skeleton, const Eigen::VectorXd& q, int joint);
 void setBallRotation(const Skeleton& skeleton, Eigen::VectorXd& q, int joint, const Eigen::Quaterniond& rotation);

@@ -63,8 +63,7 @@ std::vector<LimbPose> poseLimbs(const MuscleSkin& body, const Frames& worldFromJ
 void skinWithMuscles(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs,
                      SkinnedVertices& out);
 
-/// F alone: the position of a bound vertex, and with its unit normal.
-Eigen::Vector3d deformLimbPoint(const LimbPose& pose, const LimbVertex& vertex);
+/// F alone: position and (unnormalised) normal of a bound vertex.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> deformLimbVertex(const LimbPose& pose, const LimbVertex& vertex);
 
 }  // namespace gelenk
