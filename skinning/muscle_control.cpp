@@ -32,7 +32,7 @@ MusclePlane bulge(double inner, double outer, double radius) {
 MuscleControl defaultMuscleControl(const Limb& limb) {
   MuscleControl control;
   for (std::size_t i = 0; i + 1 < limb.joints.size(); ++i)
-    control.curves.push_back(i == 0 ? MuscleCurve{} : MuscleCurve{.flexor = 0.08, .extensor = 0.03});
+    control.curves.push_back(i == 0 ? MuscleCurve{} : MuscleCurve{.flexor = 0.08, .extensor = 0.02});
   control.sculpted.resize(control.curves.size());
   return control;
 }
@@ -42,7 +42,7 @@ std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames
   std::vector<MuscleState> states(links);
   const double radius = limbRadius(limb.shape);
   for (int i = 0; i < links; ++i) {
-    const MuscleCurve curve = i < static_cast<int>(control.curves.size()) ? control.curves[i] : MuscleCurve{0, 0, 0, 2.6};
+    const MuscleCurve curve = i < static_cast<int>(control.curves.size()) ? control.curves[i] : MuscleCurve{.flexor = 0.0, .extensor = 0.0};
     // The muscles of a link drive the joint at its end; the last link's those that drive the joint at its beginning.
     const int joint = std::min(i + 1, links - 1);
     double fraction = 0.0;
@@ -51,6 +51,7 @@ std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames
     const double outer = curve.extensor * (control.activation - fraction);
     states[i].plane2 = states[i].plane4 = bulge(inner, outer, radius);
     MusclePlane& nextToJoint = joint == i + 1 ? states[i].plane4 : states[i].plane2;
+    nextToJoint = bulge(curve.nearJoint * inner, curve.nearJoint * outer, radius);
     nextToJoint.stretch *= 1.0 - curve.tendon * std::min(fraction, 1.0);
 
     if (i >= static_cast<int>(control.sculpted.size())) continue;
@@ -108,23 +109,46 @@ LimbSurface limbSurface(const MuscleSkin& body, int limb) {
   return surface;
 }
 
-double limbVolume(const MuscleSkin& body, int limb, const LimbSurface& surface, const LimbPose& pose) {
-  std::vector<Vector3d> positions;
-  positions.reserve(surface.vertices.size());
-  const Vector3d origin = pose.worldFromNearEnd.translation();  // near the surface: less cancellation
+namespace {
+
+/// What the bones outside the limb contribute to the surface's vertices; the same for every muscle state.
+std::vector<Vector3d> outsidePart(const MuscleSkin& body, const LimbSurface& surface, const Frames& worldFromJoint) {
+  const auto matrices = skinningMatrices(body.skin, worldFromJoint);
+  std::vector<Vector3d> part(surface.vertices.size(), Vector3d::Zero());
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const Influences& in = body.outside[surface.vertices[i]];
+    for (int k = 0; k < 4; ++k)
+      if (in.weights[k] > 0.0)
+        part[i] += in.weights[k] * (matrices[in.joints[k]] * body.skin.mesh.positions[surface.vertices[i]]);
+  }
+  return part;
+}
+
+double volumeOf(const MuscleSkin& body, const LimbSurface& surface, const std::vector<Vector3d>& outside,
+                const LimbPose& pose) {
   std::vector<FfdLattice> lattices;
   if (!pose.displacement.empty())
     for (int v = 0; v < pose.volumeCount(); ++v) lattices.push_back(pose.lattice(v));
-  for (const int v : surface.vertices) {
-    const LimbVertex& vertex = body.vertices[v];
-    if (vertex.limb == limb && vertex.volume >= 0 && !lattices.empty())
-      positions.push_back(lattices[vertex.volume].position(vertex.uvw) - origin);
+  std::vector<Vector3d> positions = outside;
+  const Vector3d origin = pose.worldFromNearEnd.translation();  // near the surface: less cancellation
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const LimbVertex& vertex = body.vertices[surface.vertices[i]];
+    if (vertex.volume < 0 || lattices.empty())
+      positions[i] += vertex.weight * deformLimbPoint(pose, vertex);
     else
-      positions.push_back(deformLimbVertex(pose, vertex).first - origin);
+      positions[i] += vertex.weight * lattices[vertex.volume].position(vertex.uvw);
+    positions[i] -= origin;
   }
   double sixfold = 0.0;
   for (const auto& [a, b, c] : surface.triangles) sixfold += positions[a].dot(positions[b].cross(positions[c]));
   return sixfold / 6.0;
+}
+
+}  // namespace
+
+double limbVolume(const MuscleSkin& body, const LimbSurface& surface, const Frames& worldFromJoint,
+                  const LimbPose& pose) {
+  return volumeOf(body, surface, outsidePart(body, surface, worldFromJoint), pose);
 }
 
 std::vector<MuscleState> scaled(std::vector<MuscleState> states, double s) {
@@ -137,12 +161,15 @@ std::vector<MuscleState> scaled(std::vector<MuscleState> states, double s) {
   return states;
 }
 
-VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface, const LimbFrames& frames,
+VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface, const Frames& worldFromJoint,
                                const std::vector<MuscleState>& states, double restVolume) {
+  if (surface.triangles.empty()) return {1.0, false};
   const LimbShape& shape = body.limbs[limb].shape;
+  const LimbFrames frames = limbFrames(body.limbs[limb], worldFromJoint);
+  const std::vector<Vector3d> outside = outsidePart(body, surface, worldFromJoint);
   std::vector<MuscleState> complete = states;
   complete.resize(shape.links.size());
-  const auto volume = [&](double s) { return limbVolume(body, limb, surface, poseLimb(shape, frames, scaled(complete, s))); };
+  const auto volume = [&](double s) { return volumeOf(body, surface, outside, poseLimb(shape, frames, scaled(complete, s))); };
   constexpr double h = 0.2;
   const double below = volume(1.0 - h), at = volume(1.0), above = volume(1.0 + h);
   // V(1 + x) = at + b x + a x^2
@@ -160,7 +187,7 @@ MuscleRig::MuscleRig(MuscleSkin body, const Frames& restFrames) : body_(std::mov
     const Limb& limb = body_.limbs[l];
     controls_.push_back(defaultMuscleControl(limb));
     surfaces_.push_back(limbSurface(body_, l));
-    restVolumes_.push_back(limbVolume(body_, l, surfaces_[l], poseLimb(limb.shape, limbFrames(limb, restFrames))));
+    restVolumes_.push_back(limbVolume(body_, surfaces_[l], restFrames, poseLimb(limb.shape, limbFrames(limb, restFrames))));
   }
 }
 
@@ -171,7 +198,7 @@ std::vector<LimbPose> MuscleRig::pose(const Frames& worldFromJoint) const {
     const LimbFrames frames = limbFrames(limb, worldFromJoint);
     std::vector<MuscleState> states = muscleStates(limb, frames, controls_[l]);
     if (controls_[l].keepVolume)
-      states = scaled(std::move(states), volumeKeepingScale(body_, l, surfaces_[l], frames, states, restVolumes_[l]).scale);
+      states = scaled(std::move(states), volumeKeepingScale(body_, l, surfaces_[l], worldFromJoint, states, restVolumes_[l]).scale);
     poses.push_back(poseLimb(limb.shape, frames, states));
   }
   return poses;

@@ -13,8 +13,9 @@ namespace gelenk {
 /// activation and slackens with f, and the tendon thins the plane next to the joint with f.
 /// A bulge k stretches the section by 1 + k across (x, towards the inside) and 1 + k/4 sideways, and moves it by k r to its own side.
 struct MuscleCurve {
-  double flexor = 0.3;      ///< k at full bend, dimensionless
-  double extensor = 0.1;    ///< k the outside loses at full bend and gains by activation
+  double flexor = 0.25;     ///< k at full bend, dimensionless
+  double extensor = 0.05;   ///< k the outside loses at full bend and gains by activation
+  double nearJoint = 0.1;   ///< share of the bulge that the plane nearer the joint gets: the belly sits away from the joint
   double tendon = 0.0;      ///< share by which the plane nearer the joint is thinned at full bend
   double fullBend = 2.6;    ///< radians, total bend (straight = 0)
 };
@@ -39,8 +40,9 @@ struct LimbSurface {
 };
 LimbSurface limbSurface(const MuscleSkin& body, int limb);
 
-/// Volume enclosed by the limb's surface when F alone carries it (weight 1), cubic metres.
-double limbVolume(const MuscleSkin& body, int limb, const LimbSurface& surface, const LimbPose& pose);
+/// Volume enclosed by the limb's surface as it is skinned (bones outside the limb included), cubic metres.
+double limbVolume(const MuscleSkin& body, const LimbSurface& surface, const Frames& worldFromJoint,
+                  const LimbPose& pose);
 
 /// The volume rule: the common scale s of planes 2 and 4 of all links that keeps the volume at its rest value. Scaling moves each
 /// link's points in one plane of directions only, so the volume is quadratic in s: three samples give it exactly.
@@ -49,7 +51,7 @@ struct VolumeScale {
   double scale = 1.0;
   bool reached = true;
 };
-VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface, const LimbFrames& frames,
+VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface, const Frames& worldFromJoint,
                                const std::vector<MuscleState>& states, double restVolume);
 
 /// The states with stretch, offset and displacement of every plane scaled by s about the bone.

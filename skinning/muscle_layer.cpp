@@ -73,7 +73,7 @@ LimbShape defaultLimbShape(const std::vector<double>& lengths) {
     if (!(L > 0.0) || !std::isfinite(L))
       throw std::invalid_argument("link " + std::to_string(i) + " of the limb has length " + std::to_string(L) +
                                   ", it must be positive");
-    const auto jointGap = [&](std::size_t a, std::size_t b) { return 0.15 * std::min(lengths[a], lengths[b]); };
+    const auto jointGap = [&](std::size_t a, std::size_t b) { return 0.17 * std::min(lengths[a], lengths[b]); };
     shape.links.push_back({.length = L,
                            .middle = 0.5 * L,
                            .inner = L / 8.0,

@@ -35,7 +35,7 @@ struct LimbShape {
   std::vector<double> seamTwistShare;  ///< of each seam, the part of the joint's twist that the link before takes; 1/2 where not given
 };
 
-/// The default proportions: joint gaps 0.15 min(L1, L2), inner planes L/8 around the middle, free ends L/6.
+/// The default proportions: joint gaps 0.17 min(L1, L2), inner planes L/8 around the middle, free ends L/6.
 /// Throws std::invalid_argument for no link or a length that is not positive.
 LimbShape defaultLimbShape(const std::vector<double>& lengths);
 

@@ -251,6 +251,12 @@ std::vector<LimbPose> poseLimbs(const MuscleSkin& body, const Frames& worldFromJ
   return poses;
 }
 
+Vector3d deformLimbPoint(const LimbPose& pose, const LimbVertex& vertex) {
+  if (vertex.volume == LimbVertex::beyondNear) return pose.worldFromNearEnd * vertex.uvw;
+  if (vertex.volume == LimbVertex::beyondFar) return pose.worldFromFarEnd * vertex.uvw;
+  return pose.evaluate(vertex.volume, vertex.uvw).position;
+}
+
 std::pair<Vector3d, Vector3d> deformLimbVertex(const LimbPose& pose, const LimbVertex& vertex) {
   if (vertex.volume < 0) {
     const Eigen::Isometry3d& end = vertex.volume == LimbVertex::beyondNear ? pose.worldFromNearEnd : pose.worldFromFarEnd;

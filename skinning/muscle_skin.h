@@ -63,7 +63,8 @@ std::vector<LimbPose> poseLimbs(const MuscleSkin& body, const Frames& worldFromJ
 void skinWithMuscles(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs,
                      SkinnedVertices& out);
 
-/// F alone: position and (unnormalised) normal of a bound vertex.
+/// F alone: the position of a bound vertex, and with its unit normal.
+Eigen::Vector3d deformLimbPoint(const LimbPose& pose, const LimbVertex& vertex);
 std::pair<Eigen::Vector3d, Eigen::Vector3d> deformLimbVertex(const LimbPose& pose, const LimbVertex& vertex);
 
 }  // namespace gelenk

@@ -23,7 +23,7 @@ struct Fixture {
     return forwardKinematics(skeleton, q);
   }
   double volume(double degrees) const {
-    return limbVolume(rig.body(), 0, rig.surface(0), rig.pose(bent(degrees))[0]);
+    return limbVolume(rig.body(), rig.surface(0), bent(degrees), rig.pose(bent(degrees))[0]);
   }
 };
 
@@ -57,7 +57,7 @@ TEST(MuscleControl, VolumeIsQuadraticInTheCommonScale) {
   const LimbFrames frames = limbFrames(f.rig.body().limbs[0], f.bent(100));
   const auto states = muscleStates(f.rig.body().limbs[0], frames, f.rig.controls()[0]);
   const auto volume = [&](double s) {
-    return limbVolume(f.rig.body(), 0, f.rig.surface(0), poseLimb(f.rig.body().limbs[0].shape, frames, scaled(states, s)));
+    return limbVolume(f.rig.body(), f.rig.surface(0), f.bent(100), poseLimb(f.rig.body().limbs[0].shape, frames, scaled(states, s)));
   };
   const double thirdDifference = volume(1.3) - 3.0 * volume(1.1) + 3.0 * volume(0.9) - volume(0.7);
   EXPECT_LE(std::abs(thirdDifference), 1e-10 * volume(1.0));  // thousands of triple products cancel to the volume

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "skinning/mesh.h"
+
+namespace gelenk {
+
+/// A tensor-product NURBS surface, the lecture's skin layer (10.3):
+///     S(u, v) = sum_ij N_i,p(u) N_j,q(v) w_ij P_ij / sum_ij N_i,p(u) N_j,q(v) w_ij.
+/// Piegl and Tiller, The NURBS Book, chapters 2 to 4.
+struct NurbsSurface {
+  int degreeU = 3, degreeV = 3;
+  int countU = 0, countV = 0;                ///< control points in each direction
+  std::vector<double> knotsU, knotsV;        ///< non-decreasing, countU + degreeU + 1 and countV + degreeV + 1 values
+  std::vector<Eigen::Vector3d> points;       ///< metres, index i countV + j
+  std::vector<double> weights;               ///< > 0, one a point
+
+  double lowerU() const { return knotsU[degreeU]; }
+  double upperU() const { return knotsU[countU]; }
+  double lowerV() const { return knotsV[degreeV]; }
+  double upperV() const { return knotsV[countV]; }
+};
+
+/// Throws std::invalid_argument that says which count, knot or weight is wrong and what was expected.
+void validate(const NurbsSurface& surface);
+
+struct SurfacePoint {
+  Eigen::Vector3d position, du, dv;  ///< and the first partial derivatives
+};
+/// u, v are clamped to the domain.
+SurfacePoint evaluate(const NurbsSurface& surface, double u, double v);
+
+/// A triangle mesh on a regular grid of stepsU x stepsV cells with the surface's own normals. Grid points that coincide (a surface
+/// closed on itself, a pole) become one vertex; triangles that collapse are dropped. Counter-clockwise along du x dv.
+Mesh tessellate(const NurbsSurface& surface, int stepsU, int stepsV);
+
+/// The index of the knot span [u_i, u_i+1) that holds u, the last one for the upper end.
+int knotSpan(const std::vector<double>& knots, int degree, int count, double u);
+
+}  // namespace gelenk

@@ -1,0 +1,104 @@
+#include "skinning/nurbs_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kinematics/io/parse_error.h"
+#include "skinning/io/nurbs.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The exact cylinder of radius 2, height 3 about z: rational quadratic circle of nine points in v (Piegl, Tiller, 7.5).
+NurbsSurface cylinder() {
+  NurbsSurface s{.degreeU = 1, .degreeV = 2, .countU = 2, .countV = 9, .knotsU = {0, 0, 1, 1},
+                 .knotsV = {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4}, .points = {}, .weights = {}};
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 9; ++j) {
+      const double angle = j * M_PI / 4.0, corner = j % 2 ? std::sqrt(2.0) : 1.0;
+      // u runs down, v counter-clockwise: du x dv points outwards
+      s.points.emplace_back(2.0 * corner * std::cos(angle), 2.0 * corner * std::sin(angle), 3.0 * (1 - i));
+      s.weights.push_back(j % 2 ? std::sqrt(0.5) : 1.0);
+    }
+  return s;
+}
+
+TEST(Nurbs, RationalCircleIsExact) {
+  const NurbsSurface s = cylinder();
+  for (double v = 0.0; v <= 4.0; v += 0.037) {
+    const SurfacePoint at = evaluate(s, 0.3, v);
+    EXPECT_NEAR(at.position.head<2>().norm(), 2.0, 1e-14);
+    EXPECT_NEAR(at.position.z(), 2.1, 1e-14);
+    EXPECT_NEAR(at.dv.head<2>().dot(at.position.head<2>()), 0.0, 1e-12);
+  }
+}
+
+TEST(Nurbs, DerivativesMatchCentralDifferences) {
+  NurbsSurface s = cylinder();
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    s.points[i] += 0.3 * Vector3d(std::sin(3.0 * i), std::cos(5.0 * i), std::sin(7.0 * i));
+    s.weights[i] *= 1.0 + 0.4 * std::sin(2.0 * i);
+  }
+  constexpr double h = 1e-6;
+  for (double u = 0.1; u < 1.0; u += 0.17)
+    for (double v = 0.13; v < 4.0; v += 0.31) {  // never on a double knot, where the surface has a corner
+      const SurfacePoint at = evaluate(s, u, v);
+      EXPECT_LE((at.du - (evaluate(s, u + h, v).position - evaluate(s, u - h, v).position) / (2 * h)).norm(), 1e-8);
+      EXPECT_LE((at.dv - (evaluate(s, u, v + h).position - evaluate(s, u, v - h).position) / (2 * h)).norm(), 1e-7);
+    }
+}
+
+TEST(Nurbs, ClosedSurfaceIsTessellatedWithoutASeam) {
+  const Mesh tube = tessellate(cylinder(), 6, 32);
+  EXPECT_EQ(tube.positions.size(), 7u * 32u);
+  const MeshTopology facts = topology(tube);
+  EXPECT_TRUE(facts.manifold());
+  EXPECT_EQ(facts.boundaryEdges, 64);
+  for (std::size_t v = 0; v < tube.positions.size(); ++v)
+    EXPECT_NEAR(tube.normals[v].dot(Vector3d(tube.positions[v].x(), tube.positions[v].y(), 0).normalized()), 1.0, 1e-12);
+}
+
+TEST(Nurbs, TextReadsBackExactly) {
+  NurbsSurface s = cylinder();
+  s.points[3].x() = 0.1 + 0.2;
+  const NurbsSurface again = parseNurbs(nurbsText(s), "memory");
+  EXPECT_EQ(again.knotsV, s.knotsV);
+  EXPECT_EQ(again.weights, s.weights);
+  EXPECT_EQ(again.points, s.points);
+}
+
+std::string messageOf(const std::string& text) {
+  try {
+    parseNurbs(text, "skin.nurbs");
+  } catch (const ParseError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Nurbs, BadFilesAreNamedByLine) {
+  const std::string good = nurbsText(cylinder());
+  EXPECT_EQ(messageOf(good), "accepted");
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return messageOf(text);
+  };
+  EXPECT_NE(replaced("nurbs 1", "nurbs 7").find("skin.nurbs:1: expected version 1"), std::string::npos);
+  EXPECT_NE(replaced("degree 1 2", "degree 1 x").find("skin.nurbs:2:"), std::string::npos);
+  EXPECT_NE(replaced("knots_u 0 0 1 1", "knots_u 0 0 1").find("skin.nurbs:4: expected 'knots_u' with points + degree + 1 = 4"), std::string::npos);
+  EXPECT_NE(replaced("knots_u 0 0 1 1", "knots_u 0 1 0 1").find("do not decrease"), std::string::npos);
+  EXPECT_NE(replaced("knots_u 0 0 1 1", "knots_u 1 1 1 1").find("empty domain"), std::string::npos);
+  EXPECT_NE(replaced("points 2 9", "points 2 10").find("skin.nurbs:5:"), std::string::npos);
+  EXPECT_NE(replaced("point 2 0 3 1", "point 2 0 3 0").find("skin.nurbs:6: expected a positive weight"), std::string::npos);
+  EXPECT_NE(replaced("point 2 0 3 1", "point 2 0 nan 1").find("a finite number, found 'nan'"), std::string::npos);
+  EXPECT_NE(messageOf(good.substr(0, good.size() / 2)).find("skin.nurbs:"), std::string::npos);
+  EXPECT_NE(messageOf(good + "point 0 0 0 1\n").find("the end of the file"), std::string::npos);
+  EXPECT_NE(messageOf("").find("expected 'nurbs 1'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gelenk
