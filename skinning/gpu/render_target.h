@@ -7,32 +7,36 @@
 
 namespace gelenk {
 
-/// A framebuffer of its own: one 8-bit sRGB colour attachment and a 24-bit depth attachment, optionally multisampled.
+/// A framebuffer of its own: one colour attachment and a 24-bit depth attachment.
 class RenderTarget {
  public:
+  /// Rgba8 keeps what is written, as a window does; Srgb8 encodes on writing while GL_FRAMEBUFFER_SRGB is enabled.
+  enum class Colour { Rgba8, Srgb8 };
+
+  RenderTarget() = default;  ///< nothing; a place to assign to
   /// samples: 0 for none. Throws std::runtime_error where the driver cannot make it.
-  RenderTarget(int width, int height, int samples = 0);
+  RenderTarget(int width, int height, Colour format = Colour::Rgba8, int samples = 0);
 
   int width() const { return width_; }
   int height() const { return height_; }
   int samples() const { return samples_; }
   GLuint framebuffer() const { return framebuffer_; }
-  /// The colour as a texture (GL_SRGB8_ALPHA8); 0 where multisampled.
-  GLuint texture() const { return colour_; }
+  GLuint texture() const { return texture_; }  ///< the colour; 0 where multisampled
 
-  /// Resolves (and needs equal sizes where multisampled) into another framebuffer.
-  void blitTo(GLuint framebuffer, int width, int height) const;
-  /// RGBA, top row first, as stored (sRGB encoded). 4 width height bytes.
+  /// RGBA as stored, top row first: 4 width height bytes. Not for multisampled targets.
   std::vector<std::uint8_t> readPixels() const;
 
  private:
-  int width_, height_, samples_;
+  int width_ = 0, height_ = 0, samples_ = 0;
   GlFramebuffer framebuffer_;
-  GlTexture colour_;
+  GlTexture texture_;
   GlRenderbuffer multisampledColour_, depth_;
 };
 
-/// Pixels of a framebuffer: RGBA, top row first.
+/// Pixels of any framebuffer that is not multisampled: RGBA as stored, top row first.
 std::vector<std::uint8_t> readPixels(GLuint framebuffer, int width, int height);
+
+/// Throws std::runtime_error unless the bound framebuffer is complete.
+void requireCompleteFramebuffer(const char* what);
 
 }  // namespace gelenk

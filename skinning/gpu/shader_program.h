@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,28 +9,42 @@
 
 namespace gelenk {
 
-/// A linked vertex + fragment program. Sources are GLSL 3.30; `#include "name"` is replaced by embedded shader text.
+/// GLSL files embedded at build time (embed_shaders.cmake), found by their file names.
+struct ShaderText {
+  std::string_view name, text;
+};
+using ShaderFolder = std::span<const ShaderText>;
+
+ShaderFolder skinningShaders();  ///< skinning/gpu/shaders
+
+/// What a program is made of. Sources are written without a #version line; `#include "name"` is replaced by the text of that
+/// file, looked up in the folder and then in skinningShaders().
+struct ProgramText {
+  ShaderFolder folder;
+  std::string_view vertex;
+  std::string_view geometry = "";           ///< file name, or empty
+  std::string_view fragment = "";           ///< file name, or empty where nothing is drawn
+  std::string_view defines = "";            ///< words to define, separated by blanks
+  std::vector<const char*> captured = {};   ///< outputs of transform feedback, interleaved
+};
+
+/// A linked GLSL 3.30 program.
 class ShaderProgram {
  public:
   ShaderProgram() = default;
-  /// vertex, fragment: names of embedded files ("skinned.vert"; see embeddedShader). defines: lines put below #version.
-  /// captured: outputs for transform feedback, interleaved; fragment may then be empty.
-  /// Throws std::runtime_error with the compiler's log.
-  ShaderProgram(std::string_view vertex, std::string_view fragment, std::string_view defines = "",
-                const std::vector<const char*>& captured = {});
+  /// Throws std::runtime_error with the file's name and the compiler's log.
+  explicit ShaderProgram(const ProgramText& text);
 
   void use() const { glUseProgram(program_); }
   GLuint name() const { return program_; }
   /// -1 where the program does not use it (GL ignores writes to -1).
   GLint uniform(const char* name) const { return glGetUniformLocation(program_, name); }
+  /// Ties a uniform block / a sampler to its binding point / texture unit; no effect where the program has none of that name.
   void bindBlock(const char* block, GLuint binding) const;
   void bindSampler(const char* sampler, GLint unit) const;  ///< makes the program current
 
  private:
   GlProgram program_;
 };
-
-/// Text of a file of skinning/gpu/shaders, embedded at build time. Throws std::logic_error if there is none of that name.
-std::string_view embeddedShader(std::string_view name);
 
 }  // namespace gelenk

@@ -1,0 +1,500 @@
+#include "apps/render/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "apps/render/overlay_gl.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+
+namespace gelenk {
+
+using Eigen::Matrix4d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr GLuint frameBinding = 2;
+enum TextureUnit : GLint { ShadowMapUnit = 0, ShadowDepthUnit = 1, ContactUnit = 2, GroundLightUnit = 3, ColourMapUnit = 4 };
+
+using Float4 = std::array<float, 4>;
+using Float16 = std::array<float, 16>;
+
+/// Mirrors frame.glsl (std140: every member is a multiple of 16 bytes).
+struct FrameBlock {
+  Float16 clipFromWorld, worldFromClip, shadowFromWorld;
+  Float4 eye, towardsViewer, up, groundX, groundY, groundPatch, keyDirection, fillDirection;
+  Float4 keyLight, fillLight, skyLight, bounceLight, rimLight;
+  Float4 backgroundTop, backgroundBottom, groundColour, gridColour;
+  Float4 pictureSize;
+};
+
+Float4 float4(const Vector3d& v, double w = 0.0) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), static_cast<float>(w)};
+}
+
+Float16 float16(const Matrix4d& m) {
+  Float16 result;
+  Eigen::Map<Eigen::Matrix4f, Eigen::Unaligned>(result.data()) = m.cast<float>();
+  return result;
+}
+
+float linear(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
+Float4 linear(const Colour& c, float scale = 1.0f) {
+  return {scale * linear(c.r), scale * linear(c.g), scale * linear(c.b), c.a};
+}
+
+/// Colours as a person picks them; alpha of ground and grid: how strongly they show.
+struct Palette {
+  Colour key, fill, sky, bounce, rim;
+  float keyPower, fillPower, skyPower, bouncePower, rimPower;
+  Colour backgroundTop, backgroundBottom, ground, grid;
+};
+
+Palette palette(Theme theme) {
+  if (theme == Theme::Dark)
+    return {.key = {1.00f, 0.95f, 0.88f}, .fill = {0.75f, 0.84f, 1.00f}, .sky = {0.72f, 0.82f, 1.00f},
+            .bounce = {0.80f, 0.76f, 0.74f}, .rim = {0.70f, 0.82f, 1.00f},
+            .keyPower = 0.80f, .fillPower = 0.16f, .skyPower = 0.24f, .bouncePower = 0.10f, .rimPower = 0.22f,
+            .backgroundTop = {0.105f, 0.115f, 0.135f}, .backgroundBottom = {0.20f, 0.215f, 0.24f},
+            .ground = {0.235f, 0.25f, 0.275f, 0.9f}, .grid = {0.42f, 0.45f, 0.49f, 0.55f}};
+  return {.key = {1.00f, 0.95f, 0.87f}, .fill = {0.84f, 0.90f, 1.00f}, .sky = {0.80f, 0.88f, 1.00f},
+          .bounce = {0.95f, 0.90f, 0.85f}, .rim = {0.92f, 0.96f, 1.00f},
+          .keyPower = 0.78f, .fillPower = 0.18f, .skyPower = 0.34f, .bouncePower = 0.20f, .rimPower = 0.16f,
+          .backgroundTop = {0.80f, 0.835f, 0.87f}, .backgroundBottom = {0.925f, 0.93f, 0.935f},
+          .ground = {0.945f, 0.945f, 0.94f, 0.9f}, .grid = {0.62f, 0.65f, 0.68f, 0.55f}};
+}
+
+/// Where light comes from and what it falls on, in world coordinates.
+struct Lighting {
+  double size;                   ///< typical length of the scene
+  Vector3d up, groundX, groundY;
+  double groundHeight;
+  Vector3d keyDirection, fillDirection;  ///< towards the lights
+  Matrix4d shadowFromWorld;      ///< onto [0, 1]^3
+  double shadowTexel, shadowDepth;
+  Vector2d patchCentre;          ///< ground coordinates
+  double patchHalf;
+};
+
+/// The front view's axes with the given up: the key light comes from the viewer's left, above and before the front.
+Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPixels) {
+  Lighting light{};
+  const Eigen::AlignedBox3d box =
+      scene.bounds.isEmpty() ? Eigen::AlignedBox3d(Vector3d(camera.target.array() - 0.5), Vector3d(camera.target.array() + 0.5))
+                             : scene.bounds;
+  light.size = scene.size > 0.0 ? scene.size : std::max(box.diagonal().norm(), 1e-9);
+  const Camera front{.up = camera.up};
+  const Eigen::Matrix3d axes = front.axes();
+  light.up = camera.up;
+  light.groundX = axes.col(0);
+  light.groundY = -axes.col(2);
+  light.groundHeight = scene.ground.height;
+  light.keyDirection = (-0.52 * axes.col(0) + 1.05 * axes.col(1) + 0.62 * axes.col(2)).normalized();
+  const Eigen::Matrix3d view = camera.axes();
+  light.fillDirection = (0.75 * view.col(0) + 0.25 * view.col(1) + 0.6 * view.col(2)).normalized();
+
+  // Shadow map: the box seen from the light, in steps so that it does not crawl when the box changes a little.
+  const Vector3d sx = light.up.cross(light.keyDirection).normalized(), sy = light.keyDirection.cross(sx);
+  Eigen::AlignedBox3d inLight;
+  Eigen::AlignedBox2d onGround;
+  const double slope = light.keyDirection.dot(light.up);
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+    inLight.extend(Vector3d(sx.dot(corner), sy.dot(corner), -light.keyDirection.dot(corner)));
+    const double height = std::max(light.up.dot(corner) - light.groundHeight, 0.0);
+    const Vector3d shadow = corner - height / slope * light.keyDirection;
+    for (const Vector3d& p : {corner, shadow}) onGround.extend(Vector2d(light.groundX.dot(p), light.groundY.dot(p)));
+  }
+  const double step = light.size / 16.0;
+  const auto inSteps = [step](double length) { return step * std::ceil(length / step); };
+  const double half = inSteps(0.5 * std::max(inLight.sizes().x(), inLight.sizes().y()) * 1.08);
+  light.shadowTexel = 2.0 * half / shadowPixels;
+  light.shadowDepth = 1.1 * inLight.sizes().z() + 1e-6 * light.size;
+  Vector3d middle = inLight.center();
+  for (int k = 0; k < 2; ++k) middle[k] = light.shadowTexel * std::round(middle[k] / light.shadowTexel);
+  light.shadowFromWorld.setIdentity();
+  light.shadowFromWorld.row(0) << sx.transpose() / (2.0 * half), 0.5 - middle.x() / (2.0 * half);
+  light.shadowFromWorld.row(1) << sy.transpose() / (2.0 * half), 0.5 - middle.y() / (2.0 * half);
+  light.shadowFromWorld.row(2) << -light.keyDirection.transpose() / light.shadowDepth, 0.5 - middle.z() / light.shadowDepth;
+
+  const double reach = 0.5 * onGround.sizes().maxCoeff() + 0.25 * light.size;
+  light.patchHalf = inSteps(std::min(reach / 0.85, 4.0 * light.size));
+  light.patchCentre = (onGround.center() / (step / 8.0)).array().round() * (step / 8.0);
+  return light;
+}
+
+/// Ten cells or more along the scene: a power of ten.
+double gridSpacing(double size) { return std::pow(10.0, std::floor(std::log10(0.5 * size) + 1e-9)); }
+
+FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const Viewport& viewport, float pixelScale,
+                      const Lighting& light, bool shadows) {
+  const Eigen::Matrix3d axes = camera.axes();
+  const DepthRange range = depthRange(camera, scene.bounds, 6.0 * light.size);
+  const Matrix4d clipFromWorld = clipFromView(camera, viewport, range) * viewFromWorld(camera);
+  const Palette colours = palette(scene.theme);
+  return {.clipFromWorld = float16(clipFromWorld),
+          .worldFromClip = float16(clipFromWorld.inverse()),
+          .shadowFromWorld = float16(light.shadowFromWorld),
+          .eye = float4(camera.eye(), camera.orthographic),
+          .towardsViewer = float4(axes.col(2), pixelScale),
+          .up = float4(light.up, light.groundHeight),
+          .groundX = float4(light.groundX, gridSpacing(light.size)),
+          .groundY = float4(light.groundY, 3.2 * light.size),
+          .groundPatch = float4({light.patchCentre.x(), light.patchCentre.y(), light.patchHalf}, shadows),
+          .keyDirection = float4(light.keyDirection, light.shadowTexel),
+          .fillDirection = float4(light.fillDirection, light.size),
+          .keyLight = linear(colours.key, colours.keyPower),
+          .fillLight = linear(colours.fill, colours.fillPower),
+          .skyLight = linear(colours.sky, colours.skyPower),
+          .bounceLight = linear(colours.bounce, colours.bouncePower),
+          .rimLight = linear(colours.rim, colours.rimPower),
+          .backgroundTop = linear(colours.backgroundTop),
+          .backgroundBottom = linear(colours.backgroundBottom),
+          .groundColour = linear(colours.ground),
+          .gridColour = linear(colours.grid),
+          .pictureSize = {static_cast<float>(viewport.width), static_cast<float>(viewport.height),
+                          scene.ground.visible ? (scene.ground.grid ? 2.0f : 1.0f) : 0.0f, 0.0f}};
+}
+
+GlTexture mapTexture(GLenum internal, int size, GLenum format, GLenum filter) {
+  GlTexture texture = GlTexture::create();
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), size, size, 0, format, GL_FLOAT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  const GLint wrap = internal == GL_DEPTH_COMPONENT24 ? GL_CLAMP_TO_BORDER : GL_CLAMP_TO_EDGE;
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);
+  const float farthest[] = {1.0f, 1.0f, 1.0f, 1.0f};
+  glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, farthest);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  return texture;
+}
+
+GlFramebuffer framebufferOf(const GlTexture& texture, GLenum attachment, const char* what) {
+  GlFramebuffer framebuffer = GlFramebuffer::create();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
+  if (attachment == GL_DEPTH_ATTACHMENT) {
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+  }
+  requireCompleteFramebuffer(what);
+  return framebuffer;
+}
+
+GlTexture viridisTexture() {
+  std::array<std::uint8_t, 4 * 256> texels;
+  for (int i = 0; i < 256; ++i) {
+    const Colour c = viridis(static_cast<float>(i) / 255.0f);
+    const float channels[4] = {c.r, c.g, c.b, 1.0f};
+    for (int k = 0; k < 4; ++k) texels[4 * i + k] = static_cast<std::uint8_t>(std::lround(255.0f * channels[k]));
+  }
+  GlTexture texture = GlTexture::create();
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, 256, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  return texture;
+}
+
+void bindTexture(TextureUnit unit, GLuint texture, GLuint sampler = 0) {
+  glActiveTexture(GL_TEXTURE0 + unit);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glBindSampler(unit, sampler);
+  glActiveTexture(GL_TEXTURE0);
+}
+
+}  // namespace
+
+struct Renderer::State {
+  const bool software = isSoftwareRenderer();
+  const int shadowPixels = software ? 1024 : 2048;
+  const int patchPixels = software ? 256 : 512;
+  int samples = software ? 0 : 4;
+  int supersampling = 1;
+
+  std::map<std::string, ShaderProgram> programs;  ///< variants, made when first needed
+  OverlayGl overlay{frameBinding};
+  GlBuffer frame = GlBuffer::create();
+  GlVertexArray noVertices = GlVertexArray::create();
+  std::vector<PoseGl> poses;
+
+  GlTexture shadowMap = mapTexture(GL_DEPTH_COMPONENT24, shadowPixels, GL_DEPTH_COMPONENT, GL_LINEAR);
+  GlTexture contact = mapTexture(GL_R8, patchPixels, GL_RED, GL_LINEAR);
+  GlTexture groundLight = mapTexture(GL_RG8, patchPixels, GL_RG, GL_LINEAR);
+  GlFramebuffer shadowBuffer = framebufferOf(shadowMap, GL_DEPTH_ATTACHMENT, "the shadow");
+  GlFramebuffer contactBuffer = framebufferOf(contact, GL_COLOR_ATTACHMENT0, "the contact shadow");
+  GlFramebuffer groundLightBuffer = framebufferOf(groundLight, GL_COLOR_ATTACHMENT0, "the ground's light");
+  GlTexture colourMap = viridisTexture();
+  GLuint comparing = 0, plain = 0;  ///< sampler objects: the shadow map with and without comparison
+
+  RenderTarget large, resolved, small;
+
+  State();
+  ~State();
+  const ShaderProgram& program(const std::string& name, const ProgramText& text);
+  const ShaderProgram& bodyProgram(const std::string& name, const SkinnedMeshGl& mesh, bool wireframe = false);
+  void prepareTargets(const Viewport& viewport);
+  void drawShadowMap(const RenderScene& scene, const Lighting& light);
+  void drawGroundLight(const RenderScene& scene, const Lighting& light);
+  void drawBodies(const RenderScene& scene, bool translucent);
+  void drawBody(const RenderScene& scene, std::size_t index, bool translucent);
+  void drawBackdrop(const RenderScene& scene);
+  void copyTo(GLuint framebuffer, const Viewport& viewport);
+};
+
+Renderer::State::State() {
+  glGenSamplers(1, &comparing);
+  glGenSamplers(1, &plain);
+  for (const GLuint sampler : {comparing, plain}) {
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    const float farthest[] = {1.0f, 1.0f, 1.0f, 1.0f};
+    glSamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, farthest);
+    glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, sampler == plain ? GL_NEAREST : GL_LINEAR);
+    glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, sampler == plain ? GL_NEAREST : GL_LINEAR);
+  }
+  glSamplerParameteri(comparing, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glSamplerParameteri(comparing, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  glBindBuffer(GL_UNIFORM_BUFFER, frame);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof(FrameBlock), nullptr, GL_STREAM_DRAW);
+  glBindBuffer(GL_UNIFORM_BUFFER, 0);
+}
+
+Renderer::State::~State() {
+  glDeleteSamplers(1, &comparing);
+  glDeleteSamplers(1, &plain);
+}
+
+const ShaderProgram& Renderer::State::program(const std::string& name, const ProgramText& text) {
+  const auto known = programs.find(name);
+  if (known != programs.end()) return known->second;
+  ShaderProgram made(text);
+  made.bindBlock("Pose", PoseGl::blockBinding);
+  made.bindBlock("Frame", frameBinding);
+  made.bindSampler("poseRows", PoseGl::textureUnit);
+  made.bindSampler("shadowMap", ShadowMapUnit);
+  made.bindSampler("shadowDepth", ShadowDepthUnit);
+  made.bindSampler("contact", ContactUnit);
+  made.bindSampler("groundLight", GroundLightUnit);
+  made.bindSampler("colourMap", ColourMapUnit);
+  return programs.emplace(name, std::move(made)).first->second;
+}
+
+/// name: the vertex shader; a fragment shader of the same name is used for surface and contact.
+const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const SkinnedMeshGl& mesh, bool wireframe) {
+  const bool inTexture = mesh.storage() == PoseStorage::TextureBuffer;
+  const std::string vertex = name + ".vert", fragment = name == "depth" ? "" : name + ".frag";
+  const std::string defines = std::string(inTexture ? "POSE_IN_TEXTURE " : "") + (wireframe ? "WIREFRAME" : "");
+  return program(name + " " + defines, {.folder = rendererShaders(),
+                                        .vertex = vertex,
+                                        .geometry = wireframe ? "surface.geom" : "",
+                                        .fragment = fragment,
+                                        .defines = defines});
+}
+
+void Renderer::State::prepareTargets(const Viewport& viewport) {
+  const int n = supersampling, width = n * viewport.width, height = n * viewport.height;
+  using Colour = RenderTarget::Colour;
+  if (large.width() != width || large.height() != height || large.samples() != samples) {
+    large = RenderTarget(width, height, Colour::Srgb8, samples);
+    resolved = samples > 0 ? RenderTarget(width, height, Colour::Srgb8) : RenderTarget();
+  }
+  if (n > 1 && (small.width() != viewport.width || small.height() != viewport.height))
+    small = RenderTarget(viewport.width, viewport.height, Colour::Srgb8);
+}
+
+void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& light) {
+  glBindFramebuffer(GL_FRAMEBUFFER, shadowBuffer);
+  glViewport(0, 0, shadowPixels, shadowPixels);
+  glEnable(GL_DEPTH_TEST);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(2.0f, 2.0f);
+  Matrix4d clipFromShadow = 2.0 * Matrix4d::Identity();
+  clipFromShadow.col(3) << -1.0, -1.0, -1.0, 1.0;
+  const Float16 matrix = float16(clipFromShadow * light.shadowFromWorld);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].tint.a < 1.0f) continue;
+    const ShaderProgram& depth = bodyProgram("depth", *scene.bodies[i].mesh);
+    depth.use();
+    glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, matrix.data());
+    poses[i].bind();
+    scene.bodies[i].mesh->drawTriangles();
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_DEPTH_TEST);
+  bindTexture(ShadowMapUnit, shadowMap, comparing);
+  bindTexture(ShadowDepthUnit, shadowMap, plain);
+}
+
+void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& light) {
+  glBindFramebuffer(GL_FRAMEBUFFER, contactBuffer);
+  glViewport(0, 0, patchPixels, patchPixels);
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+  glEnable(GL_BLEND);
+  glBlendEquation(GL_MAX);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].tint.a < 1.0f) continue;
+    bodyProgram("contact", *scene.bodies[i].mesh).use();
+    poses[i].bind();
+    scene.bodies[i].mesh->drawTriangles();
+  }
+  glBlendEquation(GL_FUNC_ADD);
+  glDisable(GL_BLEND);
+  bindTexture(ContactUnit, contact);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, groundLightBuffer);
+  const ShaderProgram& shade = program(
+      "ground_light", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "ground_light.frag"});
+  shade.use();
+  glUniform1f(shade.uniform("depthRange"), static_cast<float>(light.shadowDepth));
+  glBindVertexArray(noVertices);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  bindTexture(GroundLightUnit, groundLight);
+}
+
+void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool translucent) {
+  const BodyInstance& body = scene.bodies[index];
+  const ShaderProgram& surface = bodyProgram("surface", *body.mesh, body.wireframe);
+  const bool throughSkin = scene.xray && body.tint.a >= 1.0f;
+  surface.use();
+  glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b, throughSkin ? 0.62f : body.tint.a);
+  glUniform1f(surface.uniform("scalarShare"), body.surface == SurfaceColour::Scalars ? 1.0f : 0.0f);
+  glUniform1f(surface.uniform("seeThrough"), translucent ? 1.0f : 0.0f);
+  poses[index].bind();
+  if (!translucent) return body.mesh->drawTriangles();
+  // Depth first, so that only the nearest layer of a translucent body is seen.
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  body.mesh->drawTriangles();
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  body.mesh->drawTriangles();
+}
+
+void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const bool isTranslucent = scene.xray || scene.bodies[i].tint.a < 1.0f;
+    if (isTranslucent == translucent) drawBody(scene, i, translucent);
+  }
+}
+
+void Renderer::State::drawBackdrop(const RenderScene& scene) {
+  const char* defines = scene.ground.visible ? "GROUND" : "";
+  program(std::string("backdrop ") + defines,
+          {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "backdrop.frag", .defines = defines})
+      .use();
+  glDepthMask(GL_FALSE);
+  glBindVertexArray(noVertices);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthMask(GL_TRUE);
+}
+
+void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
+  const RenderTarget* picture = &large;
+  if (samples > 0) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, large.framebuffer());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
+    glBlitFramebuffer(0, 0, large.width(), large.height(), 0, 0, large.width(), large.height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    picture = &resolved;
+  }
+  if (supersampling > 1) {
+    glBindFramebuffer(GL_FRAMEBUFFER, small.framebuffer());
+    glViewport(0, 0, small.width(), small.height());
+    const ShaderProgram& average =
+        program("average", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "average.frag"});
+    average.use();
+    glUniform1i(average.uniform("large"), ContactUnit);
+    glUniform1i(average.uniform("factor"), supersampling);
+    bindTexture(ContactUnit, picture->texture());
+    glBindVertexArray(noVertices);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    picture = &small;
+  }
+  glDisable(GL_FRAMEBUFFER_SRGB);  // from here on bytes are copied as they are
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture->framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  glBlitFramebuffer(0, 0, viewport.width, viewport.height, 0, 0, viewport.width, viewport.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, viewport.width, viewport.height);
+}
+
+Renderer::Renderer() : state_(std::make_unique<State>()) {}
+Renderer::~Renderer() = default;
+
+void Renderer::setSamples(int samples) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_SAMPLES, &most);
+  state_->samples = std::clamp(samples, 0, static_cast<int>(most));
+}
+int Renderer::samples() const { return state_->samples; }
+void Renderer::setSupersampling(int n) { state_->supersampling = std::clamp(n, 1, 4); }
+
+void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewport& viewport, unsigned framebuffer,
+                    float pixelScale) {
+  State& gl = *state_;
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_CULL_FACE);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LEQUAL);
+  gl.prepareTargets(viewport);
+  gl.poses.resize(std::max(gl.poses.size(), scene.bodies.size()));
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) gl.poses[i].upload(*scene.bodies[i].pose);
+
+  const int n = gl.supersampling;
+  const Viewport enlarged{n * viewport.width, n * viewport.height};
+  const bool shadows = scene.shadows && !scene.bodies.empty();
+  const Lighting light = lightingOf(scene, camera, gl.shadowPixels);
+  const FrameBlock block = frameBlock(scene, camera, enlarged, static_cast<float>(n) * pixelScale, light, shadows);
+  glBindBuffer(GL_UNIFORM_BUFFER, gl.frame);
+  glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof block, &block);
+  glBindBufferBase(GL_UNIFORM_BUFFER, frameBinding, gl.frame);
+
+  bindTexture(ColourMapUnit, gl.colourMap);
+  if (shadows) {
+    gl.drawShadowMap(scene, light);
+    if (scene.ground.visible) gl.drawGroundLight(scene, light);
+  } else {
+    glBindFramebuffer(GL_FRAMEBUFFER, gl.groundLightBuffer);
+    glClearColor(1.0f, 1.0f, 1.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    bindTexture(ShadowMapUnit, gl.shadowMap, gl.comparing);
+    bindTexture(GroundLightUnit, gl.groundLight);
+  }
+
+  glBindFramebuffer(GL_FRAMEBUFFER, gl.large.framebuffer());
+  glViewport(0, 0, enlarged.width, enlarged.height);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glEnable(GL_DEPTH_TEST);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  gl.drawBodies(scene, false);
+  gl.drawBackdrop(scene);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  gl.overlay.draw(scene.overlay);
+  gl.drawBodies(scene, true);
+  if (!scene.overlayOnTop.empty()) {
+    glClear(GL_DEPTH_BUFFER_BIT);
+    gl.overlay.draw(scene.overlayOnTop);
+  }
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  gl.copyTo(framebuffer, viewport);
+
+  glBindVertexArray(0);
+  glUseProgram(0);
+  for (const TextureUnit unit : {ShadowMapUnit, ShadowDepthUnit, ContactUnit, GroundLightUnit, ColourMapUnit})
+    bindTexture(unit, 0);
+}
+
+}  // namespace gelenk

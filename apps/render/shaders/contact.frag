@@ -1,0 +1,4 @@
+in float closeness;
+out float colour;
+
+void main() { colour = closeness; }

@@ -1,0 +1,4 @@
+in vec4 overlayColour;
+out vec4 colour;
+
+void main() { colour = overlayColour; }

@@ -1,0 +1,69 @@
+// Clay: a warm key light with a soft shadow, a cool hemisphere, a fill that follows the viewer, a faint sheen and rim.
+#include "frame.glsl"
+#ifdef WIREFRAME
+in vec3 edgePosition;
+in vec3 edgeNormal;
+in float edgeScalar;
+noperspective in vec3 edgeDistance;
+#define worldPosition edgePosition
+#define worldNormal edgeNormal
+#define surfaceScalar edgeScalar
+#else
+in vec3 worldPosition;
+in vec3 worldNormal;
+in float surfaceScalar;
+#endif
+out vec4 colour;
+
+uniform vec4 tint;           // sRGB, straight alpha
+uniform float scalarShare;   // 1: the scalar's colour instead of the tint
+uniform float seeThrough;    // 1: x-ray or ghost, more opaque towards the outline
+uniform sampler2DShadow shadowMap;
+uniform sampler2D colourMap;
+
+float keyVisibility(vec3 position, vec3 normal) {
+  if (groundPatch.w < 0.5) return 1.0;
+  vec4 at = shadowFromWorld * vec4(position + 1.5 * keyDirection.w * normal, 1.0);
+  float texel = 1.0 / float(textureSize(shadowMap, 0).x);
+  vec2 wide = vec2(1.4, 0.6) * texel;
+  return 0.25 * (texture(shadowMap, at.xyz + vec3(wide, 0.0)) + texture(shadowMap, at.xyz - vec3(wide, 0.0)) +
+                 texture(shadowMap, at.xyz + vec3(-wide.y, wide.x, 0.0)) +
+                 texture(shadowMap, at.xyz - vec3(-wide.y, wide.x, 0.0)));
+}
+
+void main() {
+  vec3 v = directionToEye(worldPosition);
+  vec3 n = normalize(worldNormal);
+  float facing = dot(n, v);
+  if (facing < 0.0 && !gl_FrontFacing) { n = -n; facing = -facing; }  // the inside of an open surface
+  facing = clamp(facing, 0.0, 1.0);
+
+  vec3 albedo = mix(linearFromSrgb(tint.rgb), texture(colourMap, vec2(surfaceScalar, 0.5)).rgb, scalarShare);
+#ifdef WIREFRAME
+  float width = 0.6 * towardsViewer.w;
+  float nearest = min(edgeDistance.x, min(edgeDistance.y, edgeDistance.z));
+  float onEdge = 1.0 - smoothstep(width - 0.6, width + 0.6, nearest);
+  albedo = mix(albedo, 0.16 * albedo, 0.75 * onEdge);
+#endif
+
+  float towardsKey = dot(n, keyDirection.xyz);
+  float key = clamp((towardsKey + 0.18) / 1.18, 0.0, 1.0);
+  key *= key * 0.35 + 0.65;
+  if (key > 0.0) key *= mix(0.12, 1.0, keyVisibility(worldPosition, n));
+  float sky = 0.5 + 0.5 * dot(n, up.xyz);
+  float fill = 0.5 + 0.5 * dot(n, fillDirection.xyz);
+  float nearGround = exp(-max(heightOverGround(worldPosition), 0.0) / (0.06 * fillDirection.w));
+  float open = 1.0 - 0.55 * nearGround * (1.0 - sky) * step(0.5, pictureSize.z);
+
+  vec3 light = key * keyLight.rgb + open * (mix(bounceLight.rgb, skyLight.rgb, sky) + fill * fill * fillLight.rgb);
+  vec3 halfway = normalize(keyDirection.xyz + v);
+  float sheen = pow(max(dot(n, halfway), 0.0), 22.0) * key;
+  float away = 1.0 - facing;
+  float rim = away * away * away * (0.35 + 0.65 * sky);
+  vec3 shaded = albedo * light + 0.055 * sheen * keyLight.rgb + rim * rimLight.rgb;
+
+  float below = step(heightOverGround(worldPosition), 0.0) * step(0.0, heightOverGround(eye.xyz)) * step(0.5, pictureSize.z);
+  shaded = mix(shaded, groundColour.rgb, 0.7 * below);
+  float alpha = mix(tint.a, tint.a * mix(0.45, 1.0, away * away), seeThrough);
+  colour = vec4(shaded, alpha);
+}
