@@ -1,8 +1,14 @@
 #include "apps/render/colour.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace gelenk {
+
+Eigen::Vector3f linearLight(const Colour& colour) {
+  const auto linear = [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); };
+  return {linear(colour.r), linear(colour.g), linear(colour.b)};
+}
 
 Colour viridis(float t) {
   // Ten equidistant colours of the map by Nathaniel Smith and Stefan van der Walt (2015), published as CC0.
@@ -17,6 +23,13 @@ Colour viridis(float t) {
     return (low + share * (high - low)) / 255.0f;
   };
   return {channel(16), channel(8), channel(0), 1.0f};
+}
+
+std::vector<Eigen::Vector3f> viridisColours(const std::vector<float>& values) {
+  std::vector<Eigen::Vector3f> colours;
+  colours.reserve(values.size());
+  for (const float value : values) colours.push_back(linearLight(viridis(value)));
+  return colours;
 }
 
 }  // namespace gelenk

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr GLuint frameBinding = 2;
-enum TextureUnit : GLint { ShadowMapUnit = 0, ShadowDepthUnit = 1, ContactUnit = 2, GroundLightUnit = 3, ColourMapUnit = 4 };
+enum TextureUnit : GLint { ShadowMapUnit = 0, ShadowDepthUnit = 1, ContactUnit = 2, GroundLightUnit = 3 };
 
 using Float4 = std::array<float, 4>;
 using Float16 = std::array<float, 16>;
@@ -43,9 +43,9 @@ Float16 float16(const Matrix4d& m) {
   return result;
 }
 
-float linear(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
-Float4 linear(const Colour& c, float scale = 1.0f) {
-  return {scale * linear(c.r), scale * linear(c.g), scale * linear(c.b), c.a};
+Float4 linear(const Colour& colour, float scale = 1.0f) {
+  const Eigen::Vector3f light = scale * linearLight(colour);
+  return {light.x(), light.y(), light.z(), colour.a};
 }
 
 /// Colours as a person picks them; alpha of ground and grid: how strongly they show.
@@ -189,23 +189,6 @@ GlFramebuffer framebufferOf(const GlTexture& texture, GLenum attachment, const c
   return framebuffer;
 }
 
-GlTexture viridisTexture() {
-  std::array<std::uint8_t, 4 * 256> texels;
-  for (int i = 0; i < 256; ++i) {
-    const Colour c = viridis(static_cast<float>(i) / 255.0f);
-    const float channels[4] = {c.r, c.g, c.b, 1.0f};
-    for (int k = 0; k < 4; ++k) texels[4 * i + k] = static_cast<std::uint8_t>(std::lround(255.0f * channels[k]));
-  }
-  GlTexture texture = GlTexture::create();
-  glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, 256, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glBindTexture(GL_TEXTURE_2D, 0);
-  return texture;
-}
-
 void bindTexture(TextureUnit unit, GLuint texture, GLuint sampler = 0) {
   glActiveTexture(GL_TEXTURE0 + unit);
   glBindTexture(GL_TEXTURE_2D, texture);
@@ -234,7 +217,6 @@ struct Renderer::State {
   GlFramebuffer shadowBuffer = framebufferOf(shadowMap, GL_DEPTH_ATTACHMENT, "the shadow");
   GlFramebuffer contactBuffer = framebufferOf(contact, GL_COLOR_ATTACHMENT0, "the contact shadow");
   GlFramebuffer groundLightBuffer = framebufferOf(groundLight, GL_COLOR_ATTACHMENT0, "the ground's light");
-  GlTexture colourMap = viridisTexture();
   GLuint comparing = 0, plain = 0;  ///< sampler objects: the shadow map with and without comparison
 
   RenderTarget large, resolved, small;
@@ -286,7 +268,6 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
   made.bindSampler("shadowDepth", ShadowDepthUnit);
   made.bindSampler("contact", ContactUnit);
   made.bindSampler("groundLight", GroundLightUnit);
-  made.bindSampler("colourMap", ColourMapUnit);
   return programs.emplace(name, std::move(made)).first->second;
 }
 
@@ -370,7 +351,7 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
   const bool throughSkin = scene.xray && body.tint.a >= 1.0f;
   surface.use();
   glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b, throughSkin ? 0.62f : body.tint.a);
-  glUniform1f(surface.uniform("scalarShare"), body.surface == SurfaceColour::Scalars ? 1.0f : 0.0f);
+  glUniform1f(surface.uniform("vertexColourShare"), body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? 1.0f : 0.0f);
   poses[index].bind();
   if (!translucent) return body.mesh->drawTriangles();
@@ -460,7 +441,6 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof block, &block);
   glBindBufferBase(GL_UNIFORM_BUFFER, frameBinding, gl.frame);
 
-  bindTexture(ColourMapUnit, gl.colourMap);
   if (shadows) {
     gl.drawShadowMap(scene, light);
     if (scene.ground.visible) gl.drawGroundLight(scene, light);
@@ -493,7 +473,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
 
   glBindVertexArray(0);
   glUseProgram(0);
-  for (const TextureUnit unit : {ShadowMapUnit, ShadowDepthUnit, ContactUnit, GroundLightUnit, ColourMapUnit})
+  for (const TextureUnit unit : {ShadowMapUnit, ShadowDepthUnit, ContactUnit, GroundLightUnit})
     bindTexture(unit, 0);
 }
 

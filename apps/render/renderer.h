@@ -12,8 +12,8 @@
 namespace gelenk {
 
 enum class SurfaceColour {
-  Clay,    ///< the body's tint
-  Scalars  ///< SkinnedMeshGl::setScalars through viridis
+  Clay,   ///< the body's tint
+  Vertex  ///< SkinnedMeshGl::setColours
 };
 
 /// One posed body. Mesh and pose must live until Renderer::draw returns.

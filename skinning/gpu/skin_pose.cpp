@@ -22,4 +22,10 @@ SkinPose poseSkin(const Skin& skin, const Frames& worldFromJoint) {
   return pose;
 }
 
+SkinPose unposed(int jointCount) {
+  SkinPose pose;
+  for (int i = 0; i < jointCount; ++i) pose.rows.insert(pose.rows.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+  return pose;
+}
+
 }  // namespace gelenk

@@ -15,5 +15,7 @@ struct SkinPose {
 SkinPose poseSkin(const Skin& skin, const Frames& worldFromJoint);
 /// The same into existing storage; allocates only when the size changes.
 void poseSkin(const Skin& skin, const Frames& worldFromJoint, SkinPose& out);
+/// The pose that leaves every vertex where it is.
+SkinPose unposed(int jointCount);
 
 }  // namespace gelenk

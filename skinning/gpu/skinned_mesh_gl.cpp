@@ -27,12 +27,13 @@ void fill(GLenum target, const GlBuffer& buffer, const std::vector<T>& data, GLe
 
 const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
 
-std::vector<ShapeVertex> shapeVertices(const Mesh& mesh) {
-  std::vector<ShapeVertex> vertices(mesh.positions.size());
+std::vector<ShapeVertex> shapeVertices(const std::vector<Eigen::Vector3d>& positions,
+                                       const std::vector<Eigen::Vector3d>& normals) {
+  std::vector<ShapeVertex> vertices(positions.size());
   for (std::size_t v = 0; v < vertices.size(); ++v)
     for (int k = 0; k < 3; ++k) {
-      vertices[v].position[k] = static_cast<float>(mesh.positions[v][k]);
-      vertices[v].normal[k] = static_cast<float>(mesh.normals[v][k]);
+      vertices[v].position[k] = static_cast<float>(positions[v][k]);
+      vertices[v].normal[k] = static_cast<float>(normals[v][k]);
     }
   return vertices;
 }
@@ -99,7 +100,7 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
     : triangleArray_(GlVertexArray::create()),
       shape_(GlBuffer::create()),
       influences_(GlBuffer::create()),
-      scalars_(GlBuffer::create()),
+      colours_(GlBuffer::create()),
       indices_(GlBuffer::create()),
       vertexCount_(static_cast<int>(skin.mesh.positions.size())),
       triangleCount_(static_cast<int>(skin.mesh.triangles.size())),
@@ -108,7 +109,7 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
     throw std::invalid_argument("a skin needs one normal and one row of influences a vertex");
   glBindVertexArray(triangleArray_);
 
-  fill(GL_ARRAY_BUFFER, shape_, shapeVertices(skin.mesh));
+  fill(GL_ARRAY_BUFFER, shape_, shapeVertices(skin.mesh.positions, skin.mesh.normals));
   floatAttribute(0, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, position));
   floatAttribute(1, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, normal));
 
@@ -117,19 +118,30 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
   glVertexAttribIPointer(2, 4, GL_UNSIGNED_SHORT, sizeof(InfluenceVertex), offset(offsetof(InfluenceVertex, joints)));
   floatAttribute(3, 4, sizeof(InfluenceVertex), offsetof(InfluenceVertex, weights));
 
-  fill(GL_ARRAY_BUFFER, scalars_, std::vector<float>(vertexCount_, 0.0f), GL_DYNAMIC_DRAW);
-  floatAttribute(4, 1, sizeof(float), 0);
+  fill(GL_ARRAY_BUFFER, colours_, std::vector<Eigen::Vector3f>(vertexCount_, Eigen::Vector3f::Constant(0.5f)));
+  floatAttribute(4, 3, sizeof(Eigen::Vector3f), 0);
 
   fill(GL_ELEMENT_ARRAY_BUFFER, indices_, skin.mesh.triangles);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
-void SkinnedMeshGl::setScalars(const std::vector<float>& values) {
-  if (static_cast<int>(values.size()) != vertexCount_)
-    throw std::invalid_argument("the mesh has " + std::to_string(vertexCount_) + " vertices, but there are " +
-                                std::to_string(values.size()) + " scalars");
-  fill(GL_ARRAY_BUFFER, scalars_, values, GL_DYNAMIC_DRAW);
+void SkinnedMeshGl::requireOnePerVertex(std::size_t count) const {
+  if (count != static_cast<std::size_t>(vertexCount_))
+    throw std::invalid_argument("the mesh has " + std::to_string(vertexCount_) + " vertices, but values are given for " +
+                                std::to_string(count));
+}
+
+void SkinnedMeshGl::setColours(const std::vector<Eigen::Vector3f>& colours) {
+  requireOnePerVertex(colours.size());
+  fill(GL_ARRAY_BUFFER, colours_, colours, GL_DYNAMIC_DRAW);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+void SkinnedMeshGl::setShape(const SkinnedVertices& deformed) {
+  requireOnePerVertex(deformed.positions.size());
+  requireOnePerVertex(deformed.normals.size());
+  fill(GL_ARRAY_BUFFER, shape_, shapeVertices(deformed.positions, deformed.normals), GL_STREAM_DRAW);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 

@@ -5,6 +5,7 @@
 
 #include "skinning/gpu/gl_handle.h"
 #include "skinning/gpu/skin_pose.h"
+#include "skinning/linear_blend.h"
 
 namespace gelenk {
 
@@ -32,7 +33,7 @@ class PoseGl {
 };
 
 /// A skin's constant part in GPU memory: rest positions, normals, four joints and weights a vertex, triangles.
-/// Vertex attributes: 0 position, 1 normal, 2 joints (uvec4), 3 weights, 4 a scalar shown as colour.
+/// Vertex attributes: 0 position, 1 normal, 2 joints (uvec4), 3 weights, 4 colour (linear).
 /// Vertex shaders include "skinning.glsl", whose skinVertex() gives posed position and normal. Attributes 5 to 7 and the uniform
 /// block "Layers" at layerBinding are reserved for muscle layers, which join the skinning sum there.
 class SkinnedMeshGl {
@@ -45,9 +46,12 @@ class SkinnedMeshGl {
   int jointCount() const { return jointCount_; }
   PoseStorage storage() const { return poseStorage(jointCount_); }
 
-  /// Values in [0, 1], one a vertex, shown through a colour map (weights of a joint, an error, a volume). 0 until set.
+  /// One colour a vertex, linear light in [0, 1]: weights of a joint, an error, a volume. Grey until set.
   /// Throws std::invalid_argument on another length.
-  void setScalars(const std::vector<float>& values);
+  void setColours(const std::vector<Eigen::Vector3f>& colours);
+  /// Replaces positions and normals by vertices that were deformed on the CPU, in world coordinates: draw with unposed(). Throws
+  /// std::invalid_argument on another length.
+  void setShape(const SkinnedVertices& deformed);
 
   /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array bound.
   void drawTriangles() const;
@@ -57,8 +61,10 @@ class SkinnedMeshGl {
   static constexpr GLuint layerBinding = 1;
 
  private:
+  void requireOnePerVertex(std::size_t count) const;
+
   GlVertexArray triangleArray_;
-  GlBuffer shape_, influences_, scalars_, indices_;
+  GlBuffer shape_, influences_, colours_, indices_;
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };
 
@@ -68,7 +74,7 @@ struct ReadBackVertices {
 };
 ReadBackVertices skinOnGpu(const SkinnedMeshGl& mesh, const SkinPose& pose);
 
-/// Weight of one joint at every vertex, for setScalars.
+/// Weight of one joint at every vertex.
 std::vector<float> jointWeights(const Skin& skin, int joint);
 
 }  // namespace gelenk

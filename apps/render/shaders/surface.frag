@@ -3,23 +3,22 @@
 #ifdef WIREFRAME
 in vec3 edgePosition;
 in vec3 edgeNormal;
-in float edgeScalar;
+in vec3 edgeColour;
 noperspective in vec3 edgeDistance;
 #define worldPosition edgePosition
 #define worldNormal edgeNormal
-#define surfaceScalar edgeScalar
+#define surfaceColour edgeColour
 #else
 in vec3 worldPosition;
 in vec3 worldNormal;
-in float surfaceScalar;
+in vec3 surfaceColour;
 #endif
 out vec4 colour;
 
 uniform vec4 tint;           // sRGB, straight alpha
-uniform float scalarShare;   // 1: the scalar's colour instead of the tint
+uniform float vertexColourShare;   // 1: the vertex colour instead of the tint
 uniform float seeThrough;    // 1: x-ray or ghost, more opaque towards the outline
 uniform sampler2DShadow shadowMap;
-uniform sampler2D colourMap;
 
 float keyVisibility(vec3 position, vec3 normal) {
   if (groundPatch.w < 0.5) return 1.0;
@@ -38,7 +37,7 @@ void main() {
   if (facing < 0.0 && !gl_FrontFacing) { n = -n; facing = -facing; }  // the inside of an open surface
   facing = clamp(facing, 0.0, 1.0);
 
-  vec3 albedo = mix(linearFromSrgb(tint.rgb), texture(colourMap, vec2(surfaceScalar, 0.5)).rgb, scalarShare);
+  vec3 albedo = mix(linearFromSrgb(tint.rgb), surfaceColour, vertexColourShare);
 #ifdef WIREFRAME
   float width = 0.6 * towardsViewer.w;
   float nearest = min(edgeDistance.x, min(edgeDistance.y, edgeDistance.z));

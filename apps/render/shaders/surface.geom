@@ -4,10 +4,10 @@ layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
 in vec3 worldPosition[];
 in vec3 worldNormal[];
-in float surfaceScalar[];
+in vec3 surfaceColour[];
 out vec3 edgePosition;
 out vec3 edgeNormal;
-out float edgeScalar;
+out vec3 edgeColour;
 noperspective out vec3 edgeDistance;
 
 vec2 pixel(int i) { return 0.5 * pictureSize.xy * gl_in[i].gl_Position.xy / gl_in[i].gl_Position.w; }
@@ -19,7 +19,7 @@ void main() {
   for (int i = 0; i < 3; ++i) {
     edgePosition = worldPosition[i];
     edgeNormal = worldNormal[i];
-    edgeScalar = surfaceScalar[i];
+    edgeColour = surfaceColour[i];
     edgeDistance = vec3(0.0);
     edgeDistance[i] = heights[i];
     gl_Position = gl_in[i].gl_Position;

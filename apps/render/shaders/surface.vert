@@ -1,12 +1,12 @@
 #include "skinning.glsl"
 #include "frame.glsl"
-layout(location = 4) in float scalar;
+layout(location = 4) in vec3 vertexColour;
 out vec3 worldPosition;
 out vec3 worldNormal;
-out float surfaceScalar;
+out vec3 surfaceColour;
 
 void main() {
   skinVertex(worldPosition, worldNormal);
-  surfaceScalar = scalar;
+  surfaceColour = vertexColour;
   gl_Position = clipFromWorld * vec4(worldPosition, 1.0);
 }

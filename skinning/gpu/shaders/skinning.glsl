@@ -3,7 +3,7 @@
 layout(location = 0) in vec3 restPosition;
 layout(location = 1) in vec3 restNormal;
 layout(location = 2) in uvec4 joints;
-layout(location = 3) in vec4 weights;   // descending; their sum is 1 less the weight of the layers below
+layout(location = 3) in vec4 weights;
 
 #ifdef POSE_IN_TEXTURE
 uniform samplerBuffer poseRows;
@@ -13,10 +13,9 @@ layout(std140) uniform Pose { vec4 poseRows[3 * 341]; };
 vec4 poseRow(int index) { return poseRows[index]; }
 #endif
 
-#ifdef MUSCLE_LAYERS
-#include "muscle_layers.glsl"
-#endif
-
+// A layer that moves inside the sum (weights then sum to 1 - W) adds W F(x) to the position and W n' to the normal before the
+// normal is normalised.
+//
 // Posed position, and unit normal by the cofactors of the blended matrix: they equal det(M) M^-T, which keeps a normal
 // perpendicular to its surface where the blend of rotations is no rotation any more.
 void skinVertex(out vec3 position, out vec3 normal) {
@@ -31,8 +30,5 @@ void skinVertex(out vec3 position, out vec3 normal) {
   position = vec3(dot(rows[0], x), dot(rows[1], x), dot(rows[2], x));
   normal = vec3(dot(cross(rows[1].xyz, rows[2].xyz), restNormal), dot(cross(rows[2].xyz, rows[0].xyz), restNormal),
                 dot(cross(rows[0].xyz, rows[1].xyz), restNormal));
-#ifdef MUSCLE_LAYERS
-  addMuscleLayers(position, normal);
-#endif
   normal = normalize(normal);
 }

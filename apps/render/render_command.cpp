@@ -1,0 +1,268 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "apps/commands.h"
+#include "apps/model_files.h"
+#include "apps/render/model_view.h"
+#include "apps/render/render_command.h"
+#include "apps/render/signs.h"
+#include "apps/render/video.h"
+#include "kinematics/configuration.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+
+namespace gelenk {
+namespace {
+
+constexpr double degrees = std::numbers::pi / 180.0;
+
+/// The command's arguments as they were given; empty or nullopt: not given.
+struct Request {
+  std::string input, output;
+  std::string skeleton, weights;
+  std::string size = "1280x800", theme, view, focus, weightsOf;
+  double scale = 1.0, zoom = 1.0, seconds = 6.0;
+  std::optional<double> azimuth, elevation;
+  std::vector<double> q;
+  int smoothing = 0, frames = 0, framesPerSecond = 30;
+  bool orthographic = false, wireframe = false, bones = false, jointFrames = false, handles = false;
+  bool noGround = false, noShadow = false;
+};
+
+bool endsWith(const std::string& text, std::string_view end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+Viewport parseSize(const Request& request) {
+  Viewport viewport;
+  char rest = 0;
+  if (std::sscanf(request.size.c_str(), "%dx%d%c", &viewport.width, &viewport.height, &rest) != 2 || viewport.width < 1 ||
+      viewport.height < 1)
+    throw std::invalid_argument("--size: expected WIDTHxHEIGHT such as 1280x800, found '" + request.size + "'");
+  viewport.width = static_cast<int>(std::lround(viewport.width * request.scale));
+  viewport.height = static_cast<int>(std::lround(viewport.height * request.scale));
+  return viewport;
+}
+
+Model openInput(const Request& request, const ModelReference& reference) {
+  const std::string& skeleton = request.skeleton.empty() ? reference.skeletonFile : request.skeleton;
+  const std::string& weights = request.weights.empty() ? reference.weightsFile : request.weights;
+  if (skeleton.empty()) return openModel(reference.nameOrFile);
+  return openBody(reference.nameOrFile, skeleton, weights.empty() ? std::nullopt : std::optional(weights));
+}
+
+/// --q: values in the configuration's order, angles in radians as `gelenk fk --q` takes them.
+Eigen::VectorXd configurationOf(const Request& request, const Skeleton& skeleton, const Eigen::VectorXd& otherwise) {
+  if (request.q.empty()) return otherwise;
+  if (static_cast<int>(request.q.size()) != skeleton.nq())
+    throw std::invalid_argument(fmt::format("--q: the model has {} configuration values, {} are given", skeleton.nq(), request.q.size()));
+  Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(request.q.data(), skeleton.nq());
+  for (int j = 0; j < skeleton.jointCount(); ++j) {
+    if (!skeleton.joint(j).ball) continue;
+    const Eigen::Quaterniond rotation = ballRotation(skeleton, q, j);
+    if (!(rotation.norm() > 1e-9)) throw std::invalid_argument("--q: the quaternion of joint " + skeleton.joint(j).name + " is zero");
+    setBallRotation(skeleton, q, j, rotation.normalized());
+  }
+  return q;
+}
+
+std::optional<StandardView> standardView(const std::string& name) {
+  if (name == "front") return StandardView::Front;
+  if (name == "side") return StandardView::Side;
+  if (name == "top") return StandardView::Top;
+  if (name == "three-quarter") return StandardView::ThreeQuarter;
+  return std::nullopt;
+}
+
+/// Frames the joint and what is near it.
+Eigen::AlignedBox3d around(const Frames& frames, int joint, double size) {
+  const Eigen::Vector3d at = frames[joint].translation(), half = Eigen::Vector3d::Constant(0.09 * size);
+  return {Eigen::Vector3d(at - half), Eigen::Vector3d(at + half)};
+}
+
+Camera cameraOf(const Request& request, const ModelView& view, const Frames& frames, const Viewport& viewport,
+                const std::optional<Camera>& ofScene) {
+  const bool asked = !request.view.empty() || !request.focus.empty() || request.azimuth || request.elevation || request.orthographic;
+  Camera camera = ofScene ? *ofScene : view.usualCamera(viewport);
+  if (const auto standard = standardView(request.view)) camera = lookFrom(camera, *standard);
+  if (request.azimuth) camera.azimuth = *request.azimuth * degrees;
+  if (request.elevation) camera.elevation = *request.elevation * degrees;
+  camera.orthographic = camera.orthographic || request.orthographic;
+  if (!ofScene || asked) {
+    const Eigen::AlignedBox3d box = request.focus.empty()
+                                        ? view.bounds(frames)
+                                        : around(frames, view.model().skeleton.jointIndex(request.focus), view.size());
+    camera = frameBox(camera, viewport, box);
+  }
+  camera.distance /= request.zoom;
+  return camera;
+}
+
+void addGoals(RenderScene& picture, const std::vector<SceneGoal>& goals, const Frames& frames, double size) {
+  for (const SceneGoal& goal : goals) {
+    const bool pinned = goal.state == GoalState::Pinned;
+    const Eigen::Vector3d reached = frames[goal.goal.joint] * goal.goal.pointInJoint;
+    const Eigen::Vector3d target = goal.state == GoalState::Free ? reached : goal.goal.target;
+    addReach(picture.overlayOnTop, reached, target, size, pinned ? pinColour : handleColour,
+             pinned ? Overlay::Shape::Square : Overlay::Shape::Disc);
+  }
+}
+
+/// Everything between the request and the pixels.
+class Studio {
+ public:
+  explicit Studio(const Request& request)
+      : request_(request), viewport_(parseSize(request)), isScene_(endsWith(request.input, ".json")), model_(openRequested()) {
+    readScene();
+    q_ = configurationOf(request, model_.skeleton, scene_.q);
+    if (!request.weightsOf.empty()) selected_ = model_.skeleton.jointIndex(request.weightsOf);
+    context_.emplace();
+    view_.emplace(model_);
+    renderer_.emplace();
+    renderer_->setSupersampling(smoothing());
+    target_.emplace(viewport_.width, viewport_.height);
+    camera_ = cameraOf(request, *view_, forwardKinematics(model_.skeleton, q_), viewport_,
+                       isScene_ ? std::optional(scene_.camera) : std::nullopt);
+  }
+
+  const Viewport& viewport() const { return viewport_; }
+  const Model& model() const { return model_; }
+
+  /// The picture with the camera turned by so many radians about up.
+  Image picture(double turn = 0.0) {
+    RenderScene picture = view_->compose(q_, options(), theme(), selected_);
+    if (scene_.options.handles || request_.handles)
+      addGoals(picture, scene_.goals, forwardKinematics(model_.skeleton, q_), view_->size());
+    Camera camera = camera_;
+    camera.azimuth += turn;
+    renderer_->draw(picture, camera, viewport_, target_->framebuffer(), static_cast<float>(request_.scale));
+    return {viewport_.width, viewport_.height, target_->readPixels()};
+  }
+
+ private:
+  Model openRequested() {
+    const ModelReference reference = isScene_ ? readModelReference(request_.input) : ModelReference{.nameOrFile = request_.input};
+    return openInput(request_, reference);
+  }
+
+  void readScene() {
+    if (isScene_)
+      scene_ = loadScene(request_.input, model_.skeleton);
+    else
+      scene_.q = model_.skeleton.rest();
+    if (!scene_.selectedJoint.empty()) selected_ = model_.skeleton.jointIndex(scene_.selectedJoint);
+  }
+
+  Theme theme() const {
+    if (request_.theme.empty()) return scene_.theme;
+    return request_.theme == "dark" ? Theme::Dark : Theme::Light;
+  }
+
+  ViewOptions options() const {
+    ViewOptions options = scene_.options;
+    options.wireframe = options.wireframe || request_.wireframe;
+    options.skeleton = options.skeleton || request_.bones;
+    options.jointFrames = options.jointFrames || request_.jointFrames;
+    options.weights = options.weights || !request_.weightsOf.empty();
+    options.ground = options.ground && !request_.noGround;
+    options.shadow = options.shadow && !request_.noShadow;
+    return options;
+  }
+
+  /// Pixels drawn for one of the picture: as many as the renderer can hold, 3 x 3 at most for a still, 2 x 2 for a video.
+  int smoothing() const {
+    if (request_.smoothing > 0) return request_.smoothing;
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
+    const int wanted = endsWith(request_.output, ".mp4") || !isSoftwareRenderer() ? 2 : 3;
+    return std::clamp(most / std::max(viewport_.width, viewport_.height), 1, wanted);
+  }
+
+  const Request& request_;
+  Viewport viewport_;
+  bool isScene_;
+  Model model_;
+  Scene scene_;
+  Eigen::VectorXd q_;
+  std::optional<int> selected_;
+  std::optional<OffscreenContext> context_;  // before all that lives in it
+  std::optional<ModelView> view_;
+  std::optional<Renderer> renderer_;
+  std::optional<RenderTarget> target_;
+  Camera camera_;
+};
+
+void showProgress(int done, int all) {
+  if (!isatty(STDERR_FILENO)) return;
+  constexpr int width = 40;
+  const int filled = width * done / all;
+  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}/{}{}", "", filled, "", width - filled, done, all, done == all ? "\n" : "");
+  std::fflush(stderr);
+}
+
+void writeTurntable(Studio& studio, const Request& request) {
+  const int count = request.frames > 0 ? request.frames : static_cast<int>(std::lround(request.seconds * request.framesPerSecond));
+  if (count < 1) throw std::invalid_argument("a video needs at least one frame");
+  VideoWriter video(request.output, studio.viewport().width, studio.viewport().height, request.framesPerSecond);
+  for (int i = 0; i < count; ++i) {
+    video.add(studio.picture(2.0 * std::numbers::pi * i / count));
+    showProgress(i + 1, count);
+  }
+  video.finish();
+}
+
+void render(const Request& request) {
+  const bool video = endsWith(request.output, ".mp4");
+  if (!video && !endsWith(request.output, ".png"))
+    throw std::invalid_argument("--output: expected a name ending in .png or .mp4, found '" + request.output + "'");
+  Studio studio(request);
+  if (video)
+    writeTurntable(studio, request);
+  else
+    writePng(request.output, studio.picture());
+  fmt::print("{}: {} x {}, {}, {}\n", request.output, studio.viewport().width, studio.viewport().height, studio.model().name,
+             glRenderer());
+}
+
+}  // namespace
+
+void addRenderCommand(CLI::App& app) {
+  const auto request = std::make_shared<Request>();
+  CLI::App* command = app.add_subcommand("render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
+  command->add_option("input", request->input, "Built-in model, model file or scene (.json)")->required();
+  command->add_option("-o,--output", request->output, "Picture or video to write")->required();
+  command->add_option("--skeleton", request->skeleton, "Skeleton file that goes with an OBJ");
+  command->add_option("--weights", request->weights, "Weights file that goes with an OBJ and a skeleton");
+  command->add_option("--size", request->size, "Pixels at scale 1")->capture_default_str();
+  command->add_option("--scale", request->scale, "Enlarges the picture, and lines and marks with it")
+      ->check(CLI::Range(0.1, 8.0))
+      ->capture_default_str();
+  command->add_option("--theme", request->theme, "light or dark; otherwise the scene's")->check(CLI::IsMember({"light", "dark"}));
+  command->add_option("--view", request->view, "Standard direction")
+      ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}));
+  command->add_option("--azimuth", request->azimuth, "Degrees about the vertical, 0 from the front");
+  command->add_option("--elevation", request->elevation, "Degrees above the horizon")->check(CLI::Range(-90.0, 90.0));
+  command->add_option("--focus", request->focus, "Close-up of this joint");
+  command->add_option("--zoom", request->zoom, "Factor")->check(CLI::PositiveNumber);
+  command->add_flag("--orthographic", request->orthographic, "Without perspective");
+  command->add_option("--q", request->q, "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
+  command->add_flag("--wireframe", request->wireframe, "Edges of the triangles");
+  command->add_flag("--bones", request->bones, "Skeleton through a translucent skin");
+  command->add_option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
+  command->add_flag("--joint-frames", request->jointFrames, "Axes of every joint");
+  command->add_flag("--no-ground", request->noGround);
+  command->add_flag("--no-shadow", request->noShadow);
+  command->add_option("--smoothing", request->smoothing, "Draw n x n pixels for one; otherwise what suits the renderer")
+      ->check(CLI::Range(1, 4));
+  command->add_option("--seconds", request->seconds, "Video: length of one turn")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--frames", request->frames, "Video: number of frames instead of --seconds")->check(CLI::PositiveNumber);
+  command->add_option("--fps", request->framesPerSecond, "Video: frames a second")->check(CLI::Range(1, 240))->capture_default_str();
+  command->callback([request] { render(*request); });
+}
+
+}  // namespace gelenk

@@ -1,0 +1,59 @@
+#include "apps/render/signs.h"
+
+#include <algorithm>
+
+namespace gelenk {
+
+using Eigen::Vector3d;
+
+void addBones(Overlay& overlay, const Skeleton& skeleton, const Frames& worldFromJoint, double size, const Colour& colour,
+              int selected) {
+  for (int j = 0; j < skeleton.jointCount(); ++j) {
+    const Vector3d at = worldFromJoint[j].translation();
+    const int parent = skeleton.parent(j);
+    if (parent >= 0) {
+      const Vector3d from = worldFromJoint[parent].translation();
+      const double length = (at - from).norm();
+      const double thickness = std::clamp(0.07 * length, 0.002 * size, 0.009 * size);
+      if (length > 1e-4 * size)
+        overlay.bone(from, at, std::min(thickness, 0.25 * length), parent == selected ? accentColour : colour);
+    }
+    const bool marked = j == selected;
+    overlay.point(at, marked ? accentColour : colour, marked ? 9.0f : 5.0f);
+  }
+}
+
+void addJointFrames(Overlay& overlay, const Frames& worldFromJoint, double size) {
+  for (const Eigen::Isometry3d& frame : worldFromJoint) overlay.axes(frame, 0.03 * size);
+}
+
+void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& worldFromJoint,
+                  double size, const Colour& colour) {
+  for (int j = 0; j < skeleton.jointCount(); ++j) {
+    const Joint& joint = skeleton.joint(j);
+    // The axes turn with the motions before them: walk them from the joint's zero frame.
+    Eigen::Isometry3d frame = worldFromJoint[j] * jointMotion(skeleton, q, j).inverse(Eigen::Isometry);
+    for (std::size_t k = 0; k < joint.axes.size(); ++k) {
+      const Vector3d direction = frame.linear() * joint.axes[k].axis;
+      const Vector3d at = frame.translation();
+      overlay.dashedLine(at - 0.08 * size * direction, at + 0.08 * size * direction, 0.008 * size, colour);
+      const double value = q[skeleton.qIndex(j) + static_cast<int>(k)];
+      if (joint.axes[k].kind == AxisDof::Kind::Rotation)
+        frame.rotate(Eigen::AngleAxisd(value, joint.axes[k].axis));
+      else
+        frame.translate(value * joint.axes[k].axis);
+    }
+  }
+}
+
+void addReach(Overlay& overlay, const Vector3d& reached, const Vector3d& target, double size, const Colour& colour,
+              Overlay::Shape shape) {
+  const double distance = (target - reached).norm();
+  if (distance > 1e-3 * size) {
+    overlay.line(reached, target, viridis(static_cast<float>(1.0 - distance / (0.5 * size))), 2.0f);
+    overlay.point(reached, withAlpha(colour, 0.7f), 7.0f);
+  }
+  overlay.point(target, colour, 13.0f, shape);
+}
+
+}  // namespace gelenk

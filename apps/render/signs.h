@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "apps/render/overlay.h"
+#include "kinematics/forward_kinematics.h"
+
+namespace gelenk {
+
+// Signs of an articulated model, made from its frames. size: a typical length of the scene (the body's diagonal).
+
+/// Slim octahedral bones from each joint to its children; joints without a child end in a point. selected: drawn in the accent
+/// colour with the bones that it carries; -1 for none.
+void addBones(Overlay& overlay, const Skeleton& skeleton, const Frames& worldFromJoint, double size, const Colour& colour,
+              int selected = -1);
+/// Red, green and blue axes of every joint.
+void addJointFrames(Overlay& overlay, const Frames& worldFromJoint, double size);
+/// The axis of every rotation and translation as a dashed line through its joint. q: nq.
+void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& worldFromJoint, double size,
+                  const Colour& colour);
+/// Target and reached point, and, where they differ by more than a thousandth of size, the line between them, coloured by the
+/// distance through viridis reversed.
+void addReach(Overlay& overlay, const Eigen::Vector3d& reached, const Eigen::Vector3d& target, double size, const Colour& colour,
+              Overlay::Shape shape = Overlay::Shape::Disc);
+
+inline constexpr Colour handleColour = {0.95f, 0.55f, 0.13f};
+inline constexpr Colour pinColour = {0.16f, 0.47f, 0.71f};
+inline constexpr Colour boneColour = {0.93f, 0.90f, 0.82f};
+inline constexpr Colour accentColour = {0.99f, 0.62f, 0.18f};
+
+}  // namespace gelenk
