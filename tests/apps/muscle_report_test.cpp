@@ -12,6 +12,7 @@
 
 #include "kinematics/configuration.h"
 #include "skinning/io/obj.h"
+#include "skinning/muscle_fit.h"
 
 namespace gelenk {
 namespace {
@@ -126,6 +127,62 @@ TEST_P(TrialLimbs, LayerKeepsWhatLinearBlendingLoses) {
       EXPECT_NEAR(row.volume, 1.0, 1e-6) << row.motion << " " << row.degrees;
     }
   EXPECT_GT(at("twist-second", "ffd", 170).smallestSection, at("twist-second", "lbs", 170).smallestSection);
+}
+
+/// Sculpted displacements of the trial body by name, then by body vertex.
+std::map<std::string, std::map<int, Vector3d>> readMorphs() {
+  std::map<std::string, std::map<int, Vector3d>> morphs;
+  std::ifstream file(bodies + "muscle_morphs.txt");
+  std::map<int, Vector3d>* current = nullptr;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string first, name;
+    int vertex = 0;
+    Vector3d d;
+    if (line.starts_with("morph") && words >> first >> name)
+      current = &morphs[name];
+    else if (current && words >> vertex >> d.x() >> d.y() >> d.z())
+      (*current)[vertex] = d;
+  }
+  return morphs;
+}
+
+TEST_P(TrialLimbs, MoreFreedomFitsTheSculptedMuscleBetter) {
+  if (!std::filesystem::exists(bodies)) GTEST_SKIP() << "trial data not found in " << bodies;
+  const TrialLimb limb = trialLimb(GetParam().name, GetParam().chain, GetParam().below);
+  const Frames rest = restFrames(limb.skeleton);
+  const MuscleSkin body = bindMuscles(limb.skin, {makeLimb(limb.skeleton, rest, GetParam().name, {1, 2, 3})}, rest);
+  std::vector<int> source;
+  std::ifstream map(bodies + GetParam().name + ".map.txt");
+  for (std::string line; std::getline(map, line);)
+    if (!line.starts_with('#')) source.push_back(std::stoi(line));
+  int fitted = 0;
+  for (const auto& [name, morph] : readMorphs()) {
+    std::vector<Vector3d> displacement(source.size(), Vector3d::Zero());
+    for (std::size_t v = 0; v < source.size(); ++v)
+      if (morph.count(source[v])) displacement[v] = morph.at(source[v]);
+    const auto fit = [&](MuscleFreedom freedom) { return fitMuscle(body, 0, rest, displacement, freedom); };
+    const MuscleFit scale = fit(MuscleFreedom::Scale);
+    if (scale.vertices < 50) continue;
+    ++fitted;
+    const MuscleFit offset = fit(MuscleFreedom::ScaleAndOffset), points = fit(MuscleFreedom::FreePoints);
+    std::printf("%-32s %4d vertices: residual of rms: scale %.1f %%, scale and offset %.1f %%, free points %.1f %%\n", name.c_str(),
+                scale.vertices, 100 * scale.residual, 100 * offset.residual, 100 * points.residual);
+    EXPECT_LT(offset.residual, scale.residual);
+    EXPECT_LT(points.residual, offset.residual);
+    EXPECT_LT(points.residual, 0.5);
+
+    // The states that come back do what the fit says: pose the limb with them and measure.
+    const LimbPose pose = poseLimb(body.limbs[0].shape, limbFrames(body.limbs[0], rest), points.states);
+    double left = 0.0, all = 0.0;
+    for (std::size_t v = 0; v < source.size(); ++v) {
+      if (body.vertices[v].volume < 0 || body.vertices[v].limb != 0 || displacement[v].norm() == 0.0) continue;
+      left += (deformLimbPoint(pose, body.vertices[v]) - body.skin.mesh.positions[v] - displacement[v]).squaredNorm();
+      all += displacement[v].squaredNorm();
+    }
+    EXPECT_NEAR(std::sqrt(left / all), points.residual, 1e-9);
+  }
+  EXPECT_GT(fitted, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfTheTrialBody, TrialLimbs,
