@@ -37,6 +37,7 @@ struct SolverEntry {
 /// Every solver there is, an explicit table in solver_catalogue.cpp.
 std::span<const SolverEntry> solverCatalogue();
 
+/// "default" names the default solver of serial chains, the catalogue's first.
 /// Throws std::invalid_argument that lists the names there are.
 std::unique_ptr<IkSolver> makeSolver(std::string_view name);
 

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+
+namespace gelenk {
+
+/// Plain data of the flagship's inner loops. The loops are compiled once an instruction set (serial_kernel_*.cpp) and chosen
+/// at run time, so this header must stay free of inline functions and templates: two copies compiled with different
+/// instructions would be merged by the linker.
+
+inline constexpr int maxChainDofs = 8;
+inline constexpr int kernelLanes = 8;
+
+/// Modified Denavit-Hartenberg constants of a chain, see SerialChain. Entry i belongs to dof i.
+struct ChainConstants {
+  double a[maxChainDofs], d[maxChainDofs], cosAlpha[maxChainDofs], sinAlpha[maxChainDofs], theta[maxChainDofs];
+  double revolute[maxChainDofs];                            ///< 1 or 0 (prismatic)
+  double lower[maxChainDofs], upper[maxChainDofs];          ///< walls; -+1e300 where there is none
+  double seedLower[maxChainDofs], seedUpper[maxChainDofs];  ///< where random starts are drawn
+};
+
+/// A goal in the chain's base frame and lengths: columns of the wanted rotation and the wanted place of the point.
+struct KernelTarget {
+  double x[3], y[3], z[3], p[3];
+};
+
+/// What is asked of the last frame, the same for all problems of a call.
+struct KernelTask {
+  double point[3] = {0, 0, 0};  ///< the controlled point in the last frame
+  int hasPoint = 0;             ///< 0: the point is the frame's origin
+  int position = 1, orientation = 1;
+  double positionTolerance2 = 1e-12, orientationTolerance2 = 1e-12;  ///< squares
+  int attemptIterations = 15;   ///< a start that has not converged by then is given up
+};
+
+struct KernelAnswer {
+  int solved = 0;
+  int iterations = 0;   ///< of all lanes and attempts together
+  int attempts = 0;     ///< starts used, the first included
+  double error2 = 0.0;  ///< squared error of q (chain lengths and radians)
+  double q[maxChainDofs];
+};
+
+/// The inner loops for one number of dofs.
+struct SerialKernel {
+  /// One start, one lane. answer.q: the solution, or the best point met.
+  void (*attempt)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* start, KernelAnswer&);
+
+  /// One problem, eight starts side by side: seeds (seedCount x n, row after row) first, then random ones; a lane that fails takes
+  /// the next start. Ends with the first lane that converges, or when maxAttempts starts are spent.
+  void (*race)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* seeds, int seedCount, int maxAttempts,
+               std::uint64_t randomSeed, KernelAnswer&);
+
+  /// Many problems, one a lane; a lane that is done takes the next problem. seeds: seedsEach x n a problem; random starts after.
+  /// Random starts depend on the problem's index, not on its neighbours.
+  void (*batch)(const ChainConstants&, const KernelTask&, const KernelTarget*, int count, const double* seeds, int seedsEach,
+                int maxAttempts, std::uint64_t randomSeed, KernelAnswer*);
+
+  /// Frame and geometric Jacobian of a point in the last frame. base: columns x, y, z, p (12). frame: likewise (12), of the
+  /// last frame with p the point's place. J: n columns of 6 (velocity of the point, angular velocity).
+  void (*frameAndJacobian)(const ChainConstants&, const double* base, const double* point, const double* q, double* frame,
+                           double* J);
+
+  /// Squared errors of eight configurations (8 x n, row after row) against one target: for the choice among seeds.
+  void (*errors)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* q, double* error2);
+};
+
+enum class InstructionSet { Baseline, Avx2, Avx512 };
+
+/// nullptr where this build has no such kernel. n: 1..maxChainDofs.
+const SerialKernel* serialKernelBaseline(int n, bool prismatic);
+const SerialKernel* serialKernelAvx2(int n, bool prismatic);
+const SerialKernel* serialKernelAvx512(int n, bool prismatic);
+
+/// The best set that this processor and this build have.
+InstructionSet bestInstructionSet();
+bool isAvailable(InstructionSet set);
+const char* toString(InstructionSet set);
+/// Throws std::invalid_argument where the set is not available here.
+const SerialKernel& serialKernel(InstructionSet set, int n, bool prismatic);
+
+}  // namespace gelenk
