@@ -4,10 +4,12 @@
 #include "solvers/ceres_solver.h"
 #include "solvers/evolution.h"
 #include "solvers/ik_solver.h"
+#include "solvers/newton.h"
 #include "solvers/qp.h"
 #include "solvers/quasi_newton.h"
 #include "solvers/step_rules.h"
 #include "solvers/task_priority.h"
+#include "solvers/two_link.h"
 
 namespace gelenk {
 namespace {
@@ -33,6 +35,10 @@ constexpr std::array catalogue{
     SolverEntry{"ceres-dogleg", "Ceres, dogleg", "ceres-solver.org; Powell 1970", &makeCeresDogleg},
     SolverEntry{"ceres-line-search", "Ceres, L-BFGS line search", "ceres-solver.org", &makeCeresLineSearch},
     SolverEntry{"evolution", "Evolution with gradient polishing", "Ruppel et al. 2018 (bio_ik)", &makeEvolution},
+    SolverEntry{"newton-1d", "Newton, one dimension", "Lecture 10.1.4, one-dimensional Newton method", &makeNewton1d},
+    SolverEntry{"newton", "Newton, full steps", "Lecture 10.1.4, n = m and n > m", &makeNewton},
+    SolverEntry{"newton-quotient", "Newton, difference quotients", "Lecture 10.1.4, derivative", &makeNewtonDifferenceQuotient},
+    SolverEntry{"two-link", "Two-link closed form", "Lecture 10.1.3, analytic solution", &makeTwoLink},
 };
 
 }  // namespace
