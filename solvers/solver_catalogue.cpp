@@ -7,6 +7,7 @@
 #include "solvers/newton.h"
 #include "solvers/qp.h"
 #include "solvers/quasi_newton.h"
+#include "solvers/serial_pose.h"
 #include "solvers/step_rules.h"
 #include "solvers/task_priority.h"
 #include "solvers/two_link.h"
@@ -15,6 +16,8 @@ namespace gelenk {
 namespace {
 
 constexpr std::array catalogue{
+    SolverEntry{"serial-pose", "Box-limited LM with raced restarts", "Chan and Lawrence 1988; this project", &makeSerialPose},
+    SolverEntry{"serial-pose-table", "The same with a table of starts", "this project", &makeSerialPoseTable},
     SolverEntry{"pseudo-inverse", "Pseudo-inverse Newton", "Lecture 10.1.4, n > m", &makePseudoInverse},
     SolverEntry{"jacobian-transpose", "Jacobian transpose", "Buss 2004", &makeJacobianTranspose},
     SolverEntry{"dls", "Damped least squares", "Wampler 1986; Buss 2004", &makeDampedLeastSquares},
@@ -46,6 +49,7 @@ constexpr std::array catalogue{
 std::span<const SolverEntry> solverCatalogue() { return catalogue; }
 
 std::unique_ptr<IkSolver> makeSolver(std::string_view name) {
+  if (name == "default") name = catalogue.front().name;
   std::string known;
   for (const SolverEntry& entry : catalogue) {
     if (entry.name == name) return entry.make();
