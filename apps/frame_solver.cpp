@@ -1,6 +1,7 @@
 #include <stdexcept>
 
 #include "apps/session.h"
+#include "solvers/drag_solver.h"
 
 namespace gelenk {
 namespace {
@@ -19,6 +20,29 @@ class WarmSolver final : public FrameSolver {
   std::unique_ptr<IkSolver> solver_;
 };
 
+/// The stateful drag solver. Priority 0 marks pins, see Session::problem.
+class DragFrameSolver final : public FrameSolver {
+ public:
+  explicit DragFrameSolver(const Skeleton& skeleton) : solver_(skeleton) {}
+
+  IkReport frame(const IkProblem& problem) override {
+    if (fresh_) solver_.reset(problem.start);
+    fresh_ = false;
+    goals_.clear();
+    for (const Goal& goal : problem.goals) {
+      goals_.push_back({.goal = goal, .role = goal.priority == 0 ? GoalRole::Pin : GoalRole::Drag});
+      if (goal.priority == 0) goals_.back().goal.weight = 1.0;  // pins have their weight in the solver's options
+    }
+    return solver_.frame(goals_, TraceLevel::Residuals);
+  }
+  void reset() override { fresh_ = true; }
+
+ private:
+  DragSolver solver_;
+  std::vector<DragGoal> goals_;
+  bool fresh_ = true;
+};
+
 }  // namespace
 
 std::vector<std::string> frameSolverNames() {
@@ -29,7 +53,8 @@ std::vector<std::string> frameSolverNames() {
 }
 
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name, const Skeleton& skeleton) {
-  return std::make_unique<WarmSolver>(name == "hybrid" ? "dls" : name, skeleton);
+  if (name == "hybrid") return std::make_unique<DragFrameSolver>(skeleton);
+  return std::make_unique<WarmSolver>(name, skeleton);
 }
 
 }  // namespace gelenk

@@ -1,8 +1,13 @@
 #include "apps/commands.h"
-#include "apps/render/render_command.h"
 
 namespace gelenk {
 
-void addGraphicsCommands(CLI::App& app) { addRenderCommand(app); }
+void addRenderCommand(CLI::App& app);
+void addSandboxCommand(CLI::App& app);
+
+void addGraphicsCommands(CLI::App& app) {
+  addSandboxCommand(app);
+  addRenderCommand(app);
+}
 
 }  // namespace gelenk

@@ -1,9 +1,13 @@
-#include "apps/sandbox/panel.h"
+#include "apps/sandbox/builtin_panels.h"
 
 namespace gelenk {
 
 std::vector<std::unique_ptr<Panel>> makePanels() {
   std::vector<std::unique_ptr<Panel>> panels;
+  panels.push_back(makeSolvePanel());
+  panels.push_back(makeModelPanel());
+  panels.push_back(makeSkinPanel());
+  panels.push_back(makePlotsPanel());
   return panels;
 }
 

@@ -9,13 +9,12 @@
 #include <vector>
 
 #include "apps/sandbox/input.h"
+#include "apps/render/renderer.h"
 #include "apps/sandbox/panel.h"
 #include "apps/scene.h"
 #include "apps/session.h"
 
 namespace gelenk {
-
-class Overlay;
 
 /// A further body in the view: a comparison, a keyframe, a mocap source. Drawn in the frame in which it is added.
 struct Ghost {
@@ -85,7 +84,9 @@ class Sandbox {
   Overlay& overlayInScene();            ///< the same, hidden by bodies in front
   /// Text at a world point, this frame; colour sRGB 0..1.
   void label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour);
-  /// Colour of every vertex (linear 0..1) instead of the clay, this frame: weights, distances, strain.
+  /// One value in [0, 1] a vertex, shown as viridis instead of the clay, this frame: weights, distances, strain.
+  void showVertexScalars(const std::vector<float>& values);
+  /// Any colours instead, linear light 0..1, one a vertex.
   void showVertexColours(std::vector<Eigen::Vector3f> colours);
 
   std::optional<int> selectedJoint() const;
@@ -101,8 +102,12 @@ class Sandbox {
   std::string renderer() const;  ///< GL_RENDERER
 
   struct State;
+  State& state() { return *state_; }  ///< for the sandbox's own files
 
  private:
+  Model readModel(const std::string& name, const std::string& skeletonFile, const std::string& weightsFile);
+  void openScene(const std::string& path);
+
   std::unique_ptr<State> state_;
 };
 

@@ -1,0 +1,360 @@
+#include "apps/sandbox/sandbox.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/image.h"
+#include "apps/model_files.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+
+namespace gelenk {
+namespace {
+
+constexpr double noticeSeconds = 3.5, errorSeconds = 9.0;
+constexpr std::size_t errorHistory = 240, dragHistory = 3;
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+Eigen::AlignedBox3d boxOf(const Session& session, const Frames& frames, const SkinnedVertices& surface) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : surface.positions) box.extend(p);
+  if (box.isEmpty())
+    for (int i = 0; i < session.skeleton().jointCount(); ++i) box.extend(frames[i].translation());
+  return box;
+}
+
+/// Moves in a fifth of a second, eased at both ends.
+void glideCamera(Sandbox::State& s) {
+  if (!s.cameraMove) return;
+  const auto& [from, to, begin] = *s.cameraMove;
+  const double t = std::clamp((s.time - begin) / 0.2, 0.0, 1.0), e = t * t * (3.0 - 2.0 * t);
+  s.camera = to;
+  if (t >= 1.0) {
+    s.cameraMove.reset();
+    return;
+  }
+  s.camera.target = from.target + e * (to.target - from.target);
+  s.camera.distance = from.distance * std::pow(to.distance / from.distance, e);
+  s.camera.azimuth = from.azimuth + e * std::remainder(to.azimuth - from.azimuth, 2.0 * M_PI);
+  s.camera.elevation = from.elevation + e * (to.elevation - from.elevation);
+}
+
+void recordPlots(Sandbox::State& s) {
+  const FrameSolve& solve = s.session->lastSolve();
+  if (!solve.ran) return;
+  s.plots.errors.push_back(solve.error);
+  if (s.plots.errors.size() > errorHistory) s.plots.errors.erase(s.plots.errors.begin());
+  if (solve.residuals.size() > 1) s.plots.residuals = solve.residuals;
+  if (s.session->dragged() && solve.residuals.size() >= s.plots.worst.size()) s.plots.worst = solve.residuals;
+  if (!s.session->dragged() && s.plots.worst.size() > 1) {
+    s.plots.earlier.push_back({s.plots.worst, s.session->solver()});
+    if (s.plots.earlier.size() > dragHistory) s.plots.earlier.erase(s.plots.earlier.begin());
+    s.plots.worst.clear();
+  }
+}
+
+/// The model's mesh for this frame: skinned on the GPU, or, with a deformer, on the CPU. Sets the pose to draw it with.
+SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.mesh || !(s.show.skin || s.show.wireframe)) return nullptr;
+  if (!s.deformer) return s.mesh.get();
+  const Skin& skin = *s.session->model().skin;
+  if (!s.deformedMesh) s.deformedMesh = std::make_unique<SkinnedMeshGl>(skin);
+  s.deformedMesh->setShape(sandbox.surface());
+  s.pose = unposed(skin.jointCount());
+  return s.deformedMesh.get();
+}
+
+Eigen::AlignedBox3d boundsOfFrame(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.posedBounds) return boxOf(*s.session, sandbox.shownFrames(), {});
+  poseSkin(*s.session->model().skin, sandbox.shownFrames(), s.pose);
+  return (*s.posedBounds)(s.pose);
+}
+
+void addGhosts(Sandbox::State& s) {
+  s.ghostPoses.resize(s.ghosts.size());
+  for (std::size_t i = 0; i < s.ghosts.size(); ++i) {
+    const Ghost& ghost = s.ghosts[i];
+    const Skin* skin = ghost.skin ? ghost.skin : s.session->model().skin ? &*s.session->model().skin : nullptr;
+    if (!skin) continue;
+    const SkinnedMeshGl* mesh = s.mesh.get();
+    if (ghost.skin) {
+      auto it = std::ranges::find(s.ghostMeshes, skin, [](const auto& entry) { return entry.first; });
+      if (it == s.ghostMeshes.end()) it = s.ghostMeshes.emplace(s.ghostMeshes.end(), skin, std::make_unique<SkinnedMeshGl>(*skin));
+      mesh = it->second.get();
+    }
+    poseSkin(*skin, ghost.worldFromJoint, s.ghostPoses[i]);
+    s.scene.bodies.push_back({.mesh = mesh,
+                              .pose = &s.ghostPoses[i],
+                              .tint = {ghost.tint.x(), ghost.tint.y(), ghost.tint.z(), ghost.opacity}});
+  }
+}
+
+void renderView(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  s.scene.bodies.clear();
+  s.scene.theme = s.theme;
+  s.scene.shadows = s.show.shadow;
+  s.scene.ground.visible = s.show.ground && !s.session->model().planar;
+  s.scene.ground.height = s.groundHeight;
+  s.scene.xray = s.show.skeleton;
+  s.scene.bounds = s.bounds;
+  s.scene.size = s.size;
+  std::optional<std::vector<Eigen::Vector3f>> colours = std::exchange(s.vertexColours, std::nullopt);
+  if (SkinnedMeshGl* mesh = meshOfFrame(sandbox)) {
+    BodyInstance body{.mesh = mesh, .pose = &s.pose, .wireframe = s.show.wireframe};
+    if (!colours && s.show.weights && s.selectedJoint) colours = viridisColours(jointWeights(*s.session->model().skin, *s.selectedJoint));
+    if (colours && static_cast<int>(colours->size()) == mesh->vertexCount()) {
+      mesh->setColours(*colours);
+      body.surface = SurfaceColour::Vertex;
+    }
+    s.scene.bodies.push_back(body);
+  }
+  addGhosts(s);
+  const Viewport viewport = s.viewport();
+  s.picture.resize(viewport.width, viewport.height);
+  s.renderer.draw(s.scene, s.camera, viewport, s.picture.framebuffer(), s.scale);
+}
+
+}  // namespace
+
+Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.options = options;
+  s.theme = options.theme;
+  s.scale = static_cast<float>(options.scale);
+  s.panels = makePanels();
+  s.gui.setLook(s.theme, s.scale);
+  s.layout = layOut(s, options.width, options.height);
+  if (options.skeletonFile.empty() && endsWith(options.model, ".json")) {
+    openScene(options.model);
+  } else {
+    openModel(readModel(options.model, options.skeletonFile, options.weightsFile),
+              {options.model, options.skeletonFile, options.weightsFile});
+    s.session->setSolver(options.solver);
+  }
+}
+
+Sandbox::~Sandbox() = default;
+
+Model Sandbox::readModel(const std::string& name, const std::string& skeletonFile, const std::string& weightsFile) {
+  if (skeletonFile.empty()) return gelenk::openModel(name);
+  return openBody(name, skeletonFile, weightsFile.empty() ? std::nullopt : std::optional(weightsFile));
+}
+
+void Sandbox::openModel(Model model, const ModelReference& reference) {
+  State& s = *state_;
+  const std::string solver = s.session ? s.session->solver() : std::string();
+  auto session = std::make_unique<Session>(std::move(model));
+  if (!solver.empty()) session->setSolver(solver);
+  auto mesh = session->model().skin ? std::make_unique<SkinnedMeshGl>(*session->model().skin) : nullptr;
+  s.session = std::move(session);
+  s.mesh = std::move(mesh);
+  s.posedBounds = s.mesh ? std::make_unique<PosedBounds>(*s.session->model().skin) : nullptr;
+  s.reference = reference;
+  s.deformer = {};
+  s.deformedMesh.reset();
+  s.ghosts.clear();
+  s.ghostMeshes.clear();
+  s.shownFrames.reset();
+  s.vertexColours.reset();
+  s.gesture = {};
+  s.hover = {};
+  s.selectedJoint.reset();
+  s.selectedGoal.reset();
+  s.plots = {};
+  s.limitGlow.assign(s.session->skeleton().jointCount(), 0.0);
+  s.surfaceIsCurrent = false;
+  s.bounds = boxOf(*s.session, shownFrames(), surface());
+  s.size = std::max(s.bounds.diagonal().norm(), 1e-9);
+  const Eigen::Vector3d up = s.session->model().up;
+  s.groundHeight = std::min(up.dot(s.bounds.min()), up.dot(s.bounds.max()));
+  s.show.skeleton = !s.mesh;
+  frameEverything(*this, false);
+  for (const auto& panel : s.panels) panel->modelChanged(*this);
+  for (const std::string& note : s.session->model().notes) say(note);
+}
+
+void Sandbox::openScene(const std::string& path) {
+  State& s = *state_;
+  const ModelReference reference = readModelReference(path);
+  const bool sameModel = s.session && reference.nameOrFile == s.reference.nameOrFile &&
+                         reference.skeletonFile == s.reference.skeletonFile && reference.weightsFile == s.reference.weightsFile;
+  Model model = sameModel ? s.session->model() : readModel(reference.nameOrFile, reference.skeletonFile, reference.weightsFile);
+  const Scene scene = loadScene(path, model.skeleton);
+  Session trial(model);  // a scene that does not fit must leave what is open as it is
+  trial.restore(scene);
+  if (!sameModel) openModel(std::move(model), reference);
+  s.session->restore(scene);
+  s.camera = scene.camera;
+  s.cameraMove.reset();
+  s.show = scene.options;
+  s.theme = scene.theme;
+  s.selectedJoint = s.session->skeleton().findJoint(scene.selectedJoint);
+  s.scenePath = path;
+  for (const auto& panel : s.panels)
+    if (const auto it = scene.panels.find(panel->name()); it != scene.panels.end()) panel->load(*this, it->second);
+}
+
+bool Sandbox::open(const std::string& nameOrFile, const std::string& skeletonFile, const std::string& weightsFile) {
+  try {
+    if (endsWith(nameOrFile, ".json")) {
+      openScene(nameOrFile);
+    } else {
+      bool taken = false;
+      for (const auto& panel : state_->panels) taken = taken || (skeletonFile.empty() && panel->openFile(*this, nameOrFile));
+      if (!taken) openModel(readModel(nameOrFile, skeletonFile, weightsFile), {nameOrFile, skeletonFile, weightsFile});
+    }
+    say("Opened " + nameOrFile);
+    return true;
+  } catch (const std::exception& error) {
+    say(error.what(), true);
+    return false;
+  }
+}
+
+Scene Sandbox::scene() const {
+  const State& s = *state_;
+  Scene scene;
+  scene.model = s.reference;
+  scene.camera = s.cameraMove ? s.cameraMove->to : s.camera;
+  scene.options = s.show;
+  scene.theme = s.theme;
+  s.session->store(scene);
+  if (s.selectedJoint) scene.selectedJoint = s.session->skeleton().joint(*s.selectedJoint).name;
+  for (const auto& panel : s.panels)
+    if (std::string text = panel->save(); !text.empty()) scene.panels[panel->name()] = std::move(text);
+  return scene;
+}
+
+bool Sandbox::saveSceneTo(const std::string& path) {
+  try {
+    saveScene(path, scene(), session().skeleton());
+    state_->scenePath = path;
+    say("Saved " + path);
+    return true;
+  } catch (const std::exception& error) {
+    say(error.what(), true);
+    return false;
+  }
+}
+
+void Sandbox::frame(const Input& input, double dt) {
+  State& s = *state_;
+  const auto begin = std::chrono::steady_clock::now();
+  GLint framebuffer = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  ++s.frameNumber;
+  s.time += dt;
+  s.scale = static_cast<float>(input.scale);
+  s.ghosts.clear();
+  s.labels.clear();
+  s.scene.overlay.clear();
+  s.scene.overlayOnTop.clear();
+  s.shownFrames.reset();
+  s.surfaceIsCurrent = false;
+
+  s.gui.setLook(s.theme, s.scale);
+  s.gui.beginFrame(input, dt);
+  s.layout = layOut(s, input.width, input.height);
+  glideCamera(s);
+  handleViewInput(*this, input);
+  for (const auto& panel : s.panels) panel->step(*this, dt);
+  if (!s.shownFrames) s.session->step();
+  recordPlots(s);
+  s.surfaceIsCurrent = false;
+  s.bounds = boundsOfFrame(*this);
+
+  drawShell(*this);
+  for (const auto& panel : s.panels) panel->overlay(*this);
+  addSceneMarks(*this);
+  renderView(*this);
+  drawMarks(*this);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, input.width, input.height);
+  s.gui.endFrame();
+  if (!s.screenshotPath.empty()) {
+    try {
+      writePng(s.screenshotPath, {input.width, input.height, readPixels(framebuffer, input.width, input.height)});
+      say("Screenshot " + s.screenshotPath);
+    } catch (const std::exception& error) {
+      say(error.what(), true);
+    }
+    s.screenshotPath.clear();
+  }
+  const double milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  s.frameMilliseconds += 0.1 * (milliseconds - s.frameMilliseconds);
+}
+
+bool Sandbox::wantsToClose() const { return state_->closing; }
+Session& Sandbox::session() { return *state_->session; }
+const Session& Sandbox::session() const { return *state_->session; }
+Camera& Sandbox::camera() { return state_->camera; }
+ViewOptions& Sandbox::options() { return state_->show; }
+Theme Sandbox::theme() const { return state_->theme; }
+float Sandbox::scale() const { return state_->scale; }
+int Sandbox::frameNumber() const { return state_->frameNumber; }
+double Sandbox::time() const { return state_->time; }
+
+void Sandbox::showFrames(Frames worldFromJoint) {
+  state_->shownFrames = std::move(worldFromJoint);
+  state_->surfaceIsCurrent = false;
+}
+const Frames& Sandbox::shownFrames() const { return state_->shownFrames ? *state_->shownFrames : state_->session->frames(); }
+
+const SkinnedVertices& Sandbox::surface() const {
+  State& s = *state_;
+  if (!s.surfaceIsCurrent && s.session->model().skin) {
+    linearBlendSkin(*s.session->model().skin, shownFrames(), s.surface);
+    if (s.deformer) s.deformer(shownFrames(), s.surface);
+  } else if (!s.session->model().skin) {
+    s.surface = {};
+  }
+  s.surfaceIsCurrent = true;
+  return s.surface;
+}
+
+std::vector<Ghost>& Sandbox::ghosts() { return state_->ghosts; }
+void Sandbox::setDeformer(SkinDeformer deformer) {
+  state_->deformer = std::move(deformer);
+  state_->surfaceIsCurrent = false;
+}
+Overlay& Sandbox::overlay() { return state_->scene.overlayOnTop; }
+Overlay& Sandbox::overlayInScene() { return state_->scene.overlay; }
+void Sandbox::label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour) {
+  state_->labels.push_back({at, text, colour});
+}
+void Sandbox::showVertexScalars(const std::vector<float>& values) { state_->vertexColours = viridisColours(values); }
+void Sandbox::showVertexColours(std::vector<Eigen::Vector3f> colours) { state_->vertexColours = std::move(colours); }
+
+std::optional<int> Sandbox::selectedJoint() const { return state_->selectedJoint; }
+void Sandbox::select(std::optional<int> joint) { state_->selectedJoint = joint; }
+
+void Sandbox::say(const std::string& sentence, bool isError) {
+  State& s = *state_;
+  s.notices.push_back({sentence, isError, s.time + (isError ? errorSeconds : noticeSeconds)});
+  if (s.notices.size() > 4) s.notices.erase(s.notices.begin());
+}
+bool Sandbox::playing() const { return state_->playing; }
+void Sandbox::setPlaying(bool playing) { state_->playing = playing; }
+void Sandbox::showInspector(const std::string& panelName) {
+  state_->inspectorOpen = true;
+  state_->inspectorTab = panelName;
+}
+void Sandbox::showBottomStrip(const std::string& panelName) {
+  state_->stripOpen = true;
+  state_->stripTab = panelName;
+}
+std::string Sandbox::renderer() const { return glRenderer(); }
+
+}  // namespace gelenk

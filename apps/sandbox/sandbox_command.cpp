@@ -1,0 +1,139 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "apps/commands.h"
+#include "apps/image.h"
+#include "apps/sandbox/replay.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/window.h"
+#include "kinematics/io/text_file.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+
+namespace gelenk {
+namespace {
+
+struct Arguments {
+  SandboxOptions sandbox;
+  std::string replay, screenshot, status, size = "1280x800", theme = "light";
+  double scale = 0.0;
+  bool offscreen = false, verbose = false;
+  int frames = 0;
+};
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+void parseSize(Arguments& arguments) {
+  int width = 0, height = 0, used = 0;
+  if (std::sscanf(arguments.size.c_str(), "%dx%d%n", &width, &height, &used) != 2 || used != static_cast<int>(arguments.size.size()) ||
+      width < 320 || height < 240 || width > 16384 || height > 16384)
+    throw std::invalid_argument("--size: expected WIDTHxHEIGHT from 320x240 to 16384x16384, found '" + arguments.size + "'");
+  arguments.sandbox.width = width;
+  arguments.sandbox.height = height;
+}
+
+/// Finds out before the work, not after it, that a result cannot be written.
+void requireWritableFolder(const std::string& path) {
+  if (path.empty()) return;
+  const std::string probe = path + ".probe";
+  writeFile(probe, "");
+  std::filesystem::remove(probe);
+}
+
+void tellStart(const Arguments& arguments, const Sandbox& sandbox, Clock::time_point begin) {
+  if (arguments.verbose) std::fprintf(stderr, "first frame after %.3f s, %s\n", secondsSince(begin), sandbox.renderer().c_str());
+}
+
+/// Frames of 1/60 s into a framebuffer of its own.
+void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Clock::time_point begin) {
+  const OffscreenContext context;
+  Sandbox sandbox(arguments.sandbox);
+  const int width = arguments.sandbox.width, height = arguments.sandbox.height;
+  ViewPicture target;
+  target.resize(width, height);
+  InputQueue queue;
+  const int frames = arguments.frames > 0 ? arguments.frames : replay ? replay->length() + 1 : 1;
+  for (int i = 0; i < frames && !sandbox.wantsToClose(); ++i) {
+    if (replay) replay->play(i, sandbox, queue);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+    sandbox.frame({.width = width, .height = height, .scale = arguments.sandbox.scale, .events = queue.take()}, 1.0 / 60.0);
+    if (i == 0) tellStart(arguments, sandbox, begin);
+    if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
+  }
+  if (!arguments.screenshot.empty()) writePng(arguments.screenshot, {width, height, readPixels(target.framebuffer(), width, height)});
+}
+
+void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::time_point begin) {
+  Window window(arguments.sandbox.width, arguments.sandbox.height, "Gelenk");
+  SandboxOptions options = arguments.sandbox;
+  Input input = window.poll(arguments.scale);
+  options.width = input.width;
+  options.height = input.height;
+  options.scale = input.scale;
+  Sandbox sandbox(options);
+  InputQueue queue;
+  auto last = Clock::now();
+  for (int i = 0; !window.shouldClose() && !sandbox.wantsToClose() && (arguments.frames == 0 || i < arguments.frames); ++i) {
+    input = window.poll(arguments.scale);
+    if (replay) {
+      replay->play(i, sandbox, queue);
+      for (InputEvent& event : queue.take()) input.events.push_back(std::move(event));
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    const double passed = std::clamp(secondsSince(std::exchange(last, Clock::now())), 1.0 / 240.0, 0.1);
+    sandbox.frame(input, replay ? 1.0 / 60.0 : passed);
+    const bool lastFrame = arguments.frames > 0 && i + 1 == arguments.frames;
+    if (lastFrame && !arguments.screenshot.empty())
+      writePng(arguments.screenshot, {input.width, input.height, readPixels(0, input.width, input.height)});
+    window.swap();
+    if (i == 0) tellStart(arguments, sandbox, begin);
+    if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
+  }
+}
+
+void run(Arguments arguments) {
+  const auto begin = Clock::now();
+  parseSize(arguments);
+  arguments.sandbox.theme = arguments.theme == "dark" ? Theme::Dark : Theme::Light;
+  if (arguments.scale > 0.0) arguments.sandbox.scale = arguments.scale;
+  if (!arguments.sandbox.weightsFile.empty() && arguments.sandbox.skeletonFile.empty())
+    throw std::invalid_argument("--weights needs --skeleton: weights belong to the skeleton's bones");
+  requireWritableFolder(arguments.screenshot);
+  requireWritableFolder(arguments.status);
+  std::optional<Replay> replay;
+  if (!arguments.replay.empty()) replay = Replay::read(arguments.replay);
+  if (arguments.offscreen)
+    runOffscreen(arguments, std::move(replay), begin);
+  else
+    runWindow(arguments, std::move(replay), begin);
+}
+
+}  // namespace
+
+void addSandboxCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("sandbox", "Open a model and drag it: the interactive window");
+  auto arguments = std::make_shared<Arguments>();
+  Arguments& a = *arguments;
+  command->add_option("model", a.sandbox.model, "Built-in model, model file, OBJ body or scene (.json)")->capture_default_str();
+  command->add_option("--skeleton", a.sandbox.skeletonFile, "Skeleton of an OBJ body");
+  command->add_option("--weights", a.sandbox.weightsFile, "Weights of an OBJ body; heat weights where not given");
+  command->add_option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
+  command->add_flag("--offscreen", a.offscreen, "Without a window; deterministic");
+  command->add_option("--frames", a.frames, "Stop after so many frames; offscreen: the replay's length by default")->check(CLI::PositiveNumber);
+  command->add_option("--screenshot", a.screenshot, "Write the last frame as PNG");
+  command->add_option("--status", a.status, "Write the state as JSON after every frame");
+  command->add_option("--size", a.size, "Pixels, WIDTHxHEIGHT")->capture_default_str();
+  command->add_option("--scale", a.scale, "Of type and spacing; the monitor's by default")->check(CLI::Range(0.5, 4.0));
+  command->add_option("--theme", a.theme, "light or dark")->check(CLI::IsMember({"light", "dark"}))->capture_default_str();
+  command->add_option("--solver", a.sandbox.solver, "Solver while dragging")->capture_default_str();
+  command->add_flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace gelenk

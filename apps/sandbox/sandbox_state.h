@@ -1,0 +1,170 @@
+#pragma once
+
+#include "apps/pick.h"
+#include "apps/render/posed_bounds.h"
+#include "apps/render/renderer.h"
+#include "apps/sandbox/gui.h"
+#include "apps/sandbox/sandbox.h"
+#include "apps/sandbox/view_picture.h"
+
+namespace gelenk {
+
+/// Rectangles of the frame, pixels of the window.
+struct Layout {
+  struct Rect {
+    float x = 0, y = 0, width = 0, height = 0;
+    bool contains(double px, double py) const { return px >= x && py >= y && px < x + width && py < y + height; }
+  };
+  Rect view, inspector, strip, statusLine;
+};
+
+/// What lies under the mouse, and what a press would take.
+struct Hover {
+  enum class Kind { Nothing, Goal, Joint, Skin };
+  Kind kind = Kind::Nothing;
+  int index = -1;  ///< goal or joint; Skin: the joint that carries most of the point
+  SurfacePoint surface = {};
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+/// The mouse between press and release.
+struct Gesture {
+  enum class Kind { None, PressedSkin, Drag, Orbit, Pan };
+  Kind kind = Kind::None;
+  int button = -1;
+  Eigen::Vector2d press = Eigen::Vector2d::Zero();   ///< window pixels
+  Eigen::Vector2d last = Eigen::Vector2d::Zero();
+  Eigen::Vector2d grip = Eigen::Vector2d::Zero();    ///< from the mouse to the dragged point's pixel
+  Eigen::Vector3d start = Eigen::Vector3d::Zero();   ///< target when the present constraint began
+  DragConstraint constraint = DragConstraint::ViewPlane;
+  DragConstraint lock = DragConstraint::ViewPlane;   ///< chosen by X, Y, Z
+  bool rotated = false;                              ///< Alt turned the goal since the last move
+  Hover pressed;
+};
+
+struct Notice {
+  std::string words;
+  bool isError = false;
+  double until = 0.0;  ///< sandbox time
+};
+
+/// Histories for the plots; newest last.
+struct PlotHistory {
+  struct Drag {
+    std::vector<double> residuals;
+    std::string solver;
+  };
+  std::vector<Drag> earlier;       ///< worst frame of the last drags
+  std::vector<double> residuals;   ///< of the last frame that iterated
+  std::vector<double> worst;       ///< of the present drag's frame with most iterations
+  std::vector<double> errors;      ///< largest goal error a frame, metres
+};
+
+struct Sandbox::State {
+  SandboxOptions options;
+  Gui gui;
+  Renderer renderer;
+  ViewPicture picture;
+
+  // model
+  ModelReference reference;
+  std::unique_ptr<Session> session;
+  std::unique_ptr<SkinnedMeshGl> mesh;
+  SkinPose pose;
+  Eigen::AlignedBox3d bounds;        ///< of the pose shown
+  double size = 1.0;                 ///< diagonal of the rest pose, metres
+  double groundHeight = 0.0;         ///< along up
+  std::string scenePath;
+
+  // pose and surface of this frame
+  std::optional<Frames> shownFrames;
+  SkinnedVertices surface;
+  bool surfaceIsCurrent = false;
+  SkinDeformer deformer;
+  std::unique_ptr<SkinnedMeshGl> deformedMesh;  ///< takes the shape that the deformer gives
+  std::unique_ptr<PosedBounds> posedBounds;
+  std::optional<std::vector<Eigen::Vector3f>> vertexColours;
+
+  // view
+  Camera camera;
+  struct CameraMove {
+    Camera from, to;
+    double begin = 0.0;
+  };
+  std::optional<CameraMove> cameraMove;
+  ViewOptions show;
+  Theme theme = Theme::Light;
+  float scale = 1.0f;
+  Layout layout;
+  RenderScene scene;
+  struct Label {
+    Eigen::Vector3d at;
+    std::string text;
+    Eigen::Vector4f colour;
+  };
+  std::vector<Label> labels;
+  std::vector<Ghost> ghosts;
+  std::vector<SkinPose> ghostPoses;
+  std::vector<std::pair<const Skin*, std::unique_ptr<SkinnedMeshGl>>> ghostMeshes;
+  std::vector<double> limitGlow;     ///< a joint, 1 at its limit, fading
+  std::optional<int> selectedJoint;
+  std::optional<int> selectedGoal;
+
+  // input
+  Eigen::Vector2d mouse{-1.0, -1.0};
+  bool buttons[3] = {false, false, false};
+  bool ctrl = false, shift = false, alt = false;
+  Hover hover;
+  Gesture gesture;
+
+  // panels
+  std::vector<std::unique_ptr<Panel>> panels;
+  std::string inspectorTab, stripTab;          ///< to bring to the front, empty: as it is
+  bool inspectorOpen = true, stripOpen = true, helpOpen = false, playing = false, closing = false;
+  enum class Dialog { None, OpenFile, SaveScene } dialog = Dialog::None;
+  char path[1024] = "";
+  std::vector<Notice> notices;
+  PlotHistory plots;
+  std::string screenshotPath;                  ///< written at the end of the frame
+
+  int frameNumber = 0;
+  double time = 0.0;
+  double framesPerSecond = 0.0, frameMilliseconds = 0.0;  ///< measured, shown only
+
+  Viewport viewport() const {
+    return {std::max(1, static_cast<int>(layout.view.width)), std::max(1, static_cast<int>(layout.view.height))};
+  }
+  Eigen::Vector2d toView(const Eigen::Vector2d& windowPixel) const {
+    return windowPixel - Eigen::Vector2d(layout.view.x, layout.view.y);
+  }
+  /// Pixel in the window; a negative depth lies behind the viewer.
+  Projected toWindow(const Eigen::Vector3d& point) const {
+    Projected p = project(camera, viewport(), point);
+    p.pixel += Eigen::Vector2d(layout.view.x, layout.view.y);
+    return p;
+  }
+  const Palette& colours() const { return palette(theme); }
+};
+
+// viewport.cpp: mouse and keys over the view
+void handleViewInput(Sandbox& sandbox, const Input& input);
+void frameEverything(Sandbox& sandbox, bool glide);
+/// Goals that can be seen and taken now; pole handles only where their limb is held.
+bool isGoalShown(const Sandbox& sandbox, int goal);
+
+// marks.cpp: what is drawn over and in the view
+void addSceneMarks(Sandbox& sandbox);
+void drawMarks(Sandbox& sandbox);
+
+// shell.cpp: menu bar, inspector, strip, status line, dialogs
+Layout layOut(const Sandbox::State& state, int width, int height);
+void drawShell(Sandbox& sandbox);
+
+/// A tooltip over the item before it: what a quantity is, its unit and formula.
+void tooltip(const char* words);
+/// "stationary: closest point, 41.3 mm" and the like.
+std::string describeSolve(const Session& session);
+/// 0.42 mm, 41.3 mm, 1.27 m.
+std::string formatLength(double metres);
+
+}  // namespace gelenk

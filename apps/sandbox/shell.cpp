@@ -1,0 +1,342 @@
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "apps/model.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "skinning/gpu/offscreen_context.h"
+
+namespace gelenk {
+namespace {
+
+constexpr ImGuiWindowFlags fixedWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                                         ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+                                         ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
+
+void place(const Layout::Rect& rect) {
+  ImGui::SetNextWindowPos({rect.x, rect.y});
+  ImGui::SetNextWindowSize({rect.width, rect.height});
+}
+
+void openDialog(Sandbox::State& s, Sandbox::State::Dialog dialog) {
+  s.dialog = dialog;
+  const std::string start = dialog == Sandbox::State::Dialog::SaveScene ? (s.scenePath.empty() ? "scene.json" : s.scenePath) : std::string();
+  std::snprintf(s.path, sizeof s.path, "%s", start.c_str());
+}
+
+void fileMenu(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!ImGui::BeginMenu("File")) return;
+  if (ImGui::MenuItem("Open…", "Ctrl+O")) openDialog(s, Sandbox::State::Dialog::OpenFile);
+  if (ImGui::MenuItem("Save scene", "Ctrl+S")) {
+    if (s.scenePath.empty())
+      openDialog(s, Sandbox::State::Dialog::SaveScene);
+    else
+      sandbox.saveSceneTo(s.scenePath);
+  }
+  if (ImGui::MenuItem("Save scene as…", "Ctrl+Shift+S")) openDialog(s, Sandbox::State::Dialog::SaveScene);
+  if (ImGui::MenuItem("Screenshot", "F12")) s.screenshotPath = "gelenk.png";
+  ImGui::Separator();
+  if (ImGui::MenuItem("Quit", "Ctrl+Q")) s.closing = true;
+  ImGui::EndMenu();
+}
+
+void editMenu(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!ImGui::BeginMenu("Edit")) return;
+  if (ImGui::MenuItem("Undo", "Ctrl+Z", false, s.session->canUndo())) s.session->undo();
+  if (ImGui::MenuItem("Redo", "Ctrl+Shift+Z", false, s.session->canRedo())) s.session->redo();
+  ImGui::Separator();
+  if (ImGui::MenuItem("Rest pose", "R")) s.session->resetPose();
+  if (ImGui::MenuItem("Mirror pose", "M")) {
+    try {
+      s.session->mirrorPose();
+    } catch (const std::exception& error) {
+      sandbox.say(error.what(), true);
+    }
+  }
+  if (ImGui::MenuItem("Let every goal go")) s.session->removeAllGoals();
+  ImGui::EndMenu();
+}
+
+void viewMenu(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!ImGui::BeginMenu("View")) return;
+  const auto look = [&](const char* name, const char* key, StandardView view) {
+    if (ImGui::MenuItem(name, key)) s.cameraMove = {s.camera, lookFrom(s.camera, view), s.time};
+  };
+  look("Front", "1", StandardView::Front);
+  look("Side", "3", StandardView::Side);
+  look("Top", "7", StandardView::Top);
+  look("Three quarters", "", StandardView::ThreeQuarter);
+  ImGui::MenuItem("Orthographic", "5", &s.camera.orthographic);
+  if (ImGui::MenuItem("Frame everything", "Home")) frameEverything(sandbox, true);
+  ImGui::Separator();
+  ImGui::MenuItem("Inspector", nullptr, &s.inspectorOpen);
+  ImGui::MenuItem("Plots", nullptr, &s.stripOpen);
+  ImGui::Separator();
+  if (ImGui::MenuItem("Light theme", nullptr, s.theme == Theme::Light)) s.theme = Theme::Light;
+  if (ImGui::MenuItem("Dark theme", nullptr, s.theme == Theme::Dark)) s.theme = Theme::Dark;
+  ImGui::EndMenu();
+}
+
+void modelMenu(Sandbox& sandbox) {
+  if (!ImGui::BeginMenu("Model")) return;
+  for (const std::string& name : builtInModels())
+    if (ImGui::MenuItem(name.c_str(), nullptr, sandbox.state().reference.nameOrFile == name)) sandbox.open(name);
+  ImGui::EndMenu();
+}
+
+void menuBar(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!ImGui::BeginMainMenuBar()) return;
+  ImGui::PushFont(s.gui.fonts().medium);
+  ImGui::TextColored(s.colours().accent, "Gelenk");
+  ImGui::PopFont();
+  ImGui::SameLine(0.0f, 14.0f * s.scale);
+  fileMenu(sandbox);
+  editMenu(sandbox);
+  viewMenu(sandbox);
+  modelMenu(sandbox);
+  for (const auto& panel : s.panels) panel->drawMenu(sandbox);
+  if (ImGui::BeginMenu("Help")) {
+    if (ImGui::MenuItem("Mouse and keys", "H or ?")) s.helpOpen = true;
+    ImGui::EndMenu();
+  }
+  const std::string name = s.session->model().name;
+  const float width = ImGui::CalcTextSize(name.c_str()).x;
+  if (const float x = ImGui::GetWindowWidth() - width - 14.0f * s.scale; x > ImGui::GetCursorPosX()) {
+    ImGui::SameLine(x);
+    ImGui::TextColored(s.colours().textDim, "%s", name.c_str());
+  }
+  ImGui::EndMainMenuBar();
+}
+
+/// Tabs that share the width; the one asked for comes to the front.
+template <typename Has, typename Draw>
+void tabs(Sandbox& sandbox, const char* id, std::string& wanted, Has has, Draw draw) {
+  Sandbox::State& s = sandbox.state();
+  const std::string front = std::exchange(wanted, {});
+  if (!ImGui::BeginTabBar(id, ImGuiTabBarFlags_NoTooltip | ImGuiTabBarFlags_FittingPolicyScroll)) return;
+  for (const auto& panel : s.panels) {
+    if (!has(*panel)) continue;
+    const ImGuiTabItemFlags flags = front == panel->name() ? ImGuiTabItemFlags_SetSelected : 0;
+    if (ImGui::BeginTabItem(panel->name().c_str(), nullptr, flags)) {
+      ImGui::BeginChild("content", {0, 0}, false, ImGuiWindowFlags_None);
+      ImGui::PushItemWidth(-1.0f);
+      draw(*panel);
+      ImGui::PopItemWidth();
+      ImGui::EndChild();
+      ImGui::EndTabItem();
+    }
+  }
+  ImGui::EndTabBar();
+}
+
+void inspector(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (s.layout.inspector.width <= 0) return;
+  place(s.layout.inspector);
+  ImGui::Begin("##inspector", nullptr, fixedWindow);
+  tabs(sandbox, "##inspector tabs", s.inspectorTab, [](const Panel& p) { return p.hasInspector(); },
+       [&](Panel& p) { p.drawInspector(sandbox); });
+  ImGui::End();
+}
+
+void strip(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (s.layout.strip.height <= 0) return;
+  place(s.layout.strip);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * s.scale, 6 * s.scale});
+  ImGui::Begin("##strip", nullptr, fixedWindow | ImGuiWindowFlags_NoScrollbar);
+  ImGui::PopStyleVar();
+  tabs(sandbox, "##strip tabs", s.stripTab, [](const Panel& p) { return p.hasBottomStrip(); },
+       [&](Panel& p) { p.drawBottomStrip(sandbox); });
+  ImGui::End();
+}
+
+std::string hint(const Sandbox::State& s) {
+  if (s.gesture.kind == Gesture::Kind::Drag) {
+    if (s.alt) return "Turning the goal · release Alt to move it";
+    return "X Y Z lock an axis · Shift: ground plane · Alt turns · P pins · Esc cancels";
+  }
+  switch (s.hover.kind) {
+    case Hover::Kind::Goal: return "Drag to move " + s.session->goals()[s.hover.index].goal.name + " · P pins · Del lets go";
+    case Hover::Kind::Joint: return "Drag " + s.session->skeleton().joint(s.hover.index).name + " · click selects · P pins";
+    case Hover::Kind::Skin: return "Drag the skin (" + s.session->skeleton().joint(s.hover.index).name + ") · click selects · P pins";
+    default: break;
+  }
+  return s.session->model().planar ? "Drag the arm · drag the ground to pan · wheel zooms · H: help"
+                                   : "Drag a handle or the skin · drag the ground to orbit · wheel zooms · H: help";
+}
+
+void statusLine(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  place(s.layout.statusLine);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * s.scale, 5 * s.scale});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelSunken);
+  ImGui::Begin("##status", nullptr, fixedWindow | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::PushFont(s.gui.fonts().small);
+  const FrameSolve& solve = s.session->lastSolve();
+  std::string facts = solve.ran ? fmt::format("{} it · {} · {:.0f} µs · ", solve.iterations, formatLength(solve.error), 1e6 * solve.seconds)
+                                : std::string("at rest · ");
+  facts += fmt::format("{} dof · {:.0f} fps", s.session->skeleton().nv(), s.framesPerSecond);
+  std::string renderer = sandbox.renderer();
+  if (const auto at = renderer.find(" ("); at != std::string::npos) renderer.resize(at);
+  facts = s.session->solver() + " · " + facts + " · " + renderer;
+  const float width = ImGui::CalcTextSize(facts.c_str()).x;
+  const float x = ImGui::GetWindowWidth() - width - 12 * s.scale;
+  const std::string help = hint(s);
+  if (ImGui::CalcTextSize(help.c_str()).x + 40 * s.scale < x) {
+    ImGui::TextColored(s.colours().text, "%s", help.c_str());
+    ImGui::SameLine(x);
+  }
+  ImGui::TextColored(s.colours().textDim, "%s", facts.c_str());
+  tooltip("solver · iterations of this frame · largest goal error, from forward kinematics · time of the solve · degrees of freedom · frames a second · OpenGL renderer");
+  ImGui::PopFont();
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(2);
+}
+
+void help(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.helpOpen) return;
+  const Layout::Rect& view = s.layout.view;
+  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.5f * view.height}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowBgAlpha(0.97f);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 9 * s.scale);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {22 * s.scale, 18 * s.scale});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelRaised);
+  ImGui::Begin("##help", &s.helpOpen, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PushFont(s.gui.fonts().large);
+  ImGui::TextUnformatted("Mouse and keys");
+  ImGui::PopFont();
+  ImGui::Dummy({0, 4 * s.scale});
+  static constexpr const char* rows[][2] = {{"Drag a handle, the skin or a joint", "move it in the plane that faces you"},
+                                            {"X, Y, Z while dragging", "lock to an axis, again to free it"},
+                                            {"Shift while dragging", "move along the ground plane"},
+                                            {"Alt while dragging", "turn the goal's orientation"},
+                                            {"Drag the ground", "orbit; middle button orbits anywhere"},
+                                            {"Right drag, Shift + middle", "pan"},
+                                            {"Wheel", "zoom to the mouse"},
+                                            {"P", "pin or free what is under the mouse"},
+                                            {"Delete", "let the goal go"},
+                                            {"R, M", "rest pose, mirror pose"},
+                                            {"Tab, Shift + Tab", "next solver, previous solver"},
+                                            {"F, Home", "frame the selection, frame everything"},
+                                            {"1, 3, 7, 5", "front, side, top, orthographic"},
+                                            {"Space", "play"},
+                                            {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
+                                            {"Ctrl+S, Ctrl+O", "save and open; files can be dropped"},
+                                            {"F12", "screenshot"}};
+  if (ImGui::BeginTable("##keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const auto& [key, what] : rows) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::PushFont(s.gui.fonts().medium);
+      ImGui::TextUnformatted(key);
+      ImGui::PopFont();
+      ImGui::TableNextColumn();
+      ImGui::TextColored(s.colours().textDim, "%s", what);
+    }
+    ImGui::EndTable();
+  }
+  if (ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered() && !ImGui::IsWindowAppearing()) s.helpOpen = false;
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(2);
+}
+
+void dialogs(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  using Dialog = Sandbox::State::Dialog;
+  if (s.dialog == Dialog::None) return;
+  const bool saving = s.dialog == Dialog::SaveScene;
+  const char* title = saving ? "Save scene" : "Open a model or a scene";
+  if (!ImGui::IsPopupOpen(title)) {
+    openDialog(s, s.dialog);
+    ImGui::OpenPopup(title);
+  }
+  const Layout::Rect& view = s.layout.view;
+  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.4f * view.height}, ImGuiCond_Always, {0.5f, 0.5f});
+  if (!ImGui::BeginPopupModal(title, nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove)) return;
+  ImGui::PushFont(s.gui.fonts().medium);
+  ImGui::TextUnformatted(title);
+  ImGui::PopFont();
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(420 * s.scale);
+  bool done = ImGui::InputText("##path", s.path, sizeof s.path, ImGuiInputTextFlags_EnterReturnsTrue);
+  ImGui::TextColored(s.colours().textDim, "%s", saving ? "Path of a .json file." : "Path of a file, or the name of a built-in model.");
+  done |= ImGui::Button(saving ? "Save" : "Open", {96 * s.scale, 0});
+  ImGui::SameLine();
+  const bool cancelled = ImGui::Button("Cancel", {96 * s.scale, 0}) || ImGui::IsKeyPressed(GLFW_KEY_ESCAPE);
+  if (done && s.path[0] != '\0' && (saving ? sandbox.saveSceneTo(s.path) : sandbox.open(s.path))) {
+    s.dialog = Dialog::None;
+  } else if (cancelled) {
+    s.dialog = Dialog::None;
+  }
+  if (s.dialog == Dialog::None) ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+}  // namespace
+
+Layout layOut(const Sandbox::State& s, int width, int height) {
+  const float scale = s.scale, w = static_cast<float>(width), h = static_cast<float>(height);
+  const float menu = ImGui::GetIO().Fonts->Fonts.empty() ? 24 * scale : s.gui.fonts().regular->FontSize + 2 * ImGui::GetStyle().FramePadding.y;
+  const float status = s.gui.fonts().small->FontSize + 10 * scale;
+  const float inspector = s.inspectorOpen ? std::min(std::round(320 * scale), std::floor(0.55f * w)) : 0.0f;
+  const float strip = s.stripOpen && h > 560 * scale ? std::round(198 * scale) : 0.0f;
+  Layout layout;
+  layout.inspector = {w - inspector, menu, inspector, h - menu - status};
+  layout.strip = {0, h - status - strip, w - inspector, strip};
+  layout.statusLine = {0, h - status, w, status};
+  layout.view = {0, menu, w - inspector, h - menu - status - strip};
+  return layout;
+}
+
+void drawShell(Sandbox& sandbox) {
+  menuBar(sandbox);
+  inspector(sandbox);
+  strip(sandbox);
+  statusLine(sandbox);
+  help(sandbox);
+  dialogs(sandbox);
+}
+
+void tooltip(const char* words) {
+  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(ImGui::GetFontSize() * 22.0f);
+  ImGui::TextUnformatted(words);
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+std::string formatLength(double metres) {
+  const double mm = 1e3 * metres;
+  if (mm < 0.0995) return fmt::format("{:.1f} µm", 1e6 * metres);
+  if (mm < 9.95) return fmt::format("{:.2f} mm", mm);
+  if (mm < 999.5) return fmt::format("{:.1f} mm", mm);
+  return fmt::format("{:.2f} m", metres);
+}
+
+std::string describeSolve(const Session& session) {
+  const FrameSolve& solve = session.lastSolve();
+  if (!solve.ran) return "nothing is held";
+  const double reachedWithin = 1e-3;
+  if (solve.why == Stop::Unsupported) return "not for this solver: " + solve.unsupported;
+  if (solve.why == Stop::Failure) return "numerical failure";
+  if (solve.error < reachedWithin) return "reached, " + formatLength(solve.error);
+  switch (solve.why) {
+    case Stop::Stationary: return "stationary: closest point, " + formatLength(solve.error);
+    case Stop::Stalled: return "stalled, " + formatLength(solve.error);
+    default: return (solve.jointMotion < 1e-5 ? "at rest, " : "on the way, ") + formatLength(solve.error);
+  }
+}
+
+}  // namespace gelenk

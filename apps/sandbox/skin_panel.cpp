@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/sandbox_state.h"
+
+namespace gelenk {
+namespace {
+
+class SkinPanel final : public Panel {
+ public:
+  std::string name() const override { return "Skin"; }
+  bool hasInspector() const override { return true; }
+
+  void drawInspector(Sandbox& sandbox) override {
+    Sandbox::State& s = sandbox.state();
+    ViewOptions& show = s.show;
+    heading(s, "SHOW");
+    const auto check = [](const char* label, bool& value, const char* explanation) {
+      ImGui::Checkbox(label, &value);
+      tooltip(explanation);
+    };
+    if (ImGui::BeginTable("##show", 2)) {
+      const auto cell = [&](const char* label, bool& value, const char* explanation) {
+        ImGui::TableNextColumn();
+        check(label, value, explanation);
+      };
+      cell("Skin", show.skin, "The body: linear blend skinning, v = Σ wᵢ Tᵢ Tᵢ,rest⁻¹ v_rest, in the vertex shader.");
+      cell("Skeleton", show.skeleton, "Slim bones seen through the body.");
+      cell("Wireframe", show.wireframe, "The triangles' edges over the surface.");
+      cell("Joint frames", show.jointFrames, "Axes of every joint's frame: x red, y green, z blue.");
+      cell("Handles", show.handles, "What can be dragged: circles are positions, squares pins, rings orientations, diamonds poles.");
+      cell("Limits", show.limits, "Cones and arcs of joints that press against their limit, in red.");
+      cell("Ground", show.ground, "Grid and ground plane.");
+      cell("Shadow", show.shadow, "Soft shadow of the key light (percentage closer filtering).");
+      ImGui::EndTable();
+    }
+    if (!s.session->model().skin) {
+      ImGui::TextColored(s.colours().textDim, "This model has no body: its bones are drawn.");
+      return;
+    }
+    const Skin& skin = *s.session->model().skin;
+    heading(s, "BODY");
+    ImGui::TextColored(s.colours().textDim, "%zu vertices · %zu triangles", skin.mesh.positions.size(), skin.mesh.triangles.size());
+    for (const std::string& note : s.session->model().notes) ImGui::TextWrapped("%s", note.c_str());
+    heading(s, "WEIGHTS");
+    check("Colour by the selected joint's weight", show.weights, "wᵢ of each vertex, 0 to 1, in viridis. At most four joints carry a vertex; their weights sum to 1.");
+    weights(sandbox, skin);
+  }
+
+ private:
+  static void heading(const Sandbox::State& s, const char* words) {
+    ImGui::Dummy({0, 4 * s.scale});
+    ImGui::PushFont(s.gui.fonts().small);
+    ImGui::TextColored(s.colours().textDim, "%s", words);
+    ImGui::PopFont();
+  }
+
+  static void scaleBar(const Sandbox::State& s) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x, height = 10 * s.scale;
+    constexpr int steps = 48;
+    for (int i = 0; i < steps; ++i) {
+      const Colour c = viridis((static_cast<float>(i) + 0.5f) / steps);
+      ImGui::GetWindowDrawList()->AddRectFilled({at.x + width * static_cast<float>(i) / steps, at.y}, {at.x + width * static_cast<float>(i + 1) / steps + 0.5f, at.y + height}, colour32({c.r, c.g, c.b, 1}));
+    }
+    ImGui::Dummy({width, height});
+    ImGui::PushFont(s.gui.fonts().small);
+    ImGui::TextColored(s.colours().textDim, "0");
+    ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize("1").x);
+    ImGui::TextColored(s.colours().textDim, "1");
+    ImGui::PopFont();
+  }
+
+  static void weights(Sandbox& sandbox, const Skin& skin) {
+    Sandbox::State& s = sandbox.state();
+    scaleBar(s);
+    if (!s.selectedJoint) {
+      ImGui::TextColored(s.colours().textDim, "Click the skin to select a joint.");
+      return;
+    }
+    double sum = 0.0, largest = 0.0;
+    int carried = 0;
+    for (const Influences& v : skin.influences)
+      for (int k = 0; k < 4; ++k)
+        if (v.joints[k] == *s.selectedJoint && v.weights[k] > 0.0) {
+          ++carried;
+          sum += v.weights[k];
+          largest = std::max(largest, v.weights[k]);
+        }
+    ImGui::TextWrapped("%s", fmt::format("{} carries {} vertices, mean weight {:.2f}, largest {:.2f}", s.session->skeleton().joint(*s.selectedJoint).name,
+                                         carried, carried > 0 ? sum / carried : 0.0, largest).c_str());
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> makeSkinPanel() { return std::make_unique<SkinPanel>(); }
+
+}  // namespace gelenk

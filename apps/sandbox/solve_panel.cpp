@@ -1,0 +1,215 @@
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/solver_colour.h"
+#include "kinematics/jacobian.h"
+
+namespace gelenk {
+namespace {
+
+/// Singular values of the 3 x nv position Jacobian of a goal's point, descending.
+Eigen::Vector3d singularValues(const Session& session, const Goal& goal) {
+  const Eigen::Matrix3Xd J = pointJacobian(session.skeleton(), session.q(), session.frames(), goal.joint, goal.pointInJoint);
+  const Eigen::Matrix3d JJt = J * J.transpose();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(JJt, Eigen::EigenvaluesOnly).eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
+}
+
+std::string_view titleOf(const std::string& solver) {
+  for (const SolverEntry& entry : solverCatalogue())
+    if (entry.name == solver) return entry.title;
+  return solver == "hybrid" ? "Hybrid drag solver" : std::string_view(solver);
+}
+std::string_view referenceOf(const std::string& solver) {
+  for (const SolverEntry& entry : solverCatalogue())
+    if (entry.name == solver) return entry.reference;
+  return solver == "hybrid" ? "exact Hessian and Gauss-Newton steps on the skeleton tree" : "";
+}
+
+class SolvePanel final : public Panel {
+ public:
+  std::string name() const override { return "Solve"; }
+  bool hasInspector() const override { return true; }
+
+  void drawInspector(Sandbox& sandbox) override {
+    solverChoice(sandbox);
+    result(sandbox);
+    goals(sandbox);
+    selected(sandbox);
+  }
+
+ private:
+  static void heading(Sandbox& sandbox, const char* words) {
+    ImGui::Dummy({0, 4 * sandbox.scale()});
+    ImGui::PushFont(sandbox.state().gui.fonts().small);
+    ImGui::TextColored(sandbox.state().colours().textDim, "%s", words);
+    ImGui::PopFont();
+  }
+
+  static void dot(const ImVec4& colour, float scale) {
+    const float size = ImGui::GetTextLineHeight();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + 5 * scale, at.y + 0.55f * size}, 4.5f * scale, colour32(colour));
+    ImGui::Dummy({12 * scale, size});
+    ImGui::SameLine(0, 4 * scale);
+  }
+
+  static void solverChoice(Sandbox& sandbox) {
+    Sandbox::State& s = sandbox.state();
+    heading(sandbox, "SOLVER  (Tab)");
+    const std::string current = s.session->solver();
+    if (ImGui::BeginCombo("##solver", std::string(titleOf(current)).c_str(), ImGuiComboFlags_HeightLarge)) {
+      for (const std::string& name : frameSolverNames()) {
+        dot(toImVec4(solverColour(name)), s.scale);
+        if (ImGui::Selectable(fmt::format("{}##{}", titleOf(name), name).c_str(), name == current)) s.session->setSolver(name);
+        tooltip(fmt::format("{}\n{}", name, referenceOf(name)).c_str());
+      }
+      ImGui::EndCombo();
+    }
+    tooltip("The method that follows the goals in every frame. The hybrid keeps its state from frame to frame; every other solver starts at the present pose with 20 iterations.");
+    ImGui::PushFont(s.gui.fonts().small);
+    dot(toImVec4(solverColour(current)), s.scale);
+    ImGui::PushTextWrapPos();
+    ImGui::TextColored(s.colours().textDim, "%s", std::string(referenceOf(current)).c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::PopFont();
+  }
+
+  static void row(const char* label, const std::string& value, const char* explanation) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(label);
+    tooltip(explanation);
+    ImGui::TableNextColumn();
+    const float width = ImGui::CalcTextSize(value.c_str()).x;
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0f, ImGui::GetContentRegionAvail().x - width));
+    ImGui::TextUnformatted(value.c_str());
+    tooltip(explanation);
+  }
+
+  static void result(Sandbox& sandbox) {
+    Sandbox::State& s = sandbox.state();
+    const FrameSolve& solve = s.session->lastSolve();
+    heading(sandbox, "THIS FRAME");
+    const bool bad = solve.why == Stop::Failure || solve.why == Stop::Unsupported;
+    const ImVec4& colour = !solve.ran ? s.colours().textDim : bad ? s.colours().bad : solve.error < 1e-3 ? s.colours().good : s.colours().warning;
+    ImGui::PushFont(s.gui.fonts().medium);
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextWrapped("%s", describeSolve(*s.session).c_str());
+    ImGui::PopStyleColor();
+    ImGui::PopFont();
+    if (!ImGui::BeginTable("##facts", 2)) return;
+    row("Iterations", solve.ran ? std::to_string(solve.iterations) : "–", "Steps of the solver in this frame.");
+    row("Solve time", solve.ran ? fmt::format("{:.0f} µs", 1e6 * solve.seconds) : "–", "Wall-clock time of the solve alone, in microseconds.");
+    row("Joint motion", solve.ran ? fmt::format("{:.1e} rad", solve.jointMotion) : "–", "Largest change of a joint in this frame, radians (metres for translations).");
+    const std::optional<int> goal = goalOfInterest(s);
+    const bool measured = goal && s.session->goals()[*goal].goal.kind != GoalKind::Pole;
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
+    if (measured) sigma = singularValues(*s.session, s.session->goals()[*goal].goal);
+    const int rank = s.session->model().planar ? 2 : 3;
+    row("σ min", measured ? fmt::format("{:.4f}", sigma[rank - 1]) : "–",
+        "Smallest singular value of the goal's position Jacobian J (3 x n; 2 x n in the plane): metres a radian in the direction that moves least. 0 at a singularity.");
+    row("Manipulability", measured ? fmt::format("{:.2e}", sigma.head(rank).prod()) : "–",
+        "w = √det(J Jᵀ), the product of the singular values of the goal's position Jacobian (Yoshikawa 1985): volume of the velocity ellipsoid.");
+    ImGui::EndTable();
+  }
+
+  static std::optional<int> goalOfInterest(const Sandbox::State& s) {
+    if (s.session->dragged()) return s.session->dragged();
+    if (s.selectedGoal && *s.selectedGoal < static_cast<int>(s.session->goals().size())) return s.selectedGoal;
+    for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i)
+      if (s.session->goals()[i].state == GoalState::Held) return i;
+    return s.session->goals().empty() ? std::nullopt : std::optional(0);
+  }
+
+  static const char* stateWord(GoalState state) {
+    switch (state) {
+      case GoalState::Free: return "free";
+      case GoalState::Held: return "held";
+      case GoalState::Dragged: return "drag";
+      case GoalState::Pinned: return "pin";
+    }
+    return "";
+  }
+
+  static void goals(Sandbox& sandbox) {
+    Sandbox::State& s = sandbox.state();
+    heading(sandbox, "GOALS");
+    std::optional<int> toPin, toFree;
+    if (ImGui::BeginTable("##goals", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) {
+      ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
+      for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i) {
+        const SceneGoal& goal = s.session->goals()[i];
+        if (!isGoalShown(sandbox, i)) continue;
+        ImGui::PushID(i);
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        const ImVec4& colour = goal.state == GoalState::Pinned ? s.colours().pinned : goal.goal.kind == GoalKind::Pole ? s.colours().pole : goal.state == GoalState::Free ? s.colours().textFaint : s.colours().held;
+        dot(colour, s.scale);
+        if (ImGui::Selectable(goal.goal.name.c_str(), s.selectedGoal == i)) {
+          s.selectedGoal = i;
+          s.selectedJoint = goal.goal.joint;
+        }
+        ImGui::TableNextColumn();
+        if (goal.state != GoalState::Free)
+          ImGui::TextColored(distanceColour(s.colours(), s.session->error(i)), "%s", formatLength(s.session->error(i)).c_str());
+        tooltip("Distance between target and the point reached, by forward kinematics. Poles: distance of the elbow or knee from the half plane of the pole.");
+        ImGui::TableNextColumn();
+        if (ImGui::SmallButton(stateWord(goal.state))) toPin = i;
+        tooltip("Click to pin or free (P). free: goes with the body. held: kept at its target, weight 1. pin: weight 300 on the squared error.");
+        ImGui::TableNextColumn();
+        if (goal.state == GoalState::Held || !goal.handle) {
+          if (ImGui::SmallButton("×")) toFree = i;
+          tooltip("Let go (Delete)");
+        }
+        ImGui::PopID();
+      }
+      ImGui::EndTable();
+    }
+    if (toPin) s.session->togglePin(*toPin);
+    if (toFree && !s.session->dragged()) {
+      s.session->remember();
+      s.session->removeGoal(*toFree);
+      s.selectedGoal.reset();
+    }
+  }
+
+  static void selected(Sandbox& sandbox) {
+    Sandbox::State& s = sandbox.state();
+    if (!s.selectedGoal || *s.selectedGoal >= static_cast<int>(s.session->goals().size())) return;
+    const int index = *s.selectedGoal;
+    const SceneGoal& goal = s.session->goals()[index];
+    heading(sandbox, "TARGET");
+    float target[3];
+    for (int k = 0; k < 3; ++k) target[k] = static_cast<float>(goal.goal.target[k]);
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::DragFloat3("##target", target, static_cast<float>(1e-3 * s.size), 0, 0, "%.3f")) {
+      Eigen::Vector3d point = goal.goal.target;
+      for (int k = 0; k < 3; ++k)
+        if (static_cast<float>(point[k]) != target[k]) point[k] = target[k];
+      s.session->setTarget(index, point);
+    }
+    if (ImGui::IsItemActivated()) s.session->remember();
+    tooltip("Target x, y, z in metres, world axes. Drag a number, or double-click to type it.");
+    if (goal.goal.kind == GoalKind::Position || goal.goal.kind == GoalKind::Pose) {
+      bool oriented = goal.goal.kind == GoalKind::Pose;
+      if (ImGui::Checkbox("Keep orientation", &oriented)) {
+        s.session->remember();
+        if (oriented)
+          s.session->setOrientation(index, Eigen::Quaterniond(s.session->frames()[goal.goal.joint].linear()));
+        else
+          s.session->clearOrientation(index);
+      }
+      tooltip("Solve for the orientation of the joint's frame too: the rotation vector of R_target R⁻¹, in radians, joins the residual.");
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> makeSolvePanel() { return std::make_unique<SolvePanel>(); }
+
+}  // namespace gelenk

@@ -1,0 +1,146 @@
+#include "apps/sandbox/ui_style.h"
+
+#include <imgui_freetype.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace gelenk {
+namespace {
+
+ImVec4 rgb(unsigned hex, float alpha = 1.0f) {
+  return {((hex >> 16) & 255) / 255.0f, ((hex >> 8) & 255) / 255.0f, (hex & 255) / 255.0f, alpha};
+}
+
+ImVec4 mix(const ImVec4& a, const ImVec4& b, float t) {
+  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z), a.w + t * (b.w - a.w)};
+}
+
+Palette lightPalette() {
+  return {.panel = rgb(0xf7f6f3), .panelRaised = rgb(0xffffff), .panelSunken = rgb(0xeae8e3), .border = rgb(0xd9d6cf),
+          .text = rgb(0x23262b), .textDim = rgb(0x62666d), .textFaint = rgb(0x9a9da3),
+          .accent = rgb(0x1f66b0), .accentText = rgb(0xffffff),
+          .held = rgb(0xd9790b), .pinned = rgb(0x0b7f73), .pole = rgb(0x8d5fb0), .free = rgb(0x4a5058),
+          .good = rgb(0x1d8348), .warning = rgb(0xb7791f), .bad = rgb(0xc0392b),
+          .plotBackground = rgb(0xffffff), .plotGrid = rgb(0xe6e3dd)};
+}
+
+Palette darkPalette() {
+  return {.panel = rgb(0x1d2024), .panelRaised = rgb(0x272b31), .panelSunken = rgb(0x16181b), .border = rgb(0x343941),
+          .text = rgb(0xe6e7ea), .textDim = rgb(0xa3a8b0), .textFaint = rgb(0x6d737c),
+          .accent = rgb(0x4c9be8), .accentText = rgb(0x0e1114),
+          .held = rgb(0xf5a33b), .pinned = rgb(0x35c4b3), .pole = rgb(0xbf93e0), .free = rgb(0xcdd2d9),
+          .good = rgb(0x5cc98a), .warning = rgb(0xe3b341), .bad = rgb(0xff6b5e),
+          .plotBackground = rgb(0x16181b), .plotGrid = rgb(0x2b3037)};
+}
+
+void setColours(const Palette& p, Theme theme) {
+  ImVec4* c = ImGui::GetStyle().Colors;
+  const ImVec4 none(0, 0, 0, 0);
+  const ImVec4 hover = mix(p.panelSunken, p.accent, theme == Theme::Light ? 0.14f : 0.25f);
+  c[ImGuiCol_Text] = p.text;
+  c[ImGuiCol_TextDisabled] = p.textFaint;
+  c[ImGuiCol_WindowBg] = p.panel;
+  c[ImGuiCol_ChildBg] = none;
+  c[ImGuiCol_PopupBg] = p.panelRaised;
+  c[ImGuiCol_Border] = p.border;
+  c[ImGuiCol_BorderShadow] = none;
+  c[ImGuiCol_FrameBg] = p.panelSunken;
+  c[ImGuiCol_FrameBgHovered] = hover;
+  c[ImGuiCol_FrameBgActive] = mix(p.panelSunken, p.accent, 0.3f);
+  c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = c[ImGuiCol_TitleBgCollapsed] = p.panelSunken;
+  c[ImGuiCol_MenuBarBg] = p.panel;
+  c[ImGuiCol_ScrollbarBg] = none;
+  c[ImGuiCol_ScrollbarGrab] = p.border;
+  c[ImGuiCol_ScrollbarGrabHovered] = p.textFaint;
+  c[ImGuiCol_ScrollbarGrabActive] = p.textDim;
+  c[ImGuiCol_CheckMark] = p.accent;
+  c[ImGuiCol_SliderGrab] = p.accent;
+  c[ImGuiCol_SliderGrabActive] = p.accent;
+  c[ImGuiCol_Button] = p.panelSunken;
+  c[ImGuiCol_ButtonHovered] = hover;
+  c[ImGuiCol_ButtonActive] = mix(p.panelSunken, p.accent, 0.4f);
+  c[ImGuiCol_Header] = mix(p.panel, p.accent, 0.16f);
+  c[ImGuiCol_HeaderHovered] = mix(p.panel, p.accent, 0.12f);
+  c[ImGuiCol_HeaderActive] = mix(p.panel, p.accent, 0.25f);
+  c[ImGuiCol_Separator] = p.border;
+  c[ImGuiCol_SeparatorHovered] = c[ImGuiCol_SeparatorActive] = p.accent;
+  c[ImGuiCol_ResizeGrip] = c[ImGuiCol_ResizeGripHovered] = c[ImGuiCol_ResizeGripActive] = none;
+  c[ImGuiCol_Tab] = none;
+  c[ImGuiCol_TabHovered] = hover;
+  c[ImGuiCol_TabActive] = c[ImGuiCol_TabUnfocusedActive] = mix(p.panel, p.accent, 0.18f);
+  c[ImGuiCol_TabUnfocused] = none;
+  c[ImGuiCol_TableHeaderBg] = p.panelSunken;
+  c[ImGuiCol_TableBorderStrong] = c[ImGuiCol_TableBorderLight] = p.border;
+  c[ImGuiCol_TableRowBg] = none;
+  c[ImGuiCol_TableRowBgAlt] = ImVec4(p.text.x, p.text.y, p.text.z, 0.03f);
+  c[ImGuiCol_TextSelectedBg] = ImVec4(p.accent.x, p.accent.y, p.accent.z, 0.35f);
+  c[ImGuiCol_NavHighlight] = p.accent;
+  c[ImGuiCol_ModalWindowDimBg] = ImVec4(0, 0, 0, 0.3f);
+}
+
+}  // namespace
+
+const Palette& palette(Theme theme) {
+  static const Palette light = lightPalette(), dark = darkPalette();
+  return theme == Theme::Light ? light : dark;
+}
+
+void applyStyle(Theme theme, float scale) {
+  ImGuiStyle style;
+  style.WindowPadding = {14, 12};
+  style.FramePadding = {8, 4};
+  style.CellPadding = {6, 3};
+  style.ItemSpacing = {8, 7};
+  style.ItemInnerSpacing = {7, 5};
+  style.IndentSpacing = 14;
+  style.ScrollbarSize = 10;
+  style.GrabMinSize = 9;
+  style.WindowBorderSize = 0;
+  style.ChildBorderSize = 0;
+  style.PopupBorderSize = 1;
+  style.FrameBorderSize = 0;
+  style.TabBorderSize = 0;
+  style.WindowRounding = 0;
+  style.ChildRounding = 6;
+  style.FrameRounding = 5;
+  style.PopupRounding = 7;
+  style.ScrollbarRounding = 5;
+  style.GrabRounding = 4;
+  style.TabRounding = 5;
+  style.DisabledAlpha = 0.45f;
+  style.ScaleAllSizes(scale);
+  ImGui::GetStyle() = style;
+  setColours(palette(theme), theme);
+}
+
+Fonts loadFonts(float scale) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  io.Fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
+  io.Fonts->FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
+  static const ImWchar ranges[] = {0x20, 0xff, 0x370, 0x3ff, 0x2010, 0x2044, 0x2070, 0x209f, 0x2190, 0x2193, 0x2200, 0x22ff, 0};
+  const std::string folder = "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/";
+  const auto load = [&](const char* file, float size) -> ImFont* {
+    const std::string path = folder + file;
+    if (std::filesystem::exists(path))
+      if (ImFont* font = io.Fonts->AddFontFromFileTTF(path.c_str(), std::round(size * scale), nullptr, ranges)) return font;
+    ImFontConfig config;
+    config.SizePixels = std::round(size * scale);
+    return io.Fonts->AddFontDefault(&config);
+  };
+  Fonts fonts;
+  fonts.regular = load("Roboto-Regular.ttf", 15.0f);
+  fonts.medium = load("Roboto-Medium.ttf", 15.0f);
+  fonts.small = load("Roboto-Regular.ttf", 13.0f);
+  fonts.large = load("Roboto-Medium.ttf", 20.0f);
+  return fonts;
+}
+
+ImVec4 distanceColour(const Palette& p, double metres) {
+  const float t = static_cast<float>(std::clamp(std::log10(std::max(metres, 1e-9) / 1e-3) / std::log10(200.0), 0.0, 1.0));
+  return t < 0.5f ? mix(p.good, p.warning, 2.0f * t) : mix(p.warning, p.bad, 2.0f * t - 1.0f);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <imgui.h>
+
+#include <Eigen/Core>
+
+#include "apps/theme.h"
+
+namespace gelenk {
+
+/// The colours of panels and marks. One hue for what is held (amber), one for what is pinned (teal), one for what acts (blue), red
+/// for limits and failures only; told apart with any colour vision.
+struct Palette {
+  ImVec4 panel, panelRaised, panelSunken, border;
+  ImVec4 text, textDim, textFaint;
+  ImVec4 accent, accentText;
+  ImVec4 held, pinned, pole, free;
+  ImVec4 good, warning, bad;
+  ImVec4 plotBackground, plotGrid;
+};
+const Palette& palette(Theme theme);
+
+struct Fonts {
+  ImFont *regular = nullptr, *medium = nullptr, *small = nullptr, *large = nullptr;
+};
+
+/// Spacing, rounding and colours of Dear ImGui; all sizes times scale.
+void applyStyle(Theme theme, float scale);
+/// Roboto through FreeType at the scale, the built-in font where Roboto is not installed. Clears the atlas.
+Fonts loadFonts(float scale);
+
+inline ImU32 colour32(const ImVec4& c, float alpha = 1.0f) {
+  return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, c.w * alpha});
+}
+inline ImVec4 toImVec4(const Eigen::Vector3f& c, float alpha = 1.0f) { return {c.x(), c.y(), c.z(), alpha}; }
+/// Red, amber, green by distance in metres: green below 1 mm, red from 20 cm, logarithmic between.
+ImVec4 distanceColour(const Palette& palette, double metres);
+
+}  // namespace gelenk

@@ -1,0 +1,367 @@
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "apps/limb.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "kinematics/rotation.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double handleReach = 13.0, jointReach = 8.0;  // pixels at scale 1
+constexpr double dragThreshold = 3.0;
+constexpr double radiansPerPixel = 0.01;                // Alt turning
+
+Hover hoverAt(Sandbox& sandbox, const Vector2d& pixel) {
+  Sandbox::State& s = sandbox.state();
+  const Session& session = *s.session;
+  Hover best;
+  if (s.show.handles) {
+    double nearest = handleReach * s.scale;
+    for (int i = 0; i < static_cast<int>(session.goals().size()); ++i) {
+      if (!isGoalShown(sandbox, i)) continue;
+      const Projected p = s.toWindow(session.reached(i));
+      if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
+        nearest = d;
+        best = {.kind = Hover::Kind::Goal, .index = i, .position = session.reached(i)};
+      }
+    }
+    if (best.kind != Hover::Kind::Nothing) return best;
+  }
+  if (s.show.skeleton || !session.model().skin) {
+    double nearest = jointReach * s.scale;
+    for (int i = 0; i < session.skeleton().jointCount(); ++i) {
+      const Projected p = s.toWindow(sandbox.shownFrames()[i].translation());
+      if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
+        nearest = d;
+        best = {.kind = Hover::Kind::Joint, .index = i, .position = sandbox.shownFrames()[i].translation()};
+      }
+    }
+    if (best.kind != Hover::Kind::Nothing) return best;
+  }
+  if (session.model().skin && (s.show.skin || s.show.wireframe)) {
+    const Ray ray = rayThroughPixel(s.camera, s.viewport(), s.toView(pixel));
+    if (const auto hit = pickSurface(session.model().skin->mesh.triangles, sandbox.surface().positions, ray))
+      return {.kind = Hover::Kind::Skin,
+              .index = dominantJoint(*session.model().skin, hit->point),
+              .surface = hit->point,
+              .position = hit->position};
+  }
+  return best;
+}
+
+/// The goal that a hovered thing stands for, made where there is none yet.
+int goalOf(Session& session, const Hover& hover) {
+  switch (hover.kind) {
+    case Hover::Kind::Goal: return hover.index;
+    case Hover::Kind::Joint: return session.addJointGoal(hover.index);
+    default: return session.addSurfaceGoal(hover.surface);
+  }
+}
+
+void restartConstraint(Sandbox::State& s) {
+  const int goal = *s.session->dragged();
+  s.gesture.start = s.session->goals()[goal].goal.target;
+  s.gesture.grip = s.toWindow(s.gesture.start).pixel - s.mouse;
+}
+
+void beginDrag(Sandbox::State& s, const Hover& hover) {
+  const int goal = goalOf(*s.session, hover);
+  s.session->beginDrag(goal);
+  s.selectedGoal = goal;
+  s.selectedJoint = s.session->goals()[goal].goal.joint;
+  s.gesture.kind = Gesture::Kind::Drag;
+  s.gesture.constraint = s.gesture.lock = DragConstraint::ViewPlane;
+  restartConstraint(s);
+  s.plots.worst.clear();
+}
+
+void continueDrag(Sandbox::State& s) {
+  const Vector2d moved = s.mouse - s.gesture.last;
+  if (s.alt) {
+    if (moved.norm() > 0.0) {
+      const Eigen::Matrix3d axes = s.camera.axes();
+      const Vector3d turn = radiansPerPixel * (moved.x() * axes.col(1) + moved.y() * axes.col(0));
+      s.session->rotateDrag(expRotation(turn));
+    }
+    s.gesture.rotated = true;
+    return;
+  }
+  const DragConstraint wanted = s.gesture.lock != DragConstraint::ViewPlane ? s.gesture.lock
+                                : s.shift                                  ? DragConstraint::GroundPlane
+                                                                            : DragConstraint::ViewPlane;
+  if (wanted != s.gesture.constraint || s.gesture.rotated) {
+    s.gesture.constraint = wanted;
+    s.gesture.rotated = false;
+    restartConstraint(s);
+  }
+  const Vector2d pixel = s.toView(s.mouse + s.gesture.grip);
+  if (const auto target = dragTarget(s.camera, s.viewport(), pixel, s.gesture.start, wanted))
+    s.session->moveDrag(s.gesture.start + (*target - s.gesture.start).cwiseMax(-10.0 * s.size).cwiseMin(10.0 * s.size));
+}
+
+void press(Sandbox& sandbox, int button) {
+  Sandbox::State& s = sandbox.state();
+  if (s.gesture.kind != Gesture::Kind::None) return;
+  s.gesture = {};
+  s.gesture.button = button;
+  s.gesture.press = s.gesture.last = s.mouse;
+  s.cameraMove.reset();
+  if (button == GLFW_MOUSE_BUTTON_RIGHT || (button == GLFW_MOUSE_BUTTON_MIDDLE && s.shift)) {
+    s.gesture.kind = Gesture::Kind::Pan;
+  } else if (button == GLFW_MOUSE_BUTTON_MIDDLE) {
+    s.gesture.kind = Gesture::Kind::Orbit;
+  } else {
+    s.gesture.pressed = hoverAt(sandbox, s.mouse);
+    switch (s.gesture.pressed.kind) {
+      case Hover::Kind::Nothing: s.gesture.kind = Gesture::Kind::Orbit; break;
+      case Hover::Kind::Goal: beginDrag(s, s.gesture.pressed); break;
+      default: s.gesture.kind = Gesture::Kind::PressedSkin; break;
+    }
+  }
+}
+
+void release(Sandbox::State& s, int button) {
+  if (s.gesture.kind == Gesture::Kind::None || button != s.gesture.button) return;
+  if (s.gesture.kind == Gesture::Kind::Drag) {
+    s.session->endDrag();
+    if (s.selectedGoal && *s.selectedGoal >= static_cast<int>(s.session->goals().size())) s.selectedGoal.reset();
+  } else if (s.gesture.kind == Gesture::Kind::PressedSkin) {
+    s.selectedJoint = s.gesture.pressed.index;  // a click
+  } else if (s.gesture.kind == Gesture::Kind::Orbit && (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale) {
+    s.selectedJoint.reset();
+    s.selectedGoal.reset();
+  }
+  s.gesture = {};
+}
+
+void moveMouse(Sandbox::State& s) {
+  const Vector2d moved = s.mouse - s.gesture.last;
+  switch (s.gesture.kind) {
+    case Gesture::Kind::PressedSkin:
+      if ((s.mouse - s.gesture.press).norm() >= dragThreshold * s.scale) {
+        const Vector2d now = s.mouse;
+        s.mouse = s.gesture.press;  // what was pressed is what follows
+        beginDrag(s, s.gesture.pressed);
+        s.mouse = now;
+      }
+      break;
+    case Gesture::Kind::Orbit:
+      if (!s.session->model().planar || s.gesture.button == GLFW_MOUSE_BUTTON_MIDDLE)
+        s.camera = orbit(s.camera, s.viewport(), moved);
+      else
+        s.camera = pan(s.camera, s.viewport(), moved);
+      break;
+    case Gesture::Kind::Pan: s.camera = pan(s.camera, s.viewport(), moved); break;
+    default: break;
+  }
+  if (s.gesture.kind == Gesture::Kind::Drag) continueDrag(s);
+  s.gesture.last = s.mouse;
+}
+
+void glideTo(Sandbox::State& s, const Camera& to) { s.cameraMove = {s.camera, to, s.time}; }
+
+void frameSelection(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.selectedJoint) return frameEverything(sandbox, true);
+  Eigen::AlignedBox3d box;
+  const Vector3d at = sandbox.shownFrames()[*s.selectedJoint].translation();
+  box.extend(at - Vector3d::Constant(0.08 * s.size));
+  box.extend(at + Vector3d::Constant(0.08 * s.size));
+  for (const int child : s.session->skeleton().children(*s.selectedJoint)) box.extend(sandbox.shownFrames()[child].translation());
+  glideTo(s, frameBox(s.camera, s.viewport(), box));
+}
+
+void guarded(Sandbox& sandbox, void (Session::*edit)()) {
+  try {
+    (sandbox.session().*edit)();
+  } catch (const std::exception& error) {
+    sandbox.say(error.what(), true);
+  }
+}
+
+std::string nextScreenshotName() {
+  for (int n = 1;; ++n)
+    if (const std::string name = fmt::format("gelenk-{:04}.png", n); !std::filesystem::exists(name)) return name;
+}
+
+void pinUnderMouse(Sandbox::State& s) {
+  if (s.session->dragged()) return s.session->togglePin(*s.session->dragged());
+  if (s.hover.kind == Hover::Kind::Nothing) {
+    if (s.selectedGoal) s.session->togglePin(*s.selectedGoal);
+    return;
+  }
+  s.session->togglePin(goalOf(*s.session, s.hover));
+  s.hover = {};
+}
+
+void deleteGoal(Sandbox::State& s) {
+  const std::optional<int> goal = s.hover.kind == Hover::Kind::Goal ? std::optional(s.hover.index) : s.selectedGoal;
+  if (!goal || s.session->dragged()) return;
+  s.session->remember();
+  s.session->removeGoal(*goal);
+  s.hover = {};
+  s.selectedGoal.reset();
+}
+
+void undoOrRedo(Sandbox& sandbox, bool redo) {
+  Sandbox::State& s = sandbox.state();
+  s.gesture = {};
+  s.selectedGoal.reset();
+  s.hover = {};
+  if (!(redo ? s.session->redo() : s.session->undo())) sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+}
+
+bool controlKey(Sandbox& sandbox, int key) {
+  Sandbox::State& s = sandbox.state();
+  switch (key) {
+    case GLFW_KEY_Z: undoOrRedo(sandbox, s.shift); return true;
+    case GLFW_KEY_Y: undoOrRedo(sandbox, true); return true;
+    case GLFW_KEY_S:
+      if (s.scenePath.empty() || s.shift)
+        s.dialog = Sandbox::State::Dialog::SaveScene;
+      else
+        sandbox.saveSceneTo(s.scenePath);
+      return true;
+    case GLFW_KEY_O: s.dialog = Sandbox::State::Dialog::OpenFile; return true;
+    case GLFW_KEY_Q: s.closing = true; return true;
+    default: return false;
+  }
+}
+
+bool plainKey(Sandbox& sandbox, int key) {
+  Sandbox::State& s = sandbox.state();
+  if (s.gesture.kind == Gesture::Kind::Drag && key >= GLFW_KEY_X && key <= GLFW_KEY_Z) {
+    const auto axis = static_cast<DragConstraint>(static_cast<int>(DragConstraint::AxisX) + key - GLFW_KEY_X);
+    s.gesture.lock = s.gesture.lock == axis ? DragConstraint::ViewPlane : axis;
+    return true;
+  }
+  switch (key) {
+    case GLFW_KEY_P: pinUnderMouse(s); return true;
+    case GLFW_KEY_R:
+      s.gesture = {};
+      s.hover = {};
+      s.selectedGoal.reset();
+      s.session->resetPose();
+      return true;
+    case GLFW_KEY_M: guarded(sandbox, &Session::mirrorPose); return true;
+    case GLFW_KEY_TAB: s.session->nextSolver(s.shift ? -1 : 1); return true;
+    case GLFW_KEY_SPACE: s.playing = !s.playing; return true;
+    case GLFW_KEY_DELETE: deleteGoal(s); return true;
+    case GLFW_KEY_F: frameSelection(sandbox); return true;
+    case GLFW_KEY_HOME: frameEverything(sandbox, true); return true;
+    case GLFW_KEY_1: case GLFW_KEY_KP_1: glideTo(s, lookFrom(s.camera, StandardView::Front)); return true;
+    case GLFW_KEY_3: case GLFW_KEY_KP_3: glideTo(s, lookFrom(s.camera, StandardView::Side)); return true;
+    case GLFW_KEY_7: case GLFW_KEY_KP_7: glideTo(s, lookFrom(s.camera, StandardView::Top)); return true;
+    case GLFW_KEY_5: case GLFW_KEY_KP_5: s.camera.orthographic = !s.camera.orthographic; return true;
+    case GLFW_KEY_H: case GLFW_KEY_SLASH: s.helpOpen = !s.helpOpen; return true;
+    case GLFW_KEY_F12: s.screenshotPath = nextScreenshotName(); return true;
+    case GLFW_KEY_ESCAPE:
+      if (s.gesture.kind == Gesture::Kind::Drag) {
+        s.session->undo();
+        s.gesture = {};
+        s.selectedGoal.reset();
+      }
+      s.helpOpen = false;
+      return true;
+    default: return false;
+  }
+}
+
+void pressKey(Sandbox& sandbox, int key) {
+  Sandbox::State& s = sandbox.state();
+  if (s.ctrl ? controlKey(sandbox, key) : plainKey(sandbox, key)) return;
+  const int modifiers = (s.ctrl ? GLFW_MOD_CONTROL : 0) | (s.shift ? GLFW_MOD_SHIFT : 0) | (s.alt ? GLFW_MOD_ALT : 0);
+  for (const auto& panel : s.panels)
+    if (panel->keyPressed(sandbox, key, modifiers)) return;
+}
+
+void trackModifiers(Sandbox::State& s, const InputEvent& event) {
+  switch (event.code) {
+    case GLFW_KEY_LEFT_CONTROL: case GLFW_KEY_RIGHT_CONTROL: s.ctrl = event.down; break;
+    case GLFW_KEY_LEFT_SHIFT: case GLFW_KEY_RIGHT_SHIFT: s.shift = event.down; break;
+    case GLFW_KEY_LEFT_ALT: case GLFW_KEY_RIGHT_ALT: s.alt = event.down; break;
+    default: break;
+  }
+}
+
+}  // namespace
+
+bool isGoalShown(const Sandbox& sandbox, int index) {
+  const Session& session = sandbox.session();
+  const SceneGoal& goal = session.goals()[index];
+  if (goal.goal.kind == GoalKind::Posture) return false;
+  if (goal.goal.kind != GoalKind::Pole || goal.state != GoalState::Free) return true;
+  for (const SceneGoal& other : session.goals())
+    if (other.handle && other.state != GoalState::Free && other.goal.kind != GoalKind::Pole &&
+        limbMiddle(session.skeleton(), other.goal.joint) == goal.goal.joint)
+      return true;
+  return false;
+}
+
+void frameEverything(Sandbox& sandbox, bool glide) {
+  Sandbox::State& s = sandbox.state();
+  Camera camera;
+  camera.up = s.session->model().up;
+  const bool planar = s.session->model().planar;
+  if (planar) camera.up = Vector3d::UnitZ();
+  camera.orthographic = planar;
+  camera = lookFrom(camera, planar ? StandardView::Top : StandardView::ThreeQuarter);
+  Eigen::AlignedBox3d box = s.bounds;
+  if (planar) {  // everything within reach of the base
+    const Vector3d base = sandbox.shownFrames()[0].translation();
+    double reach = 0.0;
+    for (int i = 0; i < s.session->skeleton().jointCount(); ++i) reach = std::max(reach, chainLength(s.session->skeleton(), i));
+    box.extend(base + Vector3d(reach, reach, 0.0));
+    box.extend(base - Vector3d(reach, reach, 0.0));
+  }
+  camera = frameBox(camera, s.viewport(), box);
+  if (glide)
+    glideTo(s, camera);
+  else
+    s.camera = camera;
+}
+
+void handleViewInput(Sandbox& sandbox, const Input& input) {
+  Sandbox::State& s = sandbox.state();
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool typing = io.WantTextInput || s.dialog != Sandbox::State::Dialog::None;
+  for (const InputEvent& event : input.events) {
+    switch (event.kind) {
+      case InputEvent::Kind::MouseMove:
+        s.mouse = {event.x, event.y};
+        moveMouse(s);
+        break;
+      case InputEvent::Kind::MouseButton:
+        if (event.down && s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse && !typing)
+          press(sandbox, event.code);
+        if (!event.down) release(s, event.code);
+        break;
+      case InputEvent::Kind::Wheel:
+        if (s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse) {
+          s.cameraMove.reset();
+          s.camera = zoomTo(s.camera, s.viewport(), s.toView(s.mouse), std::pow(0.9, event.y));
+        }
+        break;
+      case InputEvent::Kind::Key:
+        trackModifiers(s, event);
+        if (event.down && !typing) pressKey(sandbox, event.code);
+        break;
+      case InputEvent::Kind::Drop: sandbox.open(event.path); break;
+      case InputEvent::Kind::Character: break;
+    }
+  }
+  if (s.gesture.kind == Gesture::Kind::Drag && s.session->dragged()) continueDrag(s);  // modifiers may have changed
+  const bool free = s.gesture.kind == Gesture::Kind::None && s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse;
+  s.hover = free ? hoverAt(sandbox, s.mouse) : Hover{};
+}
+
+}  // namespace gelenk
