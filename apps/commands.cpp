@@ -2,14 +2,18 @@
 
 namespace gelenk {
 
+void addCompareCommand(CLI::App& app);
 void addFkCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
 void addMusclesCommand(CLI::App& app);
+void addSolveCommand(CLI::App& app);
 
 void addCommands(CLI::App& app) {
+  addCompareCommand(app);
   addFkCommand(app);
   addInfoCommand(app);
   addMusclesCommand(app);
+  addSolveCommand(app);
 }
 
 }  // namespace gelenk

@@ -35,6 +35,11 @@ struct PseudoInverse : OpenRule {
   SingularSystem svd;
 };
 
+struct MinimalChangePath : PseudoInverse {
+  static constexpr double largestStep = 0.02;
+  using PseudoInverse::PseudoInverse;
+};
+
 struct JacobianTranspose : OpenRule {
   using OpenRule::OpenRule;
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
@@ -290,6 +295,7 @@ struct ExactHessian : GainRatioRule {
 }  // namespace
 
 std::unique_ptr<IkSolver> makePseudoInverse() { return std::make_unique<StepSolver<PseudoInverse>>(); }
+std::unique_ptr<IkSolver> makeMinimalChangePath() { return std::make_unique<StepSolver<MinimalChangePath>>(); }
 std::unique_ptr<IkSolver> makeJacobianTranspose() { return std::make_unique<StepSolver<JacobianTranspose>>(); }
 std::unique_ptr<IkSolver> makeDampedLeastSquares() { return std::make_unique<StepSolver<DampedLeastSquares>>(); }
 std::unique_ptr<IkSolver> makeNakamura() { return std::make_unique<StepSolver<Nakamura>>(); }

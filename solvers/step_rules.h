@@ -14,6 +14,10 @@ namespace gelenk {
 /// Steps are shortened to 0.5 rad a coordinate. Lecture 10.1.4, several dimensions, n > m.
 std::unique_ptr<IkSolver> makePseudoInverse();
 
+/// The pseudo-inverse in steps of at most 0.02 rad a coordinate: a discretised minimal-change path, the yardstick of the
+/// laboratory for joint displacement. Not in the catalogue: it is slow by intent.
+std::unique_ptr<IkSolver> makeMinimalChangePath();
+
 /// dq = a J^T r with a = <r, J J^T r> / |J J^T r|^2, the best step length along the gradient. Buss 2004.
 std::unique_ptr<IkSolver> makeJacobianTranspose();
 

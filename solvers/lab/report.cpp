@@ -1,0 +1,576 @@
+#include "solvers/lab/report.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "kinematics/io/text_file.h"
+#include "solvers/ik_solver.h"
+#include "solvers/lab/statistics.h"
+
+namespace gelenk {
+
+using json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double microsecond = 1e-6;
+const std::vector<double> scoredTolerances{1e-3, 1e-6, 1e-9};
+
+/// The rows of one set, by solver in order of first appearance.
+struct Group {
+  std::string set;
+  std::vector<std::string> solvers = {};
+  std::map<std::string, std::vector<const ResultRow*>> rows = {};
+  bool meetable = true, drag = false;
+};
+
+std::vector<Group> grouped(const Results& results) {
+  std::vector<Group> groups;
+  for (const ResultRow& row : results.rows) {
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.set == row.set; });
+    if (group == groups.end()) {
+      const ProblemSetEntry& entry = problemSet(row.set);
+      group = groups.insert(groups.end(), {.set = row.set, .meetable = entry.meetable, .drag = entry.family == ProblemFamily::Drag});
+    }
+    if (!group->rows.count(row.solver)) group->solvers.push_back(row.solver);
+    group->rows[row.solver].push_back(&row);
+  }
+  return groups;
+}
+
+bool unsupported(const ResultRow& row) { return row.status == toString(Stop::Unsupported); }
+
+/// Met at another tolerance than the one it was solved at; unsupported problems are never met.
+bool metAt(const ResultRow& row, bool meetable, double tolerance) {
+  if (unsupported(row) || !(row.limitViolation <= 1e-9)) return false;
+  return meetable ? row.position <= tolerance && row.orientation <= tolerance : row.excess <= tolerance;
+}
+
+template <typename Value>
+std::vector<double> column(const std::vector<const ResultRow*>& rows, Value value) {
+  std::vector<double> values;
+  for (const ResultRow* row : rows) values.push_back(value(*row));
+  return values;
+}
+
+json orNull(double value) { return std::isfinite(value) ? json(value) : json(); }
+
+json quantiles(const std::vector<double>& values) {
+  json out{{"mean", orNull(mean(values))}};
+  for (const auto& [name, p] : {std::pair{"min", 0.0}, {"median", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"max", 1.0}})
+    out[name] = orNull(quantile(values, p));
+  return out;
+}
+
+json summariseSolver(const Group& group, const std::vector<const ResultRow*>& rows) {
+  const int n = static_cast<int>(rows.size());
+  json out{{"problems", n}};
+  std::map<std::string, int> statuses;
+  int solved = 0;
+  for (const ResultRow* row : rows) {
+    ++statuses[row->status];
+    solved += row->solved;
+  }
+  out["solved"] = solved;
+  const Interval interval = wilsonInterval(solved, n);
+  out["solved_share"] = static_cast<double>(solved) / n;
+  out["solved_wilson_95"] = {interval.lower, interval.upper};
+  out["status"] = statuses;
+  for (double tolerance : scoredTolerances) {
+    const int met = static_cast<int>(
+        std::count_if(rows.begin(), rows.end(), [&](const ResultRow* row) { return metAt(*row, group.meetable, tolerance); }));
+    const Interval bounds = wilsonInterval(met, n);
+    out["met"][fmt::format("{:g}", tolerance)] = {{"share", static_cast<double>(met) / n}, {"wilson_95", {bounds.lower, bounds.upper}}};
+  }
+  out["position_error"] = quantiles(column(rows, [](const ResultRow& r) { return r.position; }));
+  out["orientation_error"] = quantiles(column(rows, [](const ResultRow& r) { return r.orientation; }));
+  if (!group.meetable) out["excess_residual"] = quantiles(column(rows, [](const ResultRow& r) { return r.excess; }));
+  out["largest_limit_violation"] = quantile(column(rows, [](const ResultRow& r) { return r.limitViolation; }), 1.0);
+  out["iterations"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.iterations; }));
+  out["forward_kinematics"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.forwardKinematics; }));
+  out["jacobians"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.jacobians; }));
+  out["hessians"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.hessians; }));
+  out["factorisations"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.factorisations; }));
+  out["restarts"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.restarts; }));
+  out["displacement"] = quantiles(column(rows, [](const ResultRow& r) { return r.solved ? r.displacement : NAN; }));
+  out["displacement_over_minimal_change"] = quantiles(
+      column(rows, [](const ResultRow& r) { return r.solved && r.shortest > 1e-9 ? r.displacement / r.shortest : NAN; }));
+  if (group.drag) {
+    out["largest_jump"] = quantiles(column(rows, [](const ResultRow& r) { return r.jump; }));
+    out["jump_over_rate"] = quantiles(column(rows, [](const ResultRow& r) { return r.jump / r.level; }));
+    out["jitter"] = quantiles(column(rows, [](const ResultRow& r) { return r.jitter; }));
+  }
+  const std::vector<double> seconds = column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.seconds; });
+  out["time"] = {{"seconds", quantiles(seconds)},
+                 {"cpu_seconds", quantiles(column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.cpuSeconds; }))},
+                 {"expected_running_time", orNull(solved > 0 ? mean(seconds) * (n - statuses[toString(Stop::Unsupported)]) / solved : NAN)}};
+  return out;
+}
+
+/// Pairs of two solvers: all of them when there are few, otherwise all against the first.
+json comparePairs(const Group& group) {
+  json pairs = json::array();
+  const std::size_t firsts = group.solvers.size() <= 6 ? group.solvers.size() : 1;
+  for (std::size_t a = 0; a < firsts; ++a)
+    for (std::size_t b = a + 1; b < group.solvers.size(); ++b) {
+      const auto &first = group.rows.at(group.solvers[a]), &second = group.rows.at(group.solvers[b]);
+      const std::size_t n = std::min(first.size(), second.size());
+      int onlyFirst = 0, onlySecond = 0;
+      std::vector<double> timesA, timesB;
+      for (std::size_t i = 0; i < n; ++i) {
+        onlyFirst += first[i]->solved && !second[i]->solved;
+        onlySecond += second[i]->solved && !first[i]->solved;
+        if (unsupported(*first[i]) || unsupported(*second[i])) continue;
+        timesA.push_back(first[i]->seconds);
+        timesB.push_back(second[i]->seconds);
+      }
+      json pair{{"first", group.solvers[a]}, {"second", group.solvers[b]}, {"only_first_solved", onlyFirst},
+                {"only_second_solved", onlySecond}, {"mcnemar_p", mcNemar(onlyFirst, onlySecond)}};
+      if (!timesA.empty()) {
+        const RatioEstimate ratio = pairedRatio(timesA, timesB, 1);
+        pair["time"] = {{"first_over_second", ratio.ratio}, {"bootstrap_95", {ratio.interval.lower, ratio.interval.upper}}};
+      }
+      pairs.push_back(pair);
+    }
+  return pairs;
+}
+
+json readPreparation(const std::string& folder) {
+  json out;
+  const std::string path = folder + "/preparation.csv";
+  if (!std::filesystem::exists(path)) return out;
+  const std::string text = readFile(path);
+  for (std::string_view line : splitLines(text)) {
+    const std::size_t a = line.find(','), b = line.rfind(',');
+    const auto seconds = parseNumber(line.substr(b + 1));
+    if (seconds) out[std::string(line.substr(0, a))][std::string(line.substr(a + 1, b - a - 1))] = *seconds;
+  }
+  return out;
+}
+
+json summarise(const std::string& folder, const std::vector<Group>& groups) {
+  json out{{"settings", readMarker(folder)}};
+  const std::string checks = readFile(folder + "/problem_sets.csv");
+  const auto lines = splitLines(checks);
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    out["checksums"][std::string(lines[i].substr(0, lines[i].find(',')))] = std::string(lines[i].substr(lines[i].rfind(',') + 1));
+  const json preparation = readPreparation(folder);
+  for (const Group& group : groups) {
+    json& set = out["sets"][group.set];
+    for (const std::string& solver : group.solvers) {
+      set["solvers"][solver] = summariseSolver(group, group.rows.at(solver));
+      if (preparation.contains(group.set) && preparation[group.set].contains(solver))
+        set["solvers"][solver]["time"]["preparation_seconds"] = preparation[group.set][solver];
+    }
+    set["pairs"] = comparePairs(group);
+  }
+  return out;
+}
+
+// ---- plots
+
+/// A gnuplot data block of (x, y) pairs or rows of several numbers.
+std::string block(const std::string& name, const std::vector<std::vector<double>>& rows) {
+  std::string text = "$" + name + " << EOD\n";
+  for (const auto& row : rows) {
+    for (double value : row) text += std::isfinite(value) ? fmt::format("{:.8g} ", value) : "NaN ";
+    text += '\n';
+  }
+  return text + "EOD\n";
+}
+
+std::string preamble() {
+  return "set encoding utf8\nset border 3 lc rgb '#888888'\nset tics nomirror tc rgb '#444444' scale 0.5\n"
+         "set grid lc rgb '#e4e4e4' lt 1 lw 0.6\nset key outside right top Left reverse samplen 1.6 spacing 1.1 tc rgb '#222222'\n"
+         "set format y '%g'\n";
+}
+const std::string logX = "set logscale x\nset format x '10^{%L}'\n";
+const std::string logY = "set logscale y\nset format y '10^{%L}'\n";
+
+class Curves {
+ public:
+  explicit Curves(const ReportStyle& style) : style_(style) {}
+  void add(const std::string& solver, const std::vector<std::vector<double>>& rows) {
+    if (rows.empty()) return;
+    const std::string name = "d" + std::to_string(++count_);
+    blocks_ += block(name, rows);
+    plots_ += fmt::format("{}${} using 1:2 with steps lw 2 {} lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
+                          dash(), style_.colour(solver), solver);
+  }
+  /// rows: x, lower, median, upper.
+  void addBand(const std::string& solver, const std::vector<std::vector<double>>& rows) {
+    if (rows.empty()) return;
+    const std::string name = "d" + std::to_string(++count_);
+    blocks_ += block(name, rows);
+    const std::string colour = style_.colour(solver);
+    plots_ += fmt::format("{0}${1} using 1:2:4 with filledcurves fc rgb '{2}' fs transparent solid 0.12 notitle, "
+                          "${1} using 1:3 with lines lw 2 {4} lc rgb '{2}' title '{3}'",
+                          plots_.empty() ? "" : ", ", name, colour, solver, dash());
+  }
+  void addPoints(const std::string& solver, const std::vector<std::vector<double>>& rows) {
+    if (rows.empty()) return;
+    const std::string name = "d" + std::to_string(++count_);
+    blocks_ += block(name, rows);
+    plots_ += fmt::format("{}${} using 1:2 with points pt 7 ps 1.1 lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
+                          style_.colour(solver), solver);
+  }
+  bool empty() const { return plots_.empty(); }
+  std::string script(const std::string& settings) const { return preamble() + blocks_ + settings + "plot " + plots_ + "\n"; }
+
+ private:
+  std::string dash() const { return fmt::format("dt {}", 1 + (count_ - 1) / 8 % 4); }  // the palette has eight colours
+  const ReportStyle& style_;
+  std::string blocks_, plots_;
+  int count_ = 0;
+};
+
+std::vector<double> logSteps(double low, double high, int count) {
+  std::vector<double> steps;
+  for (int i = 0; i <= count; ++i) steps.push_back(low * std::pow(high / low, static_cast<double>(i) / count));
+  return steps;
+}
+
+std::string profilePlot(const Group& group, const ReportStyle& style) {
+  std::vector<std::vector<double>> times;
+  for (const std::string& solver : group.solvers)
+    times.push_back(column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; }));
+  std::size_t n = times[0].size();
+  for (auto& t : times) n = std::min(n, t.size());
+  for (auto& t : times) t.resize(n);
+  const std::vector<double> taus = logSteps(1.0, 1000.0, 120);
+  const auto profile = performanceProfile(times, taus);
+  Curves curves(style);
+  for (std::size_t m = 0; m < times.size(); ++m) {
+    std::vector<std::vector<double>> rows;
+    for (std::size_t t = 0; t < taus.size(); ++t) rows.push_back({taus[t], profile[m][t]});
+    curves.add(group.solvers[m], rows);
+  }
+  return curves.script(logX + "set yrange [0:1.02]\nset xlabel 'time over the fastest solver of the problem'\nset ylabel 'share of problems solved'\n");
+}
+
+std::string successPlot(const Group& group, const ReportStyle& style) {
+  Curves curves(style);
+  double low = 1e300, high = 0.0;
+  for (const auto& [solver, rows] : group.rows)
+    for (const ResultRow* row : rows)
+      if (row->solved) low = std::min(low, row->seconds), high = std::max(high, row->seconds);
+  if (high <= 0.0) return {};
+  const std::vector<double> steps = logSteps(0.8 * low, 1.2 * high, 150);
+  for (const std::string& solver : group.solvers) {
+    std::vector<double> times = column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; });
+    std::sort(times.begin(), times.end());
+    std::vector<std::vector<double>> rows;
+    for (double t : steps)
+      rows.push_back({t / microsecond, static_cast<double>(std::upper_bound(times.begin(), times.end(), t) - times.begin()) /
+                                           static_cast<double>(times.size())});
+    curves.add(solver, rows);
+  }
+  return curves.script(logX + "set yrange [0:1.02]\nset xlabel 'time [us]'\nset ylabel 'share of problems solved'\n");
+}
+
+/// Residual curves of one solver by problem: (x, residual) steps, held at their last value.
+std::string residualPlot(const Group& group, const Results& results, const ReportStyle& style, bool overTime) {
+  Curves curves(style);
+  for (const std::string& solver : group.solvers) {
+    std::map<int, std::vector<std::pair<double, double>>> traces;
+    double longest = overTime ? 0.0 : 1.0, shortest = 1e300;
+    for (const TracePoint& point : results.traces) {
+      if (point.set != group.set || point.solver != solver || !std::isfinite(point.residual)) continue;
+      const double x = overTime ? point.seconds / microsecond : point.iteration;
+      traces[point.problem].push_back({x, std::max(point.residual, 1e-17)});
+      longest = std::max(longest, x);
+      if (x > 0.0) shortest = std::min(shortest, x);
+    }
+    if (traces.empty() || !(longest > 0.0)) continue;
+    longest = std::min(longest, overTime ? longest : 100.0);
+    std::vector<double> xs;
+    if (overTime)
+      xs = logSteps(std::min(shortest, 0.99 * longest), longest, 80);
+    else
+      for (int i = 0; i <= static_cast<int>(longest); ++i) xs.push_back(i);
+    std::vector<std::vector<double>> rows;
+    for (double x : xs) {
+      std::vector<double> values;
+      for (const auto& [problem, points] : traces) {
+        auto after = std::upper_bound(points.begin(), points.end(), x, [](double a, const auto& p) { return a < p.first; });
+        if (after != points.begin()) --after;
+        values.push_back(after->second);
+      }
+      rows.push_back({x, quantile(values, 0.25), quantile(values, 0.5), quantile(values, 0.75)});
+    }
+    curves.addBand(solver, rows);
+  }
+  if (curves.empty()) return {};
+  return curves.script(logY + (overTime ? logX : std::string()) + "set xlabel '" + (overTime ? "time [us]" : "iteration, all attempts together") +
+                       "'\nset ylabel 'residual [m, rad], median and quartiles'\n");
+}
+
+/// Share solved in a grid of sigma_min (logarithmic) and limit margin, one panel a solver.
+std::string hardnessPlot(const Group& group) {
+  const std::size_t panels = std::min<std::size_t>(group.solvers.size(), 6);
+  std::string blocks, plots;
+  constexpr int nx = 6, ny = 5;
+  for (std::size_t m = 0; m < panels; ++m) {
+    double count[nx][ny] = {}, solved[nx][ny] = {};
+    for (const ResultRow* row : group.rows.at(group.solvers[m])) {
+      const int x = std::clamp(static_cast<int>(std::floor(std::log10(std::max(row->sigmaMin, 1e-12)) + 5.0)), 0, nx - 1);
+      const int y = std::clamp(static_cast<int>(row->limitMargin * ny), 0, ny - 1);
+      count[x][y] += 1.0;
+      solved[x][y] += row->solved;
+    }
+    std::vector<std::vector<double>> rows;
+    for (int x = 0; x < nx; ++x)
+      for (int y = 0; y < ny; ++y)
+        if (count[x][y] > 0.0) rows.push_back({x - 4.5, (y + 0.5) / ny, solved[x][y] / count[x][y], count[x][y]});
+    blocks += block("d" + std::to_string(m), rows);
+    plots += fmt::format("set title '{}' tc rgb '#222222'\nplot $d{} using 1:2:(0.48):(0.09):3 with boxxyerror fs solid 1 noborder lc palette notitle\n",
+                         group.solvers[m], m);
+  }
+  return preamble() + blocks +
+         fmt::format("unset key\nset palette viridis\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
+                     "set xlabel 'log_1_0 of sigma_{{min}}'\nset ylabel 'limit margin'\nset multiplot layout {},{} margins 0.07,0.9,0.13,0.92 spacing 0.08,0.16\n",
+                     panels > 3 ? 2 : 1, std::min<std::size_t>(panels, 3)) +
+         plots + "unset multiplot\n";
+}
+
+std::string displacementPlot(const Group& group, const ReportStyle& style) {
+  Curves curves(style);
+  for (const std::string& solver : group.solvers) {
+    std::vector<double> ratios;
+    for (const ResultRow* row : group.rows.at(solver))
+      if (row->solved && row->shortest > 1e-9) ratios.push_back(row->displacement / row->shortest);
+    std::sort(ratios.begin(), ratios.end());
+    std::vector<std::vector<double>> rows;
+    for (std::size_t i = 0; i < ratios.size(); i += std::max<std::size_t>(1, ratios.size() / 200))
+      rows.push_back({ratios[i], (static_cast<double>(i) + 1.0) / static_cast<double>(ratios.size())});
+    curves.add(solver, rows);
+  }
+  if (curves.empty()) return {};
+  return curves.script("set xrange [0:6]\nset yrange [0:1.02]\nset xlabel 'joint displacement over that of the minimal-change path'\nset ylabel 'share of the solved problems'\n");
+}
+
+std::string jitterPlot(const Group& group, const ReportStyle& style) {
+  Curves curves(style);
+  for (const std::string& solver : group.solvers) {
+    std::map<double, std::vector<const ResultRow*>> levels;
+    for (const ResultRow* row : group.rows.at(solver))
+      if (!unsupported(*row)) levels[row->level].push_back(row);
+    std::vector<std::vector<double>> rows;
+    for (const auto& [level, some] : levels)
+      rows.push_back({std::max(1e-12, quantile(column(some, [](const ResultRow& r) { return r.position; }), 0.9)),
+                      std::max(1e-12, quantile(column(some, [](const ResultRow& r) { return r.jitter; }), 0.9))});
+    curves.addPoints(solver, rows);
+  }
+  if (curves.empty()) return {};
+  return curves.script(logX + logY + "set xlabel 'lag: position error behind the target, 90 % quantile [m]'\nset ylabel 'jitter, 90 % quantile [rad a frame^2]'\n");
+}
+
+// ---- the page
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    if (c == '&') out += "&amp;";
+    else if (c == '<') out += "&lt;";
+    else if (c == '>') out += "&gt;";
+    else out += c;
+  }
+  return out;
+}
+
+std::string shown(const json& value, double scale, const char* format) {
+  if (!value.is_number()) return "–";
+  return fmt::format(fmt::runtime(format), value.get<double>() * scale);
+}
+
+std::string tableOf(const json& set, const ReportStyle& style, bool drag, bool meetable) {
+  std::string html = "<table><tr><th>solver</th><th>solved</th><th>95 % interval</th><th>10<sup>-3</sup></th><th>10<sup>-6</sup></th>"
+                     "<th>10<sup>-9</sup></th><th>mean µs</th><th>median</th><th>p99</th><th>expected µs to a solution</th><th>iterations</th><th>FK</th>"
+                     "<th>factorisations</th><th>displacement ratio</th><th>limit violation</th>";
+  if (drag) html += "<th>largest jump</th><th>jitter p99</th>";
+  if (!meetable) html += "<th>excess, median</th><th>excess, p99</th>";
+  html += "</tr>\n";
+  for (const auto& [name, s] : set["solvers"].items()) {
+    const json& time = s["time"];
+    html += fmt::format("<tr><td><i style=\"background:{}\"></i>{}</td>", style.colour(name), escaped(name));
+    const auto cell = [&](const std::string& text) { html += "<td>" + text + "</td>"; };
+    const int unsupportedCount = s["status"].contains("unsupported") ? s["status"]["unsupported"].get<int>() : 0;
+    if (unsupportedCount == s["problems"].get<int>()) {
+      html += "<td colspan=\"" + std::to_string(14 + 2 * drag + 2 * !meetable) + "\">unsupported</td></tr>\n";
+      continue;
+    }
+    cell(shown(s["solved_share"], 100.0, "{:.2f} %") + (unsupportedCount ? fmt::format(" ({} unsupported)", unsupportedCount) : ""));
+    cell(shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " – " + shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"));
+    for (const char* tolerance : {"0.001", "1e-06", "1e-09"}) cell(shown(s["met"][tolerance]["share"], 100.0, "{:.2f} %"));
+    for (const char* key : {"mean", "median", "p99"}) cell(shown(time["seconds"][key], 1e6, "{:.1f}"));
+    cell(shown(time["expected_running_time"], 1e6, "{:.1f}"));
+    cell(shown(s["iterations"]["median"], 1.0, "{:.0f}") + " / " + shown(s["iterations"]["p99"], 1.0, "{:.0f}"));
+    cell(shown(s["forward_kinematics"]["mean"], 1.0, "{:.1f}"));
+    cell(shown(s["factorisations"]["mean"], 1.0, "{:.1f}"));
+    cell(shown(s["displacement_over_minimal_change"]["median"], 1.0, "{:.2f}"));
+    cell(shown(s["largest_limit_violation"], 1.0, "{:.1e}"));
+    if (drag) {
+      cell(shown(s["largest_jump"]["max"], 1.0, "{:.3g}"));
+      cell(shown(s["jitter"]["p99"], 1.0, "{:.3g}"));
+    }
+    if (!meetable) {
+      cell(shown(s["excess_residual"]["median"], 1.0, "{:.2e}"));
+      cell(shown(s["excess_residual"]["p99"], 1.0, "{:.2e}"));
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string pairsTable(const json& pairs) {
+  std::string html = "<details><summary>Pairs of solvers: McNemar and paired bootstrap</summary><table><tr><th>first</th><th>second</th>"
+                     "<th>only first solved</th><th>only second</th><th>McNemar p</th><th>time first / second</th><th>95 % bootstrap</th></tr>\n";
+  for (const json& pair : pairs) {
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3g}</td>", pair["first"].get<std::string>(),
+                        pair["second"].get<std::string>(), pair["only_first_solved"].get<int>(), pair["only_second_solved"].get<int>(),
+                        pair["mcnemar_p"].get<double>());
+    if (pair.contains("time"))
+      html += fmt::format("<td>{}</td><td>{} – {}</td>", shown(pair["time"]["first_over_second"], 1.0, "{:.3g}"),
+                          shown(pair["time"]["bootstrap_95"][0], 1.0, "{:.3g}"), shown(pair["time"]["bootstrap_95"][1], 1.0, "{:.3g}"));
+    html += "</tr>\n";
+  }
+  return html + "</table></details>\n";
+}
+
+std::string methodsSection(const std::string& folder, const ReportStyle& style, const json& summary) {
+  std::string html = "<h2>Methods</h2>\n<table class=\"facts\">\n";
+  const auto fact = [&](const std::string& name, const std::string& value) {
+    html += "<tr><th>" + escaped(name) + "</th><td>" + escaped(value) + "</td></tr>\n";
+  };
+  fact("program", "gelenk " + style.version);
+  fact("command", style.commandLine);
+  const std::string facts = machineFacts(), marker = readMarker(folder);
+  for (std::string_view line : splitLines(facts)) fact(std::string(line.substr(0, line.find(':'))), std::string(line.substr(line.find(':') + 2)));
+  for (std::size_t at = 0; at < marker.size();) {
+    const std::size_t end = std::min(marker.find("; ", at), marker.size());
+    const std::string entry = marker.substr(at, end - at);
+    fact(entry.substr(0, entry.find('=')), entry.substr(entry.find('=') + 1));
+    at = end + 2;
+  }
+  for (const auto& [set, check] : summary["checksums"].items()) fact("checksum of " + set, check.get<std::string>());
+  html += "</table>\n<p>Every solver begins at the same start and works through the same counted evaluator; one judge outside the solvers "
+          "recomputes errors and limits by forward kinematics. <b>Solved</b>: every goal within the tolerance (metres, radians, on the error itself, "
+          "not its square) and limits kept to 10<sup>-9</sup>; in D4 and D7, whose goals cannot be met: residual within the tolerance of the best known. "
+          "Times are of all problems, solved or not, one thread, wall clock, the shortest of the repetitions; the machine may have been shared, so ratios "
+          "within one run say more than microseconds. Expected time to a solution: total time over solved problems. Displacement ratio: joint displacement from the "
+          "start over that of the minimal-change path (pseudo-inverse in steps of at most 0.02 rad). Intervals are Wilson's. "
+          "A time budget, where one is set, makes answers depend on the machine.</p>\n";
+  return html;
+}
+
+const char* const pageStyle =
+    "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 1em}h1{font-weight:600}h2{margin-top:2em;border-bottom:1px solid "
+    "#ddd}table{border-collapse:collapse;font-size:13px;margin:1em 0;display:block;overflow-x:auto}td,th{padding:3px 9px;text-align:right;border-bottom:1px solid #eee;"
+    "white-space:nowrap}th{font-weight:600;color:#555}td:first-child,th:first-child{text-align:left}td i{display:inline-block;width:10px;height:10px;border-radius:5px;"
+    "margin-right:7px}.facts td,.facts th{text-align:left;white-space:normal}figure{margin:1.2em 0}figcaption{color:#555;font-size:13px}svg{max-width:100%;height:auto}"
+    ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(520px,1fr));gap:10px}";
+
+}  // namespace
+
+std::string plotSvg(const std::string& script, int width, int height) {
+  if (script.empty()) return {};
+  const std::string out = (std::filesystem::temp_directory_path() / ("gelenk-plot-" + std::to_string(getpid()) + ".svg")).string();
+  std::FILE* pipe = popen("gnuplot >/dev/null 2>&1", "w");
+  if (!pipe) return {};
+  const std::string head = fmt::format("set terminal svg size {},{} dynamic font 'sans-serif,12' background '#ffffff'\nset output '{}'\n", width, height, out);
+  std::fwrite(head.data(), 1, head.size(), pipe);
+  std::fwrite(script.data(), 1, script.size(), pipe);
+  const bool fine = pclose(pipe) == 0;
+  std::string svg;
+  if (fine && std::filesystem::exists(out)) svg = readFile(out);
+  std::filesystem::remove(out);
+  return svg.find("<svg") == std::string::npos ? std::string() : svg.substr(svg.find("<svg"));
+}
+
+std::string machineFacts() {
+  std::string processor = "unknown";
+  try {
+    const std::string text = readFile("/proc/cpuinfo");
+    for (std::string_view line : splitLines(text))
+      if (line.starts_with("model name")) {
+        processor = std::string(line.substr(line.find(':') + 2));
+        break;
+      }
+  } catch (const std::exception&) {  // no such file on this system
+  }
+#if defined(__clang__)
+  const std::string compiler = "clang " __clang_version__;
+#else
+  const std::string compiler = "gcc " __VERSION__;
+#endif
+  return fmt::format("processor: {}, {} processors\ncompiler: {}\nflags: {}\nlibraries: Eigen {}.{}.{}, Ceres Solver {}\n", processor,
+                     sysconf(_SC_NPROCESSORS_ONLN), compiler, GELENK_COMPILER_FLAGS, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                     EIGEN_MINOR_VERSION, GELENK_CERES_VERSION);
+}
+
+std::string writeReport(const std::string& folder, const ReportStyle& style) {
+  const Results results = readResults(folder);
+  const std::vector<Group> groups = grouped(results);
+  json summary = summarise(folder, groups);
+  summary["program"] = "gelenk " + style.version;
+  summary["machine"] = machineFacts();
+  writeFile(folder + "/summary.json", summary.dump(2) + "\n");
+
+  const bool canPlot = !plotSvg("plot x\n", 100, 100).empty();
+  std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Gelenk: solvers compared</title><style>" +
+                     std::string(pageStyle) + "</style></head><body>\n<h1>Inverse kinematics: solvers compared</h1>\n";
+  if (!canPlot) html += "<p><b>No plots: the program gnuplot was not found when this report was written.</b></p>\n";
+  for (const Group& group : groups) {
+    const ProblemSetEntry& entry = problemSet(group.set);
+    html += fmt::format("<h2>{}: {}</h2>\n<p>{} problems. Level: {}.</p>\n", group.set, entry.title,
+                        group.rows.at(group.solvers[0]).size(), entry.levels);
+    html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) + pairsTable(summary["sets"][group.set]["pairs"]);
+    if (!canPlot) continue;
+    html += "<div class=\"plots\">\n";
+    const auto figure = [&](const std::string& script, const char* caption, int width = 640, int height = 360) {
+      const std::string svg = plotSvg(script, width, height);
+      if (!svg.empty()) html += "<figure>" + svg + "<figcaption>" + caption + "</figcaption></figure>\n";
+    };
+    figure(profilePlot(group, style), "Performance profile (Dolan, Moré 2002) of the times.");
+    figure(successPlot(group, style), "Share of problems solved within a time.");
+    figure(residualPlot(group, results, style, false), "Residual by iteration: median and quartiles of the traced problems.");
+    figure(residualPlot(group, results, style, true), "Residual by time: median and quartiles of the traced problems.");
+    figure(hardnessPlot(group), "Share solved by the smallest singular value at the solution and the distance to the nearest limit (1: middle of every range).", 760, group.solvers.size() > 3 ? 460 : 270);
+    figure(displacementPlot(group, style), "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
+    if (group.drag) figure(jitterPlot(group, style), "Jitter against lag, one point a drag speed.");
+    html += "</div>\n";
+  }
+  html += methodsSection(folder, style, summary) + "</body></html>\n";
+  writeFile(folder + "/report.html", html);
+  return canPlot ? std::string() : "gnuplot was not found: report.html has no plots (install the package gnuplot-nox)";
+}
+
+std::string summaryTable(const std::string& folder) {
+  const json summary = json::parse(readFile(folder + "/summary.json"));
+  std::string text = fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", "set", "solver", "solved", "95 % interval", "mean us",
+                                 "median us", "p99 us", "iter.");
+  for (const auto& [set, facts] : summary["sets"].items())
+    for (const auto& [solver, s] : facts["solvers"].items()) {
+      if (s["status"].contains("unsupported") && s["status"]["unsupported"] == s["problems"]) {
+        text += fmt::format("{:<4} {:<20} {:>8}\n", set, solver, "unsupported");
+        continue;
+      }
+      const json& seconds = s["time"]["seconds"];
+      text += fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", set, solver, shown(s["solved_share"], 100.0, "{:.2f}%"),
+                          shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " - " + shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"),
+                          shown(seconds["mean"], 1e6, "{:.1f}"), shown(seconds["median"], 1e6, "{:.1f}"), shown(seconds["p99"], 1e6, "{:.1f}"),
+                          shown(s["iterations"]["median"], 1.0, "{:.0f}"));
+    }
+  return text;
+}
+
+}  // namespace gelenk
