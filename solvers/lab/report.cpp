@@ -190,7 +190,7 @@ std::string block(const std::string& name, const std::vector<std::vector<double>
 
 std::string preamble() {
   return "set encoding utf8\nset border 3 lc rgb '#888888'\nset tics nomirror tc rgb '#444444' scale 0.5\n"
-         "set grid lc rgb '#e4e4e4' lt 1 lw 0.6\nset key outside right top Left reverse samplen 1.6 spacing 1.1 tc rgb '#222222'\n"
+         "set grid lc rgb '#e4e4e4' lt 1 lw 0.6\nset key outside right top vertical Left reverse samplen 1.6 spacing 1.0 maxcols 1 tc rgb '#222222'\n"
          "set format y '%g'\n";
 }
 const std::string logX = "set logscale x\nset format x '10^{%L}'\n";
@@ -207,14 +207,16 @@ class Curves {
                           dash(), style_.colour(solver), solver);
   }
   /// rows: x, lower, median, upper.
-  void addBand(const std::string& solver, const std::vector<std::vector<double>>& rows) {
+  void addBand(const std::string& solver, const std::vector<std::vector<double>>& rows, bool shade) {
     if (rows.empty()) return;
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
     const std::string colour = style_.colour(solver);
-    plots_ += fmt::format("{0}${1} using 1:2:4 with filledcurves fc rgb '{2}' fs transparent solid 0.12 notitle, "
-                          "${1} using 1:3 with lines lw 2 {4} lc rgb '{2}' title '{3}'",
-                          plots_.empty() ? "" : ", ", name, colour, solver, dash());
+    if (shade)
+      plots_ += fmt::format("{}${} using 1:2:4 with filledcurves fc rgb '{}' fs transparent solid 0.14 notitle",
+                            plots_.empty() ? "" : ", ", name, colour);
+    plots_ += fmt::format("{}${} using 1:3 with lines lw 2 {} lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name, dash(),
+                          colour, solver);
   }
   void addPoints(const std::string& solver, const std::vector<std::vector<double>>& rows) {
     if (rows.empty()) return;
@@ -233,6 +235,11 @@ class Curves {
   int count_ = 0;
 };
 
+bool neverSupported(const Group& group, const std::string& solver) {
+  const auto& rows = group.rows.at(solver);
+  return std::all_of(rows.begin(), rows.end(), [](const ResultRow* row) { return unsupported(*row); });
+}
+
 std::vector<double> logSteps(double low, double high, int count) {
   std::vector<double> steps;
   for (int i = 0; i <= count; ++i) steps.push_back(low * std::pow(high / low, static_cast<double>(i) / count));
@@ -250,6 +257,7 @@ std::string profilePlot(const Group& group, const ReportStyle& style) {
   const auto profile = performanceProfile(times, taus);
   Curves curves(style);
   for (std::size_t m = 0; m < times.size(); ++m) {
+    if (neverSupported(group, group.solvers[m])) continue;
     std::vector<std::vector<double>> rows;
     for (std::size_t t = 0; t < taus.size(); ++t) rows.push_back({taus[t], profile[m][t]});
     curves.add(group.solvers[m], rows);
@@ -266,6 +274,7 @@ std::string successPlot(const Group& group, const ReportStyle& style) {
   if (high <= 0.0) return {};
   const std::vector<double> steps = logSteps(0.8 * low, 1.2 * high, 150);
   for (const std::string& solver : group.solvers) {
+    if (neverSupported(group, solver)) continue;
     std::vector<double> times = column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; });
     std::sort(times.begin(), times.end());
     std::vector<std::vector<double>> rows;
@@ -307,7 +316,7 @@ std::string residualPlot(const Group& group, const Results& results, const Repor
       }
       rows.push_back({x, quantile(values, 0.25), quantile(values, 0.5), quantile(values, 0.75)});
     }
-    curves.addBand(solver, rows);
+    curves.addBand(solver, rows, group.solvers.size() <= 6);
   }
   if (curves.empty()) return {};
   return curves.script(logY + (overTime ? logX : std::string()) + "set xlabel '" + (overTime ? "time [us]" : "iteration, all attempts together") +
@@ -316,12 +325,15 @@ std::string residualPlot(const Group& group, const Results& results, const Repor
 
 /// Share solved in a grid of sigma_min (logarithmic) and limit margin, one panel a solver.
 std::string hardnessPlot(const Group& group) {
-  const std::size_t panels = std::min<std::size_t>(group.solvers.size(), 6);
+  std::vector<std::string> solvers;
+  for (const std::string& solver : group.solvers)
+    if (!neverSupported(group, solver) && solvers.size() < 6) solvers.push_back(solver);
+  const std::size_t panels = solvers.size();
   std::string blocks, plots;
   constexpr int nx = 6, ny = 5;
   for (std::size_t m = 0; m < panels; ++m) {
     double count[nx][ny] = {}, solved[nx][ny] = {};
-    for (const ResultRow* row : group.rows.at(group.solvers[m])) {
+    for (const ResultRow* row : group.rows.at(solvers[m])) {
       const int x = std::clamp(static_cast<int>(std::floor(std::log10(std::max(row->sigmaMin, 1e-12)) + 5.0)), 0, nx - 1);
       const int y = std::clamp(static_cast<int>(row->limitMargin * ny), 0, ny - 1);
       count[x][y] += 1.0;
@@ -332,8 +344,8 @@ std::string hardnessPlot(const Group& group) {
       for (int y = 0; y < ny; ++y)
         if (count[x][y] > 0.0) rows.push_back({x - 4.5, (y + 0.5) / ny, solved[x][y] / count[x][y], count[x][y]});
     blocks += block("d" + std::to_string(m), rows);
-    plots += fmt::format("set title '{}' tc rgb '#222222'\nplot $d{} using 1:2:(0.48):(0.09):3 with boxxyerror fs solid 1 noborder lc palette notitle\n",
-                         group.solvers[m], m);
+    plots += fmt::format("set title '{}' tc rgb '#222222'\nplot $d{} using 1:2:(0.48):(0.09):3 with boxxyerrorbars fs solid 1 noborder lc palette notitle\n",
+                         solvers[m], m);
   }
   return preamble() + blocks +
          fmt::format("unset key\nset palette viridis\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
@@ -477,7 +489,7 @@ const char* const pageStyle =
     "#ddd}table{border-collapse:collapse;font-size:13px;margin:1em 0;display:block;overflow-x:auto}td,th{padding:3px 9px;text-align:right;border-bottom:1px solid #eee;"
     "white-space:nowrap}th{font-weight:600;color:#555}td:first-child,th:first-child{text-align:left}td i{display:inline-block;width:10px;height:10px;border-radius:5px;"
     "margin-right:7px}.facts td,.facts th{text-align:left;white-space:normal}figure{margin:1.2em 0}figcaption{color:#555;font-size:13px}svg{max-width:100%;height:auto}"
-    ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(520px,1fr));gap:10px}";
+    ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(560px,1fr));gap:10px}";
 
 }  // namespace
 
@@ -536,7 +548,8 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) + pairsTable(summary["sets"][group.set]["pairs"]);
     if (!canPlot) continue;
     html += "<div class=\"plots\">\n";
-    const auto figure = [&](const std::string& script, const char* caption, int width = 640, int height = 360) {
+    const auto figure = [&](const std::string& script, const char* caption, int width = 760, int height = 0) {
+      if (height == 0) height = std::max(380, 60 + 17 * static_cast<int>(group.solvers.size()));
       const std::string svg = plotSvg(script, width, height);
       if (!svg.empty()) html += "<figure>" + svg + "<figcaption>" + caption + "</figcaption></figure>\n";
     };

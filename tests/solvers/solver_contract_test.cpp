@@ -9,6 +9,9 @@
 #include "tests/solvers/random_problem.h"
 
 namespace gelenk {
+
+void PrintTo(const SolverEntry& entry, std::ostream* out) { *out << entry.name; }
+
 namespace {
 
 using Eigen::VectorXd;
@@ -63,7 +66,8 @@ TEST_P(SolverContract, AnswersAreFiniteWithinLimitsAndTheirErrorIsTheOneReported
     // rounding of one forward kinematics over metres
     EXPECT_NEAR(at.residual().norm(), report.residual, 1e-12 * (1.0 + report.residual));
     EXPECT_EQ(report.why == Stop::Converged, verdict.solved) << toString(report.why);
-    EXPECT_LE(report.counters.iterations, shortBudget.maxIterations * (1 + shortBudget.restarts));
+    // a search for the closest pose may follow the last attempt
+    EXPECT_LE(report.counters.iterations, shortBudget.maxIterations * (2 + shortBudget.restarts));
   });
 }
 
@@ -110,6 +114,7 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract,
 /// What the method is for: from a random start a local method with restarts reaches a reachable position.
 TEST(Catalogue, EveryIterativeSolverReachesMostReachablePositionsOfAFreeArm) {
   for (const SolverEntry& entry : solverCatalogue()) {
+    if (entry.name == "two-link") continue;  // a closed form that moves the last two joints only
     const auto solver = entry.make();
     std::mt19937_64 random(5);
     int supported = 0, solved = 0;
