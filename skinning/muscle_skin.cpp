@@ -275,13 +275,21 @@ void skinWithMuscles(const MuscleSkin& body, const Frames& worldFromJoint, const
   out.positions.resize(count);
   out.normals.resize(count);
   for (std::size_t v = 0; v < count; ++v) {
-    Vector3d position = Vector3d::Zero(), normal = Vector3d::Zero();
+    Eigen::Matrix<double, 3, 4> blend = Eigen::Matrix<double, 3, 4>::Zero();
+    double sum = 0.0;
     const Influences& in = body.outside[v];
     for (int k = 0; k < 4; ++k) {
       if (in.weights[k] == 0.0) continue;
-      const Eigen::Isometry3d& T = matrices[in.joints[k]];
-      position += in.weights[k] * (T * body.skin.mesh.positions[v]);
-      normal += in.weights[k] * (T.linear() * body.skin.mesh.normals[v]);
+      blend += in.weights[k] * matrices[in.joints[k]].matrix().topRows<3>();
+      sum += in.weights[k];
+    }
+    Vector3d position = blend.leftCols<3>() * body.skin.mesh.positions[v] + blend.col(3);
+    Vector3d normal = Vector3d::Zero();
+    if (sum > 0.0) {  // cofactors of the blend, which carry the square of the weights' sum: back to the sum
+      const Vector3d n = body.skin.mesh.normals[v];
+      const Eigen::Matrix3d M = blend.leftCols<3>();
+      normal << M.row(1).cross(M.row(2)).dot(n), M.row(2).cross(M.row(0)).dot(n), M.row(0).cross(M.row(1)).dot(n);
+      normal /= sum;
     }
     const LimbVertex& vertex = body.vertices[v];
     if (vertex.limb >= 0) {

@@ -196,6 +196,8 @@ void bindTexture(TextureUnit unit, GLuint texture, GLuint sampler = 0) {
   glActiveTexture(GL_TEXTURE0);
 }
 
+bool isLayered(const BodyInstance& body) { return body.mesh->hasLayers() && !body.pose->layers.empty(); }
+
 }  // namespace
 
 struct Renderer::State {
@@ -224,7 +226,7 @@ struct Renderer::State {
   State();
   ~State();
   const ShaderProgram& program(const std::string& name, const ProgramText& text);
-  const ShaderProgram& bodyProgram(const std::string& name, const SkinnedMeshGl& mesh, bool wireframe = false);
+  const ShaderProgram& bodyProgram(const std::string& name, const BodyInstance& body, bool wireframe = false);
   void prepareTargets(const Viewport& viewport);
   void drawShadowMap(const RenderScene& scene, const Lighting& light);
   void drawGroundLight(const RenderScene& scene, const Lighting& light);
@@ -262,6 +264,7 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
   if (known != programs.end()) return known->second;
   ShaderProgram made(text);
   made.bindBlock("Pose", PoseGl::blockBinding);
+  made.bindBlock("Layers", SkinnedMeshGl::layerBinding);
   made.bindBlock("Frame", frameBinding);
   made.bindSampler("poseRows", PoseGl::textureUnit);
   made.bindSampler("shadowMap", ShadowMapUnit);
@@ -272,10 +275,11 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
 }
 
 /// name: the vertex shader; a fragment shader of the same name is used for surface and contact.
-const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const SkinnedMeshGl& mesh, bool wireframe) {
-  const bool inTexture = mesh.storage() == PoseStorage::TextureBuffer;
+const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const BodyInstance& body, bool wireframe) {
+  const bool inTexture = body.mesh->storage() == PoseStorage::TextureBuffer;
   const std::string vertex = name + ".vert", fragment = name == "depth" ? "" : name + ".frag";
-  const std::string defines = std::string(inTexture ? "POSE_IN_TEXTURE " : "") + (wireframe ? "WIREFRAME" : "");
+  const std::string defines = std::string(inTexture ? "POSE_IN_TEXTURE " : "") + (wireframe ? "WIREFRAME " : "") +
+                              (isLayered(body) ? layerDefines(*body.pose) : "");
   return program(name + " " + defines, {.folder = rendererShaders(),
                                         .vertex = vertex,
                                         .geometry = wireframe ? "surface.geom" : "",
@@ -306,11 +310,11 @@ void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& li
   const Float16 matrix = float16(clipFromShadow * light.shadowFromWorld);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies[i].tint.a < 1.0f) continue;
-    const ShaderProgram& depth = bodyProgram("depth", *scene.bodies[i].mesh);
+    const ShaderProgram& depth = bodyProgram("depth", scene.bodies[i]);
     depth.use();
     glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, matrix.data());
     poses[i].bind();
-    scene.bodies[i].mesh->drawTriangles();
+    scene.bodies[i].mesh->drawTriangles(isLayered(scene.bodies[i]));
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_DEPTH_TEST);
@@ -327,9 +331,9 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
   glBlendEquation(GL_MAX);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies[i].tint.a < 1.0f) continue;
-    bodyProgram("contact", *scene.bodies[i].mesh).use();
+    bodyProgram("contact", scene.bodies[i]).use();
     poses[i].bind();
-    scene.bodies[i].mesh->drawTriangles();
+    scene.bodies[i].mesh->drawTriangles(isLayered(scene.bodies[i]));
   }
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
@@ -347,19 +351,19 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
 
 void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool translucent) {
   const BodyInstance& body = scene.bodies[index];
-  const ShaderProgram& surface = bodyProgram("surface", *body.mesh, body.wireframe);
+  const ShaderProgram& surface = bodyProgram("surface", body, body.wireframe);
   const bool throughSkin = scene.xray && body.tint.a >= 1.0f;
   surface.use();
   glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b, throughSkin ? 0.62f : body.tint.a);
   glUniform1f(surface.uniform("vertexColourShare"), body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? 1.0f : 0.0f);
   poses[index].bind();
-  if (!translucent) return body.mesh->drawTriangles();
+  if (!translucent) return body.mesh->drawTriangles(isLayered(body));
   // Depth first, so that only the nearest layer of a translucent body is seen.
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  body.mesh->drawTriangles();
+  body.mesh->drawTriangles(isLayered(body));
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  body.mesh->drawTriangles();
+  body.mesh->drawTriangles(isLayered(body));
 }
 
 void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {

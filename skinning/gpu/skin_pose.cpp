@@ -1,5 +1,6 @@
 #include "skinning/gpu/skin_pose.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace gelenk {
@@ -8,6 +9,7 @@ void poseSkin(const Skin& skin, const Frames& worldFromJoint, SkinPose& out) {
   if (worldFromJoint.size() != skin.jointFromRestWorld.size())
     throw std::invalid_argument("the skin has " + std::to_string(skin.jointFromRestWorld.size()) + " joints, the pose has " +
                                 std::to_string(worldFromJoint.size()) + " frames");
+  out.layers.clear();
   out.rows.resize(12 * worldFromJoint.size());
   for (std::size_t i = 0; i < worldFromJoint.size(); ++i) {
     const Eigen::Isometry3d skinned = worldFromJoint[i] * skin.jointFromRestWorld[i];
@@ -20,6 +22,62 @@ SkinPose poseSkin(const Skin& skin, const Frames& worldFromJoint) {
   SkinPose pose;
   poseSkin(skin, worldFromJoint, pose);
   return pose;
+}
+
+namespace {
+
+void append(std::vector<float>& rows, const Eigen::Vector3d& v) {
+  for (int k = 0; k < 3; ++k) rows.push_back(static_cast<float>(v[k]));
+  rows.push_back(0.0f);
+}
+
+void append(std::vector<float>& rows, const FfdPlane& plane) {
+  append(rows, plane.origin);
+  append(rows, plane.axes.col(0));
+  append(rows, plane.axes.col(1));
+}
+
+/// Four planes a third of a metre apart that move with the frame: the tri-cubic is then the rigid map of (u, v, w) in metres.
+void appendRigid(std::vector<float>& rows, const Eigen::Isometry3d& end) {
+  for (int k = 0; k < 4; ++k)
+    append(rows, FfdPlane{end.translation() + k / 3.0 * end.linear().col(2), end.linear().leftCols<2>()});
+}
+
+int links(const Limb& limb) { return static_cast<int>(limb.shape.links.size()); }
+
+}  // namespace
+
+int firstLayerPlane(const MuscleSkin& body, int limb) {
+  int plane = 0;
+  for (int l = 0; l < limb; ++l) plane += 6 * links(body.limbs[l]) + 9;
+  return plane;
+}
+
+int firstLayerLink(const MuscleSkin& body, int limb) {
+  int link = 0;
+  for (int l = 0; l < limb; ++l) link += links(body.limbs[l]);
+  return link;
+}
+
+void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs, SkinPose& out) {
+  poseSkin(body.skin, worldFromJoint, out);
+  for (const LimbPose& limb : limbs) {
+    for (const FfdPlane& plane : limb.planes) append(out.layers, plane);
+    appendRigid(out.layers, limb.worldFromNearEnd);
+    appendRigid(out.layers, limb.worldFromFarEnd);
+  }
+  out.sculpted = std::any_of(limbs.begin(), limbs.end(), [](const LimbPose& limb) { return !limb.displacement.empty(); });
+  if (!out.sculpted) return;
+  out.layers.resize(4 * firstDisplacementRow, 0.0f);
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (int i = 0; i < links(body.limbs[l]); ++i)
+      for (const int plane : {6 * i + 2, 6 * i + 4})
+        for (int c = 0; c < 16; ++c)
+          append(out.layers, limbs[l].displacement.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : limbs[l].displacement[plane][c]);
+}
+
+std::string layerDefines(const SkinPose& pose) {
+  return pose.layers.empty() ? "" : pose.sculpted ? "LAYERS SCULPTED" : "LAYERS";
 }
 
 SkinPose unposed(int jointCount) {

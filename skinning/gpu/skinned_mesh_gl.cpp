@@ -17,7 +17,13 @@ struct InfluenceVertex {
   std::uint16_t joints[4];
   float weights[4];
 };
-static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24);
+struct LayerVertex {
+  float uvw[3], weight;
+  float normal[3];
+  std::uint16_t firstPlane, link;  ///< link: 2 * link + (1 for its second volume), or noLink
+};
+constexpr std::uint16_t noLink = 0xffff;
+static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 32);
 
 template <class T>
 void fill(GLenum target, const GlBuffer& buffer, const std::vector<T>& data, GLenum usage = GL_STATIC_DRAW) {
@@ -48,6 +54,28 @@ std::vector<InfluenceVertex> influenceVertices(const std::vector<Influences>& in
   return vertices;
 }
 
+std::vector<LayerVertex> layerVertices(const MuscleSkin& body) {
+  std::vector<LayerVertex> vertices(body.vertices.size(), LayerVertex{{0, 0, 0}, 0.0f, {0, 0, 0}, 0, noLink});
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const LimbVertex& from = body.vertices[v];
+    if (from.limb < 0) continue;
+    const int volumes = 2 * static_cast<int>(body.limbs[from.limb].shape.links.size());
+    const int end = 3 * volumes + 1;  // the planes of the rigid ends follow the limb's own
+    const int plane = from.volume == LimbVertex::beyondNear  ? end
+                      : from.volume == LimbVertex::beyondFar ? end + 4
+                                                             : 3 * from.volume;
+    LayerVertex& to = vertices[v];
+    to.weight = static_cast<float>(from.weight);
+    to.firstPlane = static_cast<std::uint16_t>(firstLayerPlane(body, from.limb) + plane);
+    if (from.volume >= 0) to.link = static_cast<std::uint16_t>(2 * firstLayerLink(body, from.limb) + from.volume);
+    for (int k = 0; k < 3; ++k) {
+      to.uvw[k] = static_cast<float>(from.uvw[k]);
+      to.normal[k] = static_cast<float>(from.normal[k]);
+    }
+  }
+  return vertices;
+}
+
 void floatAttribute(GLuint location, GLint components, GLsizei stride, std::size_t at) {
   glEnableVertexAttribArray(location);
   glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, stride, offset(at));
@@ -73,6 +101,17 @@ void PoseGl::upload(const SkinPose& pose) {
   }
   glBufferSubData(target, 0, bytes, pose.rows.data());
   glBindBuffer(target, 0);
+  if (!pose.layers.empty()) {
+    constexpr GLsizeiptr whole = maxLayerRows * 16;
+    if (layers_ == 0) {
+      layers_ = GlBuffer::create();
+      glBindBuffer(GL_UNIFORM_BUFFER, layers_);
+      glBufferData(GL_UNIFORM_BUFFER, whole, nullptr, GL_STREAM_DRAW);
+    }
+    glBindBuffer(GL_UNIFORM_BUFFER, layers_);
+    glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(pose.layers.size() * sizeof(float)), pose.layers.data());
+    glBindBuffer(GL_UNIFORM_BUFFER, 0);
+  }
   if (inBlock || texture_ != 0) return;
 
   GLint limit = 0;
@@ -87,6 +126,7 @@ void PoseGl::upload(const SkinPose& pose) {
 }
 
 void PoseGl::bind() const {
+  if (layers_ != 0) glBindBufferBase(GL_UNIFORM_BUFFER, SkinnedMeshGl::layerBinding, layers_);
   if (storage_ == PoseStorage::UniformBlock) {
     glBindBufferBase(GL_UNIFORM_BUFFER, blockBinding, buffer_);
   } else {
@@ -107,23 +147,51 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
       jointCount_(skin.jointCount()) {
   if (skin.influences.size() != skin.mesh.positions.size() || skin.mesh.normals.size() != skin.mesh.positions.size())
     throw std::invalid_argument("a skin needs one normal and one row of influences a vertex");
-  glBindVertexArray(triangleArray_);
-
   fill(GL_ARRAY_BUFFER, shape_, shapeVertices(skin.mesh.positions, skin.mesh.normals));
-  floatAttribute(0, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, position));
-  floatAttribute(1, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, normal));
-
   fill(GL_ARRAY_BUFFER, influences_, influenceVertices(skin.influences));
-  glEnableVertexAttribArray(2);
-  glVertexAttribIPointer(2, 4, GL_UNSIGNED_SHORT, sizeof(InfluenceVertex), offset(offsetof(InfluenceVertex, joints)));
-  floatAttribute(3, 4, sizeof(InfluenceVertex), offsetof(InfluenceVertex, weights));
-
   fill(GL_ARRAY_BUFFER, colours_, std::vector<Eigen::Vector3f>(vertexCount_, Eigen::Vector3f::Constant(0.5f)));
-  floatAttribute(4, 3, sizeof(Eigen::Vector3f), 0);
-
+  glBindVertexArray(triangleArray_);
+  attachShape(influences_);
   fill(GL_ELEMENT_ARRAY_BUFFER, indices_, skin.mesh.triangles);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+SkinnedMeshGl::SkinnedMeshGl(const MuscleSkin& body) : SkinnedMeshGl(body.skin) {
+  const int limbs = static_cast<int>(body.limbs.size());
+  const int planes = firstLayerPlane(body, limbs), links = firstLayerLink(body, limbs);
+  if (3 * planes > firstDisplacementRow || 32 * links > maxLayerRows - firstDisplacementRow)
+    throw std::invalid_argument("the muscle layers have " + std::to_string(planes) + " planes and " + std::to_string(links) +
+                                " links, the shader holds " + std::to_string(firstDisplacementRow / 3) + " and " +
+                                std::to_string((maxLayerRows - firstDisplacementRow) / 32));
+  layeredArray_ = GlVertexArray::create();
+  outside_ = GlBuffer::create();
+  layers_ = GlBuffer::create();
+  fill(GL_ARRAY_BUFFER, outside_, influenceVertices(body.outside));
+  fill(GL_ARRAY_BUFFER, layers_, layerVertices(body));
+  glBindVertexArray(layeredArray_);
+  attachShape(outside_);
+  glBindBuffer(GL_ARRAY_BUFFER, layers_);
+  floatAttribute(5, 4, sizeof(LayerVertex), offsetof(LayerVertex, uvw));
+  floatAttribute(6, 3, sizeof(LayerVertex), offsetof(LayerVertex, normal));
+  glEnableVertexAttribArray(7);
+  glVertexAttribIPointer(7, 2, GL_UNSIGNED_SHORT, sizeof(LayerVertex), offset(offsetof(LayerVertex, firstPlane)));
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+/// Attributes 0 to 4 of the vertex array that is bound.
+void SkinnedMeshGl::attachShape(const GlBuffer& influences) const {
+  glBindBuffer(GL_ARRAY_BUFFER, shape_);
+  floatAttribute(0, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, position));
+  floatAttribute(1, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, normal));
+  glBindBuffer(GL_ARRAY_BUFFER, influences);
+  glEnableVertexAttribArray(2);
+  glVertexAttribIPointer(2, 4, GL_UNSIGNED_SHORT, sizeof(InfluenceVertex), offset(offsetof(InfluenceVertex, joints)));
+  floatAttribute(3, 4, sizeof(InfluenceVertex), offsetof(InfluenceVertex, weights));
+  glBindBuffer(GL_ARRAY_BUFFER, colours_);
+  floatAttribute(4, 3, sizeof(Eigen::Vector3f), 0);
 }
 
 void SkinnedMeshGl::requireOnePerVertex(std::size_t count) const {
@@ -145,24 +213,27 @@ void SkinnedMeshGl::setShape(const SkinnedVertices& deformed) {
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
-void SkinnedMeshGl::drawTriangles() const {
-  glBindVertexArray(triangleArray_);
+void SkinnedMeshGl::drawTriangles(bool layered) const {
+  glBindVertexArray(layered ? layeredArray_ : triangleArray_);
   glDrawElements(GL_TRIANGLES, 3 * triangleCount_, GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
 }
 
-void SkinnedMeshGl::drawPoints() const {
-  glBindVertexArray(triangleArray_);
+void SkinnedMeshGl::drawPoints(bool layered) const {
+  glBindVertexArray(layered ? layeredArray_ : triangleArray_);
   glDrawArrays(GL_POINTS, 0, vertexCount_);
   glBindVertexArray(0);
 }
 
 ReadBackVertices skinOnGpu(const SkinnedMeshGl& mesh, const SkinPose& pose) {
+  const bool layered = mesh.hasLayers() && !pose.layers.empty();
+  const std::string defines = std::string(mesh.storage() == PoseStorage::TextureBuffer ? "POSE_IN_TEXTURE " : "") + (layered ? layerDefines(pose) : "");
   const ShaderProgram program({.folder = skinningShaders(),
                                .vertex = "read_back.vert",
-                               .defines = mesh.storage() == PoseStorage::TextureBuffer ? "POSE_IN_TEXTURE" : "",
+                               .defines = defines,
                                .captured = {"posedPosition", "posedNormal"}});
   program.bindBlock("Pose", PoseGl::blockBinding);
+  program.bindBlock("Layers", SkinnedMeshGl::layerBinding);
   program.bindSampler("poseRows", PoseGl::textureUnit);
   PoseGl poseGl;
   poseGl.upload(pose);
@@ -176,7 +247,7 @@ ReadBackVertices skinOnGpu(const SkinnedMeshGl& mesh, const SkinPose& pose) {
   program.use();
   glEnable(GL_RASTERIZER_DISCARD);
   glBeginTransformFeedback(GL_POINTS);
-  mesh.drawPoints();
+  mesh.drawPoints(layered);
   glEndTransformFeedback();
   glDisable(GL_RASTERIZER_DISCARD);
   glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.size() * sizeof(float), captured.data());

@@ -28,19 +28,23 @@ class PoseGl {
  private:
   PoseStorage storage_ = PoseStorage::UniformBlock;
   GLsizeiptr capacity_ = 0;
-  GlBuffer buffer_;
+  GlBuffer buffer_, layers_;
   GlTexture texture_;
 };
 
 /// A skin's constant part in GPU memory: rest positions, normals, four joints and weights a vertex, triangles.
 /// Vertex attributes: 0 position, 1 normal, 2 joints (uvec4), 3 weights, 4 colour (linear).
-/// Vertex shaders include "skinning.glsl", whose skinVertex() gives posed position and normal. Attributes 5 to 7 and the uniform
-/// block "Layers" at layerBinding are reserved for muscle layers, which join the skinning sum there.
+/// Vertex shaders include "skinning.glsl", whose skinVertex() gives posed position and normal. With LAYERS defined, muscle layers
+/// join the skinning sum: attributes 5 (u, v, w, W), 6 (m), 7 (first plane, link), 2 and 3 then hold what is left of the influences.
 class SkinnedMeshGl {
  public:
   /// Throws std::invalid_argument on a skin whose influences or normals do not match its vertices.
   explicit SkinnedMeshGl(const Skin& skin);
+  /// The same, ready to be drawn with and without its muscle layers. Throws std::invalid_argument where the limbs need more
+  /// rows than the shader holds (eight limbs of two links).
+  explicit SkinnedMeshGl(const MuscleSkin& body);
 
+  bool hasLayers() const { return layeredArray_ != 0; }
   int vertexCount() const { return vertexCount_; }
   int triangleCount() const { return triangleCount_; }
   int jointCount() const { return jointCount_; }
@@ -54,17 +58,19 @@ class SkinnedMeshGl {
   void setShape(const SkinnedVertices& deformed);
 
   /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array bound.
-  void drawTriangles() const;
+  /// layered: the program has LAYERS defined.
+  void drawTriangles(bool layered = false) const;
   /// Every vertex once, as a point.
-  void drawPoints() const;
+  void drawPoints(bool layered = false) const;
 
   static constexpr GLuint layerBinding = 1;
 
  private:
   void requireOnePerVertex(std::size_t count) const;
+  void attachShape(const GlBuffer& influences) const;
 
-  GlVertexArray triangleArray_;
-  GlBuffer shape_, influences_, colours_, indices_;
+  GlVertexArray triangleArray_, layeredArray_;
+  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_;
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };
 

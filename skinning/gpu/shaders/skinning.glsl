@@ -13,9 +13,68 @@ layout(std140) uniform Pose { vec4 poseRows[3 * 341]; };
 vec4 poseRow(int index) { return poseRows[index]; }
 #endif
 
-// A layer that moves inside the sum (weights then sum to 1 - W) adds W F(x) to the position and W n' to the normal before the
-// normal is normalised.
-//
+#ifdef LAYERS
+// Chadwick's muscle layer: F(u, v, w), tri-cubic over four control planes, moves inside the skinning sum with the weight W.
+// The weights of the bones outside the limb then sum to 1 - W.
+layout(location = 5) in vec4 limbParameters;  // u, v, w and W
+layout(location = 6) in vec3 limbNormal;      // m = J_rest^T n_rest
+layout(location = 7) in uvec2 limbPlanes;     // first plane; 2 link + half, or 65535 on the limb's rigid ends
+layout(std140) uniform Layers { vec4 layerRows[1024]; };
+const int firstDisplacementRow = 512;
+
+vec4 bernstein(float t) {
+  float s = 1.0 - t;
+  return vec4(s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t);
+}
+vec4 bernsteinSlope(float t) {
+  float s = 1.0 - t;
+  return vec4(-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t);
+}
+
+// Free displacements of planes 2 and 4; plane 3 takes their mean. Adds to position and derivatives.
+void displaceMuscle(vec4 bw, vec4 dw, inout vec3 x, inout vec3 xu, inout vec3 xv, inout vec3 xw) {
+  bool second = (limbPlanes.y & 1u) == 1u;
+  vec2 share = second ? vec2(0.5 * bw[0], 0.5 * bw[0] + bw[1]) : vec2(bw[2] + 0.5 * bw[3], 0.5 * bw[3]);
+  vec2 slope = second ? vec2(0.5 * dw[0], 0.5 * dw[0] + dw[1]) : vec2(dw[2] + 0.5 * dw[3], 0.5 * dw[3]);
+  vec4 bu = bernstein(limbParameters.x), du = bernsteinSlope(limbParameters.x);
+  vec4 bv = bernstein(limbParameters.y), dv = bernsteinSlope(limbParameters.y);
+  int row = firstDisplacementRow + 32 * int(limbPlanes.y >> 1u);
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) {
+      vec3 d2 = layerRows[row + 4 * j + i].xyz, d4 = layerRows[row + 16 + 4 * j + i].xyz;
+      vec3 d = share.x * d2 + share.y * d4;
+      x += bu[i] * bv[j] * d;
+      xu += du[i] * bv[j] * d;
+      xv += bu[i] * dv[j] * d;
+      xw += bu[i] * bv[j] * (slope.x * d2 + slope.y * d4);
+    }
+}
+
+// F and the deformed unit normal. The control points of a plane are an affine image of the section, so that the sum over 64 points
+// is a sum over four planes; sculpted points come on top.
+void deformLimb(out vec3 x, out vec3 n) {
+  float u = limbParameters.x, v = limbParameters.y;
+  vec4 bw = bernstein(limbParameters.z), dw = bernsteinSlope(limbParameters.z);
+  vec3 origin = vec3(0.0), xu = vec3(0.0), xv = vec3(0.0), originW = vec3(0.0), uW = vec3(0.0), vW = vec3(0.0);
+  int row = 3 * int(limbPlanes.x);
+  for (int k = 0; k < 4; ++k, row += 3) {
+    vec3 o = layerRows[row].xyz, a = layerRows[row + 1].xyz, b = layerRows[row + 2].xyz;
+    origin += bw[k] * o;
+    xu += bw[k] * a;
+    xv += bw[k] * b;
+    originW += dw[k] * o;
+    uW += dw[k] * a;
+    vW += dw[k] * b;
+  }
+  x = origin + u * xu + v * xv;
+  vec3 xw = originW + u * uW + v * vW;
+#ifdef SCULPTED
+  if (limbPlanes.y != 65535u) displaceMuscle(bw, dw, x, xu, xv, xw);
+#endif
+  n = normalize(limbNormal.x * cross(xv, xw) + limbNormal.y * cross(xw, xu) + limbNormal.z * cross(xu, xv));
+}
+#endif
+
 // Posed position, and unit normal by the cofactors of the blended matrix: they equal det(M) M^-T, which keeps a normal
 // perpendicular to its surface where the blend of rotations is no rotation any more.
 void skinVertex(out vec3 position, out vec3 normal) {
@@ -30,5 +89,15 @@ void skinVertex(out vec3 position, out vec3 normal) {
   position = vec3(dot(rows[0], x), dot(rows[1], x), dot(rows[2], x));
   normal = vec3(dot(cross(rows[1].xyz, rows[2].xyz), restNormal), dot(cross(rows[2].xyz, rows[0].xyz), restNormal),
                 dot(cross(rows[0].xyz, rows[1].xyz), restNormal));
+#ifdef LAYERS
+  float W = limbParameters.w;
+  if (W > 0.0) {
+    vec3 limbPosition, limbUnitNormal;
+    deformLimb(limbPosition, limbUnitNormal);
+    position += W * limbPosition;
+    // The cofactors of a blend with the weights' sum s = 1 - W carry s^2: back to s.
+    normal = W < 1.0 ? normal / (1.0 - W) + W * limbUnitNormal : limbUnitNormal;
+  }
+#endif
   normal = normalize(normal);
 }
