@@ -8,7 +8,10 @@
 
 #include "apps/chain_models.h"
 #include "apps/model_files.h"
+#include "kinematics/mannequin.h"
 #include "kinematics/robots.h"
+#include "skinning/io/skin_cache.h"
+#include "skinning/mannequin_body.h"
 
 namespace gelenk {
 namespace {
@@ -18,9 +21,18 @@ struct BuiltIn {
   std::function<Model()> make;
 };
 
+Model figureModel() {
+  Model model{.name = "figure", .skeleton = mannequin()};
+  model.skin = cachedSkin(cacheFolder(), "figure", mannequinSkinKey(model.skeleton),
+                          [&] { return makeMannequinSkin(model.skeleton); });
+  model.handles = mannequinHandles();
+  model.pins = {"foot_l", "foot_r"};
+  return model;
+}
+
 const std::vector<BuiltIn>& builtIns() {
   static const std::vector<BuiltIn> table = [] {
-    std::vector<BuiltIn> entries;
+    std::vector<BuiltIn> entries{{"figure", figureModel}};
     entries.push_back({"planar", [] { return planarModel(lecturePlanarChain()); }});
     for (const Robot& robot : robots())
       entries.push_back({std::string(robot.name), [table = robot.table] { return dhModel(table()); }});

@@ -1,8 +1,14 @@
 #include "skinning/mannequin_body.h"
 
+#include <algorithm>
+#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+
+#include "kinematics/symmetry.h"
+#include "skinning/bone_heat.h"
+#include "skinning/io/skin_cache.h"
 
 namespace gelenk {
 namespace {
@@ -208,6 +214,54 @@ std::string rightName(std::string_view name) {
   return name.ends_with("_l") ? std::string(name.substr(0, name.size() - 1)) + "r" : std::string(name);
 }
 
+/// Raise it when the polygoniser, the weights or what follows them change their result.
+constexpr double methodVersion = 1.0;
+
+/// The torso is wide and its joints lie in the middle: without ribs the flank would follow the arm, whose bone is nearer.
+/// Stand-ins for rib cage and pelvis, carried by the joints of the spine. Metres, left side.
+struct Rib {
+  std::string_view joint;
+  Triple from, to;
+};
+constexpr Rib ribs[] = {
+    {"pelvis", {0.09, 0.93, 0.0}, {0.08, 1.01, 0.0}},       {"spine_01", {0.08, 1.03, 0.0}, {0.08, 1.07, 0.0}},
+    {"spine_02", {0.085, 1.09, 0.0}, {0.09, 1.13, 0.0}},    {"spine_03", {0.095, 1.15, 0.0}, {0.105, 1.30, 0.0}},
+    {"spine_03", {0.07, 1.20, 0.07}, {0.09, 1.30, 0.07}},   {"spine_03", {0.07, 1.20, -0.07}, {0.08, 1.36, -0.06}},
+};
+
+std::vector<Bone> weightBones(const Skeleton& mannequin, const Frames& rest) {
+  std::vector<Bone> bones = bonesOf(mannequin, rest);
+  for (const Rib& rib : ribs)
+    for (const double side : {1.0, -1.0}) {
+      const Vector3d from = vector(rib.from), to = vector(rib.to);
+      bones.push_back({mannequin.jointIndex(rib.joint), {side * from.x(), from.y(), from.z()}, {side * to.x(), to.y(), to.z()}});
+    }
+  return bones;
+}
+
+/// Rounding and the order of elimination leave left and right 1e-12 apart: the right side takes over the left side's weights, and
+/// vertices in the plane of symmetry the mean of theirs and their image's.
+void makeSymmetric(SparseWeights& weights, const std::vector<int>& vertexPartner, const std::vector<int>& jointPartner) {
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    const auto image = static_cast<std::size_t>(vertexPartner[v]);
+    if (image < v) continue;
+    std::map<int, double> sum;
+    for (const auto& [joint, w] : weights[v]) {
+      sum[joint] += image == v ? 0.5 * w : w;
+      if (image == v) sum[jointPartner[joint]] += 0.5 * w;
+    }
+    weights[v].assign(sum.begin(), sum.end());
+    if (image == v) {  // of the four that will be kept none may lack its image: better three
+      auto& row = weights[v];
+      std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+      if (row.size() > 4 && row[3].first != jointPartner[row[3].first] && row[4].first == jointPartner[row[3].first]) row.resize(3);
+      continue;
+    }
+    weights[image].clear();
+    for (const auto& [joint, w] : sum) weights[image].emplace_back(jointPartner[joint], w);
+  }
+}
+
 }  // namespace
 
 BodyShape mannequinShape() {
@@ -232,6 +286,36 @@ PolygoniseOptions mannequinGrid() {
   const GridLens head{{{0.0, 1.63, 0.06}}, 1.8, 0.30};
   const GridLens feet{{{0.2, 0.04, 0.08}, {-0.2, 0.04, 0.08}}, 1.5, 0.25};
   return {.cell = 0.016, .lenses = {hands, head, feet}, .symmetric = true};
+}
+
+Skin makeMannequinSkin(const Skeleton& mannequin, WeightLoss* loss) {
+  std::vector<int> partner;
+  Mesh mesh = polygonise(mannequinShape(), mannequinGrid(), &partner);
+  const Frames rest = restFrames(mannequin);
+  SparseWeights weights = boneHeatWeights(mesh, weightBones(mannequin, rest), {.strength = 6.0});
+  makeSymmetric(weights, partner, mirrorPartners(mannequin));
+  std::vector<Influences> influences = fourLargest(weights, mannequin.jointCount(), loss);
+  return bindSkin(std::move(mesh), rest, std::move(influences));
+}
+
+std::uint64_t mannequinSkinKey(const Skeleton& mannequin) {
+  std::vector<double> facts{methodVersion, mannequinGrid().cell};
+  const auto add = [&](const Vector3d& p) { facts.insert(facts.end(), {p.x(), p.y(), p.z()}); };
+  for (const auto& frame : restFrames(mannequin)) add(frame.translation()), add(frame.linear().col(0)), add(frame.linear().col(2));
+  for (const GridLens& lens : mannequinGrid().lenses) {
+    facts.insert(facts.end(), {lens.magnification, lens.reach});
+    for (const Vector3d& c : lens.centres) add(c);
+  }
+  const BodyShape shape = mannequinShape();
+  for (const BodyPart& part : shape.parts()) {
+    add(part.a), add(part.b), add(part.sectionUp);
+    facts.insert(facts.end(), {part.blend, part.siblingBlend, part.capA, part.capB, static_cast<double>(part.form)});
+    for (const Section& s : part.sections) {
+      facts.insert(facts.end(), {s.at, s.u, s.v, s.radius});
+      for (int n = 0; n < 4; ++n) facts.insert(facts.end(), {s.cosine[n], s.sine[n]});
+    }
+  }
+  return checksum({reinterpret_cast<const char*>(facts.data()), facts.size() * sizeof(double)});
 }
 
 }  // namespace gelenk
