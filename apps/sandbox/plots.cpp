@@ -55,7 +55,7 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
     count = std::max(count, curve.values.size());
     for (const double v : curve.values)
       if (std::isfinite(v) && (!look.logarithmic || v > 0.0)) {
-        low = look.logarithmic ? std::min(low, std::max(v, 1e-12)) : std::min(low, v);
+        low = look.logarithmic ? std::min(low, std::max(v, 1e-3 * look.lowest)) : std::min(low, v);
         high = std::max(high, v);
       }
   }

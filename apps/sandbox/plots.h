@@ -22,7 +22,7 @@ struct PlotLook {
   std::string title;
   std::string xLabel;
   bool logarithmic = false;   ///< powers of ten on the y axis; values <= 0 are drawn at the lower edge
-  double lowest = 0.0, highest = 1.0;  ///< the least range shown; grows with the data
+  double lowest = 0.0, highest = 1.0;  ///< the least range shown; grows with the data, downwards by three decades at most
   int leastCount = 10;        ///< points that the x axis holds at least
 };
 

@@ -108,7 +108,7 @@ void menuBar(Sandbox& sandbox) {
   const std::string name = s.session->model().name;
   const float width = ImGui::CalcTextSize(name.c_str()).x;
   if (const float x = ImGui::GetWindowWidth() - width - 14.0f * s.scale; x > ImGui::GetCursorPosX()) {
-    ImGui::SameLine(x);
+    ImGui::SetCursorPosX(x);
     ImGui::TextColored(s.colours().textDim, "%s", name.c_str());
   }
   ImGui::EndMainMenuBar();

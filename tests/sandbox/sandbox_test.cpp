@@ -1,0 +1,153 @@
+#include "apps/sandbox/sandbox.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/sandbox/replay.h"
+#include "apps/sandbox/view_picture.h"
+#include "kinematics/configuration.h"
+#include "kinematics/io/text_file.h"
+#include "kinematics/mannequin.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+
+namespace gelenk {
+namespace {
+
+using nlohmann::json;
+
+constexpr int width = 640, height = 480;
+
+Model figure() {
+  Model model{.name = "figure", .skeleton = mannequin()};
+  model.handles = mannequinHandles();
+  model.pins = {"foot_l", "foot_r"};
+  return model;
+}
+
+/// A sandbox without a window, with the figure's skeleton, and everything that it needs.
+struct Stage {
+  OffscreenContext context;
+  GlDebugLog log;
+  Sandbox sandbox;
+  ViewPicture target;
+  InputQueue queue;
+  int next = 0;
+
+  Stage() : sandbox({.model = "planar", .width = width, .height = height}) {
+    sandbox.openModel(figure(), {"figure", "", ""});
+    target.resize(width, height);
+  }
+  void frames(int count, Replay* replay = nullptr) {
+    for (int i = 0; i < count; ++i, ++next) {
+      if (replay) replay->play(next, sandbox, queue);
+      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+      sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
+    }
+  }
+  json goal(const std::string& name) {
+    const json status = json::parse(sandbox.status());
+    for (const json& goal : status["goals"])
+      if (goal["name"] == name) return goal;
+    return {};
+  }
+};
+
+std::string statusesOf(const std::string& script) {
+  Stage stage;
+  Replay replay = Replay::parse("test", script);
+  std::string all;
+  for (int i = 0; i < replay.length(); ++i) {
+    stage.frames(1, &replay);
+    all += stage.sandbox.status();
+  }
+  return all;
+}
+
+TEST(Sandbox, TheSameReplayGivesTheSameStatusByteForByte) {
+  const std::string script = "0 drag hand_r -30 -60 8\n12 move 300 200\n13 wheel 2\n14 key m\n16 drag head 20 5 4\n24 key r\n";
+  const std::string first = statusesOf(script);
+  EXPECT_EQ(first, statusesOf(script));
+  EXPECT_NE(first.find("\"dragging\": \"hand_r\""), std::string::npos);
+}
+
+TEST(Sandbox, AHandDraggedByTheMouseEndsUnderTheMouse) {
+  Stage stage;
+  stage.frames(1);
+  const json before = stage.goal("hand_r");
+  Replay replay = Replay::parse("test", "1 grab hand_r\n2 shift-by -20 -40 10\n");
+  stage.frames(40, &replay);
+  const json after = stage.goal("hand_r");
+  EXPECT_LT(after["error"].get<double>(), 1e-3);
+  EXPECT_EQ(after["state"], "dragged");
+  EXPECT_NEAR(after["pixel"][0].get<double>() - before["pixel"][0].get<double>(), -20.0, 0.5);
+  EXPECT_NEAR(after["pixel"][1].get<double>() - before["pixel"][1].get<double>(), -40.0, 0.5);
+}
+
+TEST(Sandbox, KeysPinUndoAndChangeTheSolver) {
+  Stage stage;
+  Replay replay = Replay::parse("test",
+                                "0 grab hand_r\n1 shift-by 0 -30 4\n6 key p\n8 release left\n"
+                                "20 key tab\n30 keydown ctrl\n31 key z\n33 keyup ctrl\n");
+  stage.frames(12, &replay);
+  EXPECT_EQ(stage.goal("hand_r")["state"], "pinned");
+  EXPECT_EQ(json::parse(stage.sandbox.status())["solver"], "hybrid");
+  stage.frames(12, &replay);
+  EXPECT_NE(json::parse(stage.sandbox.status())["solver"], "hybrid");
+  stage.frames(12, &replay);
+  EXPECT_EQ(stage.goal("hand_r")["state"], "free");
+}
+
+TEST(Sandbox, ASavedSceneOpensAsTheSamePicture) {
+  const std::string path = (std::filesystem::temp_directory_path() / ("gelenk_" + std::to_string(getpid()) + ".json")).string();
+  Stage stage;
+  Replay replay = Replay::parse("test", "0 drag hand_l 30 -30 8\n12 wheel 3\n14 key 5\n");
+  stage.frames(30, &replay);
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
+  const Camera camera = stage.sandbox.camera();
+  const Eigen::VectorXd q = stage.sandbox.session().q();
+  Replay reset = Replay::parse("test", "30 key r\n32 key Home\n");
+  stage.frames(30, &reset);
+  EXPECT_NE(stage.sandbox.session().q(), q);
+  ASSERT_TRUE(stage.sandbox.open(path));
+  EXPECT_EQ(stage.sandbox.session().q(), q);
+  EXPECT_EQ(stage.sandbox.camera().distance, camera.distance);
+  EXPECT_EQ(stage.sandbox.camera().orthographic, camera.orthographic);
+  std::filesystem::remove(path);
+}
+
+TEST(Sandbox, ABadFileIsToldOnScreenAndLeavesWhatIsOpen) {
+  Stage stage;
+  stage.frames(1);
+  EXPECT_FALSE(stage.sandbox.open("/no/such/file.obj"));
+  EXPECT_FALSE(stage.sandbox.open("/no/such/scene.json"));
+  stage.frames(2);
+  EXPECT_EQ(stage.sandbox.session().model().name, "figure");
+}
+
+TEST(Sandbox, EveryTabThemeAndViewDrawsWithoutAnOpenGlMessage) {
+  Stage stage;
+  Replay replay = Replay::parse("test",
+                                "0 tab Model\n1 theme dark\n2 tab Skin\n3 show frames on\n3 show skeleton on\n4 key h\n6 key h\n"
+                                "8 key 1\n9 key 3\n10 key 7\n11 key 5\n12 select head\n13 tab Model\n14 key f\n15 drag hand_r 200 0 5\n");
+  stage.frames(30, &replay);
+  EXPECT_TRUE(stage.log.messages().empty()) << stage.log.messages().front();
+}
+
+TEST(Sandbox, ThePlanarArmIsSeenFromAboveAndFollowsTheMouse) {
+  Stage stage;
+  ASSERT_TRUE(stage.sandbox.open("planar"));
+  EXPECT_TRUE(stage.sandbox.camera().orthographic);
+  const std::string end = stage.sandbox.session().goals().front().goal.name;
+  Replay replay = Replay::parse("test", "0 drag " + end + " -40 -50 20\n");
+  stage.frames(60, &replay);
+  const json goal = stage.goal(end);
+  const double pixel = pixelSize(stage.sandbox.camera(), {width, height}, stage.sandbox.session().reached(0));
+  EXPECT_LT(goal["error"].get<double>(), 0.1 * pixel);
+}
+
+}  // namespace
+}  // namespace gelenk
