@@ -24,8 +24,8 @@ namespace {
 constexpr std::array sets{
     ProblemSetEntry{"D1", "Reachable, uniform in joint space", "unused", ProblemFamily::Reachable, true},
     ProblemSetEntry{"D2", "Near singular", "wanted sigma_min: 0, 1e-3, 1e-2", ProblemFamily::NearSingular, true},
-    ProblemSetEntry{"D3", "At the reach boundary", "distance over reach: 0.95, 0.99, 0.999, 0.9999", ProblemFamily::ReachBoundary, true},
-    ProblemSetEntry{"D4", "Unreachable", "distance over reach: 1.05, 1.3, 3", ProblemFamily::Unreachable, false},
+    ProblemSetEntry{"D3", "At the reach boundary", "distance over the reach in that direction: 0.95, 0.99, 0.999, 0.9999", ProblemFamily::ReachBoundary, true},
+    ProblemSetEntry{"D4", "Unreachable", "distance over the reach in that direction: 1.05, 1.3, 3", ProblemFamily::Unreachable, false},
     ProblemSetEntry{"D5", "Drags with warm start", "radians or metres a frame: 0.005, 0.02, 0.1", ProblemFamily::Drag, true},
     ProblemSetEntry{"D6", "Tight limits", "share of every range: 0.5, 0.25, 0.1", ProblemFamily::TightLimits, true},
     ProblemSetEntry{"D7", "Effectors in conflict", "unused", ProblemFamily::Conflict, false},
@@ -150,71 +150,51 @@ std::shared_ptr<const Skeleton> standing(const std::shared_ptr<const Skeleton>& 
   return std::make_shared<Skeleton>(joints, skeleton->rest().tail(skeleton->nq() - gone));
 }
 
-/// Where an effector's chain begins to move, and the farthest that the effector gets from there.
-struct Reach {
-  Vector3d base;
-  double length;
-};
-
-IkProblem farProblem(const Skeleton& skeleton, int effector, const Vector3d& base, const Vector3d& direction) {
-  IkProblem problem{.skeleton = &skeleton};
-  problem.goals = {{.joint = effector, .target = base + 5.0 * (chainLength(skeleton, effector) + 0.1) * direction}};
-  return problem;
-}
-
-Reach reachOf(const Skeleton& skeleton, int effector, bool planar) {
+/// Where an effector's chain begins to move.
+Vector3d baseOf(const Skeleton& skeleton, int effector) {
   int first = effector;
   for (int joint = effector; joint >= 0; joint = skeleton.parent(joint))
     if (skeleton.vCount(joint) > 0) first = joint;
-  Reach reach{restFrames(skeleton)[first].translation(), 0.0};
-  std::mt19937_64 random(2);
-  const auto solver = makeLmGainRatio();
-  for (int i = 0; i < 40; ++i) {
-    IkProblem problem = farProblem(skeleton, effector, reach.base, randomDirection(random, planar));
-    problem.start = randomWithinLimits(skeleton, random);
-    const IkReport report = solver->solve(problem, {.maxIterations = 300, .maxSeconds = 1e9}, TraceLevel::Off);
-    reach.length = std::max(reach.length, (forwardKinematics(skeleton, report.q)[effector].translation() - reach.base).norm());
-  }
-  if (!(reach.length > 1e-9)) throw std::invalid_argument("the effector '" + skeleton.joint(effector).name + "' cannot move");
-  return reach;
+  return restFrames(skeleton)[first].translation();
 }
 
-/// A configuration whose effector is `share` of the reach away from its base: outwards from a random one by a solver's path to
-/// a far target, halved down on the segment that crosses the wanted distance.
-VectorXd atReach(const Skeleton& skeleton, int effector, const Reach& reach, double share, std::mt19937_64& random) {
-  const auto distance = [&](const VectorXd& q) {
-    return (forwardKinematics(skeleton, q)[effector].translation() - reach.base).norm() / reach.length;
-  };
-  const auto solver = makeDampedLeastSquares();
-  VectorXd best;
-  double bestDistance = -1.0;
-  for (int draw = 0; draw < 40; ++draw) {
-    VectorXd inside = randomWithinLimits(skeleton, random);
-    if (distance(inside) >= share) continue;
-    const Vector3d out = (forwardKinematics(skeleton, inside)[effector].translation() - reach.base).normalized();
-    IkProblem problem = farProblem(skeleton, effector, reach.base, out);
-    problem.start = inside;
-    const IkReport report = solver->solve(problem, {.maxIterations = 300, .maxSeconds = 1e9}, TraceLevel::Full);
-    for (const IterationRecord& record : report.trace) {
-      const double reached = distance(record.q);
-      if (reached > bestDistance && reached <= share) {
-        best = record.q;
-        bestDistance = reached;
-      }
-      if (reached < share) {
-        inside = record.q;
-        continue;
-      }
-      const VectorXd step = difference(skeleton, inside, record.q);
-      double low = 0.0, high = 1.0;
-      for (int i = 0; i < 60; ++i) {
-        const double middle = 0.5 * (low + high);
-        (distance(integrate(skeleton, inside, middle * step)) < share ? low : high) = middle;
-      }
-      return projectToLimits(skeleton, integrate(skeleton, inside, low * step));
-    }
+/// The configuration that comes nearest to a far point in that direction, the best of three starts: the reach is a property of
+/// the direction, because of limits and because the second axis seldom meets the first at the base.
+VectorXd farthest(const Skeleton& skeleton, int effector, const Vector3d& base, const Vector3d& direction,
+                  std::mt19937_64& random) {
+  IkProblem problem{.skeleton = &skeleton};
+  problem.goals = {{.joint = effector, .target = base + 20.0 * (chainLength(skeleton, effector) + 0.1) * direction}};
+  const auto solver = makeExactHessian();
+  IkReport best;
+  for (int i = 0; i < 3; ++i) {
+    problem.start = randomWithinLimits(skeleton, random);
+    IkReport report = solver->solve(problem, {.maxIterations = 300, .maxSeconds = 1e9}, TraceLevel::Off);
+    if (i == 0 || report.residual < best.residual) best = std::move(report);
   }
-  return best.size() > 0 ? best : randomWithinLimits(skeleton, random);
+  return best.q;
+}
+
+/// A configuration whose effector is `share` of the way that the farthest one is from the base: on the geodesic from the farthest
+/// one to a random one, halved down.
+VectorXd atReach(const Skeleton& skeleton, int effector, double share, bool planar, std::mt19937_64& random) {
+  const Vector3d base = baseOf(skeleton, effector);
+  const VectorXd far = farthest(skeleton, effector, base, randomDirection(random, planar), random);
+  const auto along = [&](const VectorXd& step, double t) {
+    return projectToLimits(skeleton, integrate(skeleton, far, t * step));
+  };
+  const auto distance = [&](const VectorXd& q) {
+    return (forwardKinematics(skeleton, q)[effector].translation() - base).norm();
+  };
+  const double wanted = share * distance(far);
+  VectorXd step;
+  do step = difference(skeleton, far, randomWithinLimits(skeleton, random));
+  while (distance(along(step, 1.0)) >= wanted);
+  double low = 0.0, high = 1.0;  // distance(low) >= wanted > distance(high)
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (distance(along(step, middle)) < wanted ? high : low) = middle;
+  }
+  return along(step, high);
 }
 
 std::shared_ptr<const Skeleton> shrunk(const Skeleton& skeleton, double share) {
@@ -260,7 +240,9 @@ class ProblemMaker {
       for (double share : limitLevels) shrunk_.push_back(shrunk(*skeleton_, share));
     if (set.family == ProblemFamily::ReachBoundary || set.family == ProblemFamily::Unreachable) {
       skeleton_ = standing(skeleton_);
-      for (int effector : model.effectors) reaches_.push_back(reachOf(*skeleton_, effector, isPlanar()));
+      for (int effector : model.effectors)
+        if (dofsAbove(*skeleton_, effector) == 0)
+          throw std::invalid_argument("the effector '" + skeleton_->joint(effector).name + "' cannot move while the root stands");
     }
   }
 
@@ -274,7 +256,7 @@ class ProblemMaker {
       case ProblemFamily::ReachBoundary: {
         one.level = boundaryLevels[number % boundaryLevels.size()];
         const std::size_t which = number % model_.effectors.size();
-        return meetable(one, atReach(*skeleton_, model_.effectors[which], reaches_[which], one.level, random), random);
+        return meetable(one, atReach(*skeleton_, model_.effectors[which], one.level, isPlanar(), random), random);
       }
       case ProblemFamily::TightLimits:
         one.level = limitLevels[number % limitLevels.size()];
@@ -283,8 +265,12 @@ class ProblemMaker {
       case ProblemFamily::Unreachable: {
         one.level = unreachableLevels[number % unreachableLevels.size()];
         meetable(one, randomWithinLimits(*skeleton_, random), random);
-        for (std::size_t i = 0; i < reaches_.size(); ++i)
-          one.problem.goals[i].target = reaches_[i].base + one.level * reaches_[i].length * randomDirection(random, isPlanar());
+        for (std::size_t i = 0; i < model_.effectors.size(); ++i) {
+          const int effector = model_.effectors[i];
+          const Vector3d base = baseOf(*skeleton_, effector);
+          const VectorXd far = farthest(*skeleton_, effector, base, randomDirection(random, isPlanar()), random);
+          one.problem.goals[i].target = base + one.level * (forwardKinematics(*skeleton_, far)[effector].translation() - base);
+        }
         return one;
       }
       case ProblemFamily::Conflict: return conflict(one, random);
@@ -355,7 +341,6 @@ class ProblemMaker {
   double tolerance_;
   std::shared_ptr<const Skeleton> skeleton_;
   std::vector<std::shared_ptr<const Skeleton>> shrunk_;
-  std::vector<Reach> reaches_;
 };
 
 /// Distance to the nearest limit: 1 in the middle of every range, 0 at the end of one.

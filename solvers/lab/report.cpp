@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -204,7 +205,7 @@ class Curves {
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
     plots_ += fmt::format("{}${} using 1:2 with steps lw 2 {} lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
-                          dash(), style_.colour(solver), solver);
+                          dash(solver), style_.colour(solver), solver);
   }
   /// rows: x, lower, median, upper.
   void addBand(const std::string& solver, const std::vector<std::vector<double>>& rows, bool shade) {
@@ -215,23 +216,35 @@ class Curves {
     if (shade)
       plots_ += fmt::format("{}${} using 1:2:4 with filledcurves fc rgb '{}' fs transparent solid 0.14 notitle",
                             plots_.empty() ? "" : ", ", name, colour);
-    plots_ += fmt::format("{}${} using 1:3 with lines lw 2 {} lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name, dash(),
+    plots_ += fmt::format("{}${} using 1:3 with lines lw 2 {} lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name, dash(solver),
                           colour, solver);
   }
   void addPoints(const std::string& solver, const std::vector<std::vector<double>>& rows) {
     if (rows.empty()) return;
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
-    plots_ += fmt::format("{}${} using 1:2 with points pt 7 ps 1.1 lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
-                          style_.colour(solver), solver);
+    plots_ += fmt::format("{}${} using 1:2 with points pt {} ps 1.1 lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
+                          symbol(solver), style_.colour(solver), solver);
+  }
+  int symbol(const std::string& solver) {
+    dash(solver);
+    return std::array{7, 5, 9, 13, 15}[dashes_[solver] - 1];
   }
   bool empty() const { return plots_.empty(); }
   std::string script(const std::string& settings) const { return preamble() + blocks_ + settings + "plot " + plots_ + "\n"; }
 
  private:
-  std::string dash() const { return fmt::format("dt {}", 1 + (count_ - 1) / 8 % 4); }  // the palette has eight colours
+  /// Solvers of one colour are told apart by their dashes.
+  std::string dash(const std::string& solver) {
+    if (!dashes_.count(solver)) {
+      const int earlier = ++uses_[style_.colour(solver)];
+      dashes_[solver] = 1 + (earlier - 1) % 5;
+    }
+    return fmt::format("dt {}", dashes_[solver]);
+  }
   const ReportStyle& style_;
   std::string blocks_, plots_;
+  std::map<std::string, int> uses_, dashes_;
   int count_ = 0;
 };
 
@@ -286,6 +299,13 @@ std::string successPlot(const Group& group, const ReportStyle& style) {
   return curves.script(logX + "set yrange [0:1.02]\nset xlabel 'time [us]'\nset ylabel 'share of problems solved'\n");
 }
 
+/// A solver whose inner loops keep no history traces its start and its answer without times.
+bool keepsNoHistory(const Group& group, const Results& results, const std::string& solver) {
+  for (const TracePoint& point : results.traces)
+    if (point.set == group.set && point.solver == solver && point.seconds > 0.0) return false;
+  return true;
+}
+
 /// Residual curves of one solver by problem: (x, residual) steps, held at their last value.
 std::string residualPlot(const Group& group, const Results& results, const ReportStyle& style, bool overTime) {
   Curves curves(style);
@@ -299,7 +319,7 @@ std::string residualPlot(const Group& group, const Results& results, const Repor
       longest = std::max(longest, x);
       if (x > 0.0) shortest = std::min(shortest, x);
     }
-    if (traces.empty() || !(longest > 0.0)) continue;
+    if (traces.empty() || !(longest > 0.0) || keepsNoHistory(group, results, solver)) continue;
     longest = std::min(longest, overTime ? longest : 100.0);
     std::vector<double> xs;
     if (overTime)
@@ -348,7 +368,7 @@ std::string hardnessPlot(const Group& group) {
                          solvers[m], m);
   }
   return preamble() + blocks +
-         fmt::format("unset key\nset palette viridis\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
+         fmt::format("unset key\nset palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
                      "set xlabel 'log_1_0 of sigma_{{min}}'\nset ylabel 'limit margin'\nset multiplot layout {},{} margins 0.07,0.9,0.13,0.92 spacing 0.08,0.16\n",
                      panels > 3 ? 2 : 1, std::min<std::size_t>(panels, 3)) +
          plots + "unset multiplot\n";
@@ -537,10 +557,12 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
   summary["machine"] = machineFacts();
   writeFile(folder + "/summary.json", summary.dump(2) + "\n");
 
+  std::string note;
   const bool canPlot = !plotSvg("plot x\n", 100, 100).empty();
   std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Gelenk: solvers compared</title><style>" +
                      std::string(pageStyle) + "</style></head><body>\n<h1>Inverse kinematics: solvers compared</h1>\n";
   if (!canPlot) html += "<p><b>No plots: the program gnuplot was not found when this report was written.</b></p>\n";
+  if (canPlot) std::filesystem::create_directories(folder + "/plots");
   for (const Group& group : groups) {
     const ProblemSetEntry& entry = problemSet(group.set);
     html += fmt::format("<h2>{}: {}</h2>\n<p>{} problems. Level: {}.</p>\n", group.set, entry.title,
@@ -548,23 +570,29 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) + pairsTable(summary["sets"][group.set]["pairs"]);
     if (!canPlot) continue;
     html += "<div class=\"plots\">\n";
-    const auto figure = [&](const std::string& script, const char* caption, int width = 760, int height = 0) {
+    const auto figure = [&](const std::string& name, const std::string& script, const char* caption, int height = 0) {
+      if (script.empty()) return;
       if (height == 0) height = std::max(380, 60 + 17 * static_cast<int>(group.solvers.size()));
-      const std::string svg = plotSvg(script, width, height);
-      if (!svg.empty()) html += "<figure>" + svg + "<figcaption>" + caption + "</figcaption></figure>\n";
+      const std::string svg = plotSvg(script, 760, height);
+      if (svg.empty()) {
+        note += (note.empty() ? "" : "; ") + ("gnuplot could not draw the plot '" + name + "' of " + group.set);
+        return;
+      }
+      html += "<figure>" + svg + "<figcaption>" + caption + "</figcaption></figure>\n";
+      writeFile(folder + "/plots/" + group.set + "-" + name + ".svg", svg + "\n");
     };
-    figure(profilePlot(group, style), "Performance profile (Dolan, Moré 2002) of the times.");
-    figure(successPlot(group, style), "Share of problems solved within a time.");
-    figure(residualPlot(group, results, style, false), "Residual by iteration: median and quartiles of the traced problems.");
-    figure(residualPlot(group, results, style, true), "Residual by time: median and quartiles of the traced problems.");
-    figure(hardnessPlot(group), "Share solved by the smallest singular value at the solution and the distance to the nearest limit (1: middle of every range).", 760, group.solvers.size() > 3 ? 460 : 270);
-    figure(displacementPlot(group, style), "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
-    if (group.drag) figure(jitterPlot(group, style), "Jitter against lag, one point a drag speed.");
+    figure("profile", profilePlot(group, style), "Performance profile (Dolan, Moré 2002) of the times.");
+    figure("success", successPlot(group, style), "Share of problems solved within a time.");
+    figure("residual-by-iteration", residualPlot(group, results, style, false), "Residual by iteration: median and quartiles of the traced problems.");
+    figure("residual-by-time", residualPlot(group, results, style, true), "Residual by time: median and quartiles of the traced problems.");
+    figure("hardness", hardnessPlot(group), "Share solved by the smallest singular value at the solution and the distance to the nearest limit (1: middle of every range).", group.solvers.size() > 3 ? 500 : 300);
+    figure("displacement", displacementPlot(group, style), "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
+    if (group.drag) figure("jitter", jitterPlot(group, style), "Jitter against lag, one point a drag speed.");
     html += "</div>\n";
   }
   html += methodsSection(folder, style, summary) + "</body></html>\n";
   writeFile(folder + "/report.html", html);
-  return canPlot ? std::string() : "gnuplot was not found: report.html has no plots (install the package gnuplot-nox)";
+  return canPlot ? note : "gnuplot was not found: report.html has no plots (install the package gnuplot-nox)";
 }
 
 std::string summaryTable(const std::string& folder) {

@@ -1,0 +1,293 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "kinematics/configuration.h"
+#include "kinematics/io/text_file.h"
+#include "solvers/evaluator.h"
+#include "solvers/judge.h"
+#include "solvers/lab/comparison.h"
+#include "solvers/lab/report.h"
+#include "solvers/lab/statistics.h"
+#include "tests/kinematics/random_skeleton.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+namespace fs = std::filesystem;
+
+// ---- statistics
+
+TEST(Statistics, WilsonIntervalIsTheTextbooks) {
+  // 50 of 100: (0.5 + z^2/200 -+ z sqrt(0.0025 + z^2/40000)) / (1 + z^2/100) with z = 1.96, by hand
+  EXPECT_NEAR(wilsonInterval(50, 100).lower, 0.40383, 1e-5);
+  EXPECT_NEAR(wilsonInterval(50, 100).upper, 0.59617, 1e-5);
+  EXPECT_NEAR(wilsonInterval(10000, 10000).lower, 1.0 / (1.0 + 3.841458821 / 10000), 1e-9);  // n/(n + z^2)
+  EXPECT_EQ(wilsonInterval(10000, 10000).upper, 1.0);
+  EXPECT_EQ(wilsonInterval(0, 5).lower, 0.0);
+}
+
+TEST(Statistics, McNemarIsTheExactBinomialTest) {
+  EXPECT_DOUBLE_EQ(mcNemar(0, 0), 1.0);
+  EXPECT_NEAR(mcNemar(0, 5), 2.0 / 32.0, 1e-12);
+  EXPECT_NEAR(mcNemar(1, 9), 2.0 * (1.0 + 10.0) / 1024.0, 1e-12);
+  EXPECT_NEAR(mcNemar(7, 7), 1.0, 1e-12);
+  EXPECT_EQ(mcNemar(3, 20), mcNemar(20, 3));
+}
+
+TEST(Statistics, QuantilesInterpolateAndLeaveNothingOut) {
+  EXPECT_DOUBLE_EQ(quantile({4.0, 1.0, 3.0, 2.0}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(quantile({1.0, 2.0}, 0.99), 1.99);
+  EXPECT_DOUBLE_EQ(quantile({NAN, 7.0}, 0.3), 7.0);
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+  EXPECT_TRUE(std::isinf(quantile({1.0, INFINITY}, 1.0)));
+}
+
+TEST(Statistics, BootstrapIntervalHoldsTheRatioAndShrinksWithTheSample) {
+  std::mt19937_64 random(1);
+  const auto width = [&](int n) {
+    std::vector<double> a, b;
+    for (int i = 0; i < n; ++i) {
+      b.push_back(1.0 + uniform01(random));
+      a.push_back(3.0 * b.back() * (0.5 + uniform01(random)));
+    }
+    const RatioEstimate estimate = pairedRatio(a, b, 7);
+    EXPECT_LT(estimate.interval.lower, estimate.ratio);
+    EXPECT_GT(estimate.interval.upper, estimate.ratio);
+    EXPECT_NEAR(estimate.ratio, 3.0, 6.0 / std::sqrt(n));
+    return estimate.interval.upper - estimate.interval.lower;
+  };
+  const double wide = width(50), narrow = width(5000);
+  EXPECT_LT(narrow, 0.2 * wide);  // 1 / sqrt(100) is expected
+}
+
+TEST(Statistics, PerformanceProfileOfTwoMethodsByHand) {
+  const auto profile = performanceProfile({{1.0, 4.0, INFINITY}, {2.0, 2.0, INFINITY}}, {1.0, 2.0, 10.0});
+  EXPECT_EQ(profile[0], (std::vector<double>{1.0 / 3, 2.0 / 3, 2.0 / 3}));
+  EXPECT_EQ(profile[1], (std::vector<double>{1.0 / 3, 2.0 / 3, 2.0 / 3}));
+}
+
+// ---- problem sets
+
+Skeleton arm() {
+  std::vector<Joint> joints;
+  const Vector3d axes[] = {{0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}};
+  for (int i = 0; i < 8; ++i) {
+    Joint joint{.name = "j" + std::to_string(i), .parent = i - 1};
+    if (i > 0) joint.parentFromZero.translation().z() = i % 2 ? 0.1 : 0.3;
+    if (i < 7) joint.axes = {{AxisDof::Kind::Rotation, axes[i], -2.8, 2.8}};
+    joints.push_back(joint);
+  }
+  return Skeleton(joints);
+}
+
+TEST(ProblemSets, AreFrozenBySeedAndDoNotDependOnTheirNumber) {
+  const LabModel model = labModel("arm", arm());
+  for (const ProblemSetEntry& set : problemSetCatalogue()) {
+    const auto some = makeProblems(set, model, 60, 3, 1e-6), more = makeProblems(set, model, 120, 3, 1e-6);
+    EXPECT_EQ(checksum(some), checksum(makeProblems(set, model, 60, 3, 1e-6))) << set.name;
+    EXPECT_NE(checksum(some), checksum(makeProblems(set, model, 60, 4, 1e-6))) << set.name;
+    for (int i = 0; i < 50; ++i) {
+      EXPECT_EQ(some[i].problem.start, more[i].problem.start) << set.name;
+      EXPECT_EQ(some[i].problem.goals[0].target, more[i].problem.goals[0].target) << set.name;
+    }
+  }
+}
+
+TEST(ProblemSets, MeetableGoalsAreMetByTheirReferenceWithinTheLimits) {
+  const LabModel model = labModel("arm", arm());
+  for (const ProblemSetEntry& set : problemSetCatalogue()) {
+    if (!set.meetable) continue;
+    for (const LabProblem& one : makeProblems(set, model, 60, 5, 1e-9)) {
+      EXPECT_TRUE(judge(one.problem, one.reference).solved) << set.name << " " << one.index;
+      EXPECT_LE(limitViolation(*one.skeleton, one.problem.start), 1e-12);
+    }
+  }
+}
+
+TEST(ProblemSets, LevelsAreWhatTheySay) {
+  const LabModel model = labModel("arm", arm());
+  for (LabProblem& one : makeProblems(problemSet("D2"), model, 30, 6, 1e-6)) {
+    annotate(problemSet("D2"), one);
+    EXPECT_NEAR(one.sigmaMin, one.level, 2e-3 * one.level + 1e-8);
+  }
+  for (LabProblem& one : makeProblems(problemSet("D4"), model, 12, 6, 1e-6)) {
+    annotate(problemSet("D4"), one);
+    const double distance = one.problem.goals[0].target.norm();  // the base is the origin
+    EXPECT_GE(one.bestResidual, (1.0 - 1.0 / one.level) * distance - 1e-6);
+    EXPECT_LE(distance / one.level, 1.3 + 1e-9);  // the links in line
+  }
+  for (const LabProblem& one : makeProblems(problemSet("D3"), model, 24, 6, 1e-6)) {
+    EXPECT_LE(one.problem.goals[0].target.norm(), 1.3 * one.level + 1e-9);
+    EXPECT_GE(one.problem.goals[0].target.norm(), 1.1 * one.level - 1e-9);  // 0.1 m of the base turn about the vertical only
+  }
+  const auto drags = makeProblems(problemSet("D5"), model, 150, 6, 1e-6);
+  for (std::size_t i = 1; i < drags.size(); ++i) {
+    if (drags[i].frame == 0) continue;
+    EXPECT_LE((drags[i].reference - drags[i - 1].reference).lpNorm<Eigen::Infinity>(), drags[i].level * (1 + 1e-12));
+  }
+}
+
+TEST(ProblemSets, UnknownNamesAndEmptySetsAreRefused) {
+  EXPECT_THROW(problemSet("D8"), std::invalid_argument);
+  EXPECT_THROW(makeProblems(problemSet("D1"), labModel("arm", arm()), 0, 1, 1e-6), std::invalid_argument);
+  EXPECT_THROW(labModel("arm", arm(), {"hand"}), std::invalid_argument);
+}
+
+// ---- comparisons
+
+class Comparison : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(::testing::TempDir()) /
+             ("gelenk-lab-" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  ComparisonPlan plan() const {
+    ComparisonPlan plan{.sets = {"D1", "D5", "D7"}, .solvers = {"dls", "lm-gain-ratio", "two-link"}, .problems = 12, .seed = 9};
+    plan.budget = {.maxIterations = 60, .maxSeconds = 1e9, .restarts = 1, .seed = 9};
+    plan.traces = 4;
+    return plan;
+  }
+  void run(const ComparisonPlan& plan, const std::string& name, int stopAfter = 1 << 30) const {
+    struct Stopped {};
+    try {
+      runComparison(plan, model, path(name), [&](int done, int, const std::string&) {
+        if (done >= stopAfter) throw Stopped();
+      });
+    } catch (const Stopped&) {
+    }
+  }
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+
+  /// The file with the given columns (times) emptied.
+  static std::string withoutTimes(const std::string& file, int timeColumns) {
+    std::string out;
+    const std::string text = readFile(file);
+    for (std::string_view line : splitLines(text)) {
+      for (int k = 0; k < timeColumns; ++k) line = line.substr(0, line.rfind(','));
+      out += std::string(line) + '\n';
+    }
+    return out;
+  }
+  void expectSameAnswers(const std::string& a, const std::string& b) const {
+    EXPECT_EQ(readFile(path(a) + "/solutions.csv"), readFile(path(b) + "/solutions.csv"));
+    EXPECT_EQ(readFile(path(a) + "/goals.csv"), readFile(path(b) + "/goals.csv"));
+    EXPECT_EQ(withoutTimes(path(a) + "/results.csv", 2), withoutTimes(path(b) + "/results.csv", 2));
+    EXPECT_EQ(withoutTimes(path(a) + "/traces.csv", 1), withoutTimes(path(b) + "/traces.csv", 1));
+  }
+
+  fs::path folder;
+  LabModel model = labModel("arm", arm());
+};
+
+TEST_F(Comparison, TheSameSeedGivesTheSameBits) {
+  run(plan(), "a");
+  run(plan(), "b");
+  expectSameAnswers("a", "b");
+}
+
+TEST_F(Comparison, AnInterruptedRunContinuesToTheSameAnswers) {
+  run(plan(), "whole");
+  run(plan(), "cut", 17);
+  {  // a killed process leaves part of a line
+    std::ofstream(path("cut") + "/results.csv", std::ios::app) << "D1,dls,3,3,0,0,conv";
+    std::ofstream(path("cut") + "/traces.csv", std::ios::app) << "D1,dls,3,";
+  }
+  const std::size_t before = readResults(path("cut")).rows.size();
+  EXPECT_GT(before, 0u);
+  EXPECT_LT(before, readResults(path("whole")).rows.size());
+  run(plan(), "cut");
+  expectSameAnswers("whole", "cut");
+}
+
+TEST_F(Comparison, ShardsJoinToTheUnshardedRun) {
+  run(plan(), "whole");
+  std::vector<std::string> shards;
+  for (int k = 1; k <= 3; ++k) {
+    ComparisonPlan part = plan();
+    part.shard = k;
+    part.shards = 3;
+    shards.push_back(path("part" + std::to_string(k)));
+    run(part, "part" + std::to_string(k));
+  }
+  EXPECT_THROW(mergeComparisons({shards[0], shards[2]}, path("joined")), std::runtime_error);
+  EXPECT_THROW(mergeComparisons({shards[0], shards[0], shards[2]}, path("joined")), std::runtime_error);
+  EXPECT_FALSE(fs::exists(path("joined")));
+  mergeComparisons(shards, path("joined"));
+  expectSameAnswers("whole", "joined");
+  EXPECT_EQ(readMarker(path("whole")), readMarker(path("joined")));
+}
+
+TEST_F(Comparison, ErrorsWrittenAreThoseOfTheSolutionsWritten) {
+  run(plan(), "a");
+  const auto problems = makeProblems(problemSet("D1"), model, 12, 9, 1e-6);
+  const std::string text = readFile(path("a") + "/solutions.csv");
+  const auto lines = splitLines(text);
+  const Results results = readResults(path("a"));
+  for (std::size_t i = 1; i <= 12; ++i) {  // D1, dls
+    std::string line(lines[i]);
+    for (char& c : line)
+      if (c == ',') c = ' ';
+    const auto words = splitWords(line);
+    VectorXd q(7);
+    for (int k = 0; k < 7; ++k) q[k] = *parseNumber(words[words.size() - 7 + k]);
+    const Judgement verdict = judge(problems[i - 1].problem, q);
+    EXPECT_EQ(verdict.goals[0].position, results.rows[i - 1].position);
+    EXPECT_EQ(verdict.goals[0].orientation, results.rows[i - 1].orientation);
+    EXPECT_EQ(verdict.solved, results.rows[i - 1].solved);
+  }
+}
+
+TEST_F(Comparison, ForeignFoldersAndOtherPlansAreLeftUntouched) {
+  fs::create_directories(path("letters"));
+  std::ofstream(path("letters") + "/results.csv") << "dear\n";
+  EXPECT_THROW(run(plan(), "letters"), std::runtime_error);
+  EXPECT_EQ(readFile(path("letters") + "/results.csv"), "dear\n");
+  run(plan(), "a");
+  const std::string before = readFile(path("a") + "/results.csv");
+  ComparisonPlan other = plan();
+  other.seed = 10;
+  EXPECT_THROW(run(other, "a"), std::runtime_error);
+  EXPECT_EQ(readFile(path("a") + "/results.csv"), before);
+  EXPECT_THROW(mergeComparisons({path("letters")}, path("joined")), std::runtime_error);
+}
+
+TEST_F(Comparison, PlansWithoutSenseAreRefusedWithAReason) {
+  const auto refused = [&](auto change) {
+    ComparisonPlan bad = plan();
+    change(bad);
+    EXPECT_THROW(validate(bad), std::invalid_argument);
+  };
+  validate(plan());
+  refused([](ComparisonPlan& p) { p.problems = 0; });
+  refused([](ComparisonPlan& p) { p.tolerance = -1e-6; });
+  refused([](ComparisonPlan& p) { p.tolerance = NAN; });
+  refused([](ComparisonPlan& p) { p.solvers = {"newtonn"}; });
+  refused([](ComparisonPlan& p) { p.sets = {"D0"}; });
+  refused([](ComparisonPlan& p) { p.sets = {"D1", "D1"}; });
+  refused([](ComparisonPlan& p) { p.shard = 3, p.shards = 2; });
+  refused([](ComparisonPlan& p) { p.budget.restarts = -1; });
+}
+
+TEST_F(Comparison, TheReportIsSelfContainedAndSaysWhatWasUnsupported) {
+  run(plan(), "a");
+  writeReport(path("a"), {.version = "test", .commandLine = "gelenk compare <x>", .colour = [](const std::string&) { return "#336699"; }});
+  const std::string html = readFile(path("a") + "/report.html"), summary = readFile(path("a") + "/summary.json");
+  EXPECT_NE(html.find("unsupported"), std::string::npos);
+  EXPECT_NE(html.find("gelenk compare &lt;x&gt;"), std::string::npos);
+  EXPECT_EQ(html.find("src="), std::string::npos);   // nothing is fetched from elsewhere
+  EXPECT_EQ(html.find("href=\"http"), std::string::npos);
+  for (const char* word : {"mcnemar_p", "wilson_95", "bootstrap_95", "expected_running_time", "p99", "jitter", "checksums"})
+    EXPECT_NE(summary.find(word), std::string::npos) << word;
+}
+
+}  // namespace
+}  // namespace gelenk
