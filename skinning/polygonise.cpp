@@ -464,11 +464,18 @@ Mesh wholeMesh(Surface surface, bool symmetric, std::vector<int>* partner) {
   return mesh;
 }
 
-}  // namespace
+/// No edge runs twice in one direction. Two cells that share an ambiguous face can be joined by two edges of the dual: four
+/// triangles would meet there.
+bool edgesAreManifold(const Surface& surface) {
+  std::vector<std::uint64_t> edges;
+  edges.reserve(3 * surface.triangles.size());
+  for (const auto& t : surface.triangles)
+    for (int k = 0; k < 3; ++k) edges.push_back(static_cast<std::uint64_t>(t[k]) << 32 | static_cast<std::uint32_t>(t[(k + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  return std::adjacent_find(edges.begin(), edges.end()) == edges.end();
+}
 
-Mesh polygonise(const BodyShape& shape, const PolygoniseOptions& options, std::vector<int>* partner) {
-  Grid grid(shape, options);
-  Surface surface = contour(grid, options.symmetric);
+Mesh relaxed(const BodyShape& shape, const Grid& grid, Surface surface, const PolygoniseOptions& options, std::vector<int>* partner) {
   for (int round = 0; round < options.relaxationRounds; ++round) {
     flipEdges(surface);
     smooth(surface, shape, grid, options, 0.8);
@@ -478,6 +485,20 @@ Mesh polygonise(const BodyShape& shape, const PolygoniseOptions& options, std::v
     smooth(surface, shape, grid, options, 0.0);
   }
   return wholeMesh(std::move(surface), options.symmetric, partner);
+}
+
+}  // namespace
+
+Mesh polygonise(const BodyShape& shape, const PolygoniseOptions& wanted, std::vector<int>* partner) {
+  PolygoniseOptions options = wanted;
+  constexpr int attempts = 12;
+  for (int attempt = 0;; ++attempt) {
+    Grid grid(shape, options);
+    Surface surface = contour(grid, options.symmetric);
+    if (edgesAreManifold(surface)) return relaxed(shape, grid, std::move(surface), options, partner);
+    if (attempt == attempts) throw std::runtime_error("no grid gave a manifold surface: take smaller cells");
+    options.cell *= 0.973;
+  }
 }
 
 }  // namespace gelenk

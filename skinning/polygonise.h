@@ -28,8 +28,10 @@ struct PolygoniseOptions {
 /// The grid lives in q-space, p = W(q), W a composition of lenses q - sum kappa L tanh(r / L) (q - c) / r, r = |q - c|,
 /// kappa = 1 - 1 / magnification: a contraction, so that distances bound values in q-space too and blocks can be culled.
 /// Parts thinner than about one and a half cells may break apart or fuse. Symmetric meshes list the half with x >= 0 first.
+/// A grid on which two edges of the surface would coincide (rare, thin parts) is replaced by one of slightly smaller cells.
 /// partner, where given: for each vertex of a symmetric mesh its mirror image (itself at x = 0).
-/// Throws std::invalid_argument: a cell that is not positive, or a grid of more than 2^28 cells.
+/// Throws std::invalid_argument: a cell that is not positive, or a grid of more than 2^28 cells; std::runtime_error where
+/// twelve grids failed.
 Mesh polygonise(const BodyShape& shape, const PolygoniseOptions& options, std::vector<int>* partner = nullptr);
 
 }  // namespace gelenk
