@@ -5,6 +5,7 @@ namespace gelenk {
 void addCompareCommand(CLI::App& app);
 void addFkCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
+void addLectureCommand(CLI::App& app);
 void addMusclesCommand(CLI::App& app);
 void addSolveCommand(CLI::App& app);
 
@@ -12,6 +13,7 @@ void addCommands(CLI::App& app) {
   addCompareCommand(app);
   addFkCommand(app);
   addInfoCommand(app);
+  addLectureCommand(app);
   addMusclesCommand(app);
   addSolveCommand(app);
 }
