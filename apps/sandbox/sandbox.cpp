@@ -151,7 +151,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
 Sandbox::~Sandbox() = default;
 
 Model Sandbox::readModel(const std::string& name, const std::string& skeletonFile, const std::string& weightsFile) {
-  if (skeletonFile.empty()) return gelenk::openModel(name);
+  if (skeletonFile.empty()) return withBody(gelenk::openModel(name));
   return openBody(name, skeletonFile, weightsFile.empty() ? std::nullopt : std::optional(weightsFile));
 }
 
