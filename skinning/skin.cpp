@@ -21,7 +21,7 @@ std::vector<Influences> fourLargest(const SparseWeights& weights, int jointCount
       if (!std::isfinite(weight) || weight < 0.0) reject("a weight is negative or not finite");
       if (weight == 0.0) continue;
       total += weight;
-      const auto same = std::find_if(sorted.begin(), sorted.end(), [&](const auto& e) { return e.first == joint; });
+      const auto same = std::find_if(sorted.begin(), sorted.end(), [&, j = joint](const auto& e) { return e.first == j; });
       if (same != sorted.end())
         same->second += weight;
       else
