@@ -3,6 +3,7 @@
 namespace gelenk {
 
 void addCompareCommand(CLI::App& app);
+void addConvertCommand(CLI::App& app);
 void addFkCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
 void addLectureCommand(CLI::App& app);
@@ -11,6 +12,7 @@ void addSolveCommand(CLI::App& app);
 
 void addCommands(CLI::App& app) {
   addCompareCommand(app);
+  addConvertCommand(app);
   addFkCommand(app);
   addInfoCommand(app);
   addLectureCommand(app);

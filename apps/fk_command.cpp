@@ -5,6 +5,7 @@
 
 #include "apps/commands.h"
 #include "apps/model.h"
+#include "apps/motion_table.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 
@@ -116,7 +117,8 @@ void addFkCommand(CLI::App& app) {
   command->add_option("--q", request->q, "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
   command->add_flag("--degrees", request->degrees, "Angles after --q are in degrees");
   command->add_flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
-  command->callback([request] { run(*request); });
+  const auto motion = addMotionTableOptions(*command);
+  command->callback([request, motion] { motion->wanted() ? printMotionTable(request->model, *motion) : run(*request); });
 }
 
 }  // namespace gelenk

@@ -16,7 +16,8 @@ using nlohmann::json;
 
 struct Request {
   std::string file;
-  std::string skeleton, weights;
+  Companions companions;
+  double unit = 0.0;
   bool asJson = false;
 };
 
@@ -59,19 +60,43 @@ void addSkeleton(const Skeleton& skeleton, json& facts) {
   if (!facts.contains("bounds")) facts["bounds"] = facts["jointBounds"];
 }
 
+/// How long, how fast, and where the motion leaves the model's own limits: told, never clamped.
+void addMotion(const Skeleton& skeleton, const MotionClip& clip, json& facts) {
+  facts["frames"] = clip.frameCount();
+  facts["framesPerSecond"] = clip.framesPerSecond;
+  facts["seconds"] = clip.duration();
+  int outside = 0, samples = 0;
+  for (int f = 0; f < clip.frameCount(); ++f)
+    for (int i = 0; i < skeleton.jointCount(); ++i)
+      for (std::size_t k = 0; k < skeleton.joint(i).axes.size(); ++k) {
+        const AxisDof& dof = skeleton.joint(i).axes[k];
+        if (dof.lower == -unlimited && dof.upper == unlimited) continue;
+        const double value = clip.q(skeleton.qIndex(i) + k, f);
+        constexpr double rounding = 1e-9;
+        outside += value < dof.lower - rounding || value > dof.upper + rounding;
+        ++samples;
+      }
+  facts["limitedSamples"] = samples;
+  facts["samplesOutsideLimits"] = outside;
+  if (outside > 0)
+    facts["warnings"].push_back(fmt::format("{} of {} limited values ({:.1f} %) lie outside the model's own limits; playback keeps them", outside, samples, 100.0 * outside / samples));
+}
+
 json factsOf(const Request& request) {
   json facts{{"file", request.file}, {"warnings", json::array()}, {"notes", json::array()}};
   const auto kind = fileKind(request.file);
   facts["format"] = kind ? describe(*kind) : "model";
-  if (kind == FileKind::ObjMesh && request.skeleton.empty()) {
+  if (kind == FileKind::ObjMesh && request.companions.skeleton.empty()) {
     addMesh(readObj(request.file), facts);
     return facts;
   }
-  const Model model = request.skeleton.empty()
-                          ? openModel(request.file)
-                          : openBody(request.file, request.skeleton, request.weights.empty() ? std::nullopt : std::optional(request.weights));
+  ImportOptions options;
+  if (request.unit > 0.0) options.metresPerUnit = request.unit;
+  const Imported imported = importFiles(request.file, request.companions, options);
+  const Model& model = imported.model;
   if (model.skin) addMesh(model.skin->mesh, facts);
   addSkeleton(model.skeleton, facts);
+  if (imported.clip) addMotion(model.skeleton, *imported.clip, facts);
   for (const std::string& note : model.notes) facts["notes"].push_back(note);
   return facts;
 }
@@ -86,6 +111,9 @@ void print(const json& facts) {
     fmt::print("  mesh       {} vertices, {} triangles, {}, {}, {}\n", facts["vertices"].get<int>(), facts["triangles"].get<int>(),
                counted(facts["components"].get<int>(), "component", "components"), facts["closed"].get<bool>() ? "closed" : "open",
                facts["manifold"].get<bool>() ? "manifold" : "not manifold");
+  if (facts.contains("frames"))
+    fmt::print("  motion     {} at {:.6g} Hz, {:.3f} s\n", counted(facts["frames"].get<int>(), "frame", "frames"), facts["framesPerSecond"].get<double>(),
+               facts["seconds"].get<double>());
   fmt::print("  bounds     {} to {} m\n", corner(facts["bounds"]["lower"]), corner(facts["bounds"]["upper"]));
   for (const json& note : facts["notes"]) fmt::print("  note       {}\n", note.get<std::string>());
   for (const json& warning : facts["warnings"]) fmt::print("  warning    {}\n", warning.get<std::string>());
@@ -105,8 +133,13 @@ void addInfoCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
   CLI::App* command = app.add_subcommand("info", "What is in a file or a built-in model");
   command->add_option("file", request->file, "A file, or the name of a built-in model")->required();
-  command->add_option("--skeleton", request->skeleton, "Skeleton file for an OBJ");
-  command->add_option("--weights", request->weights, "Weights file for an OBJ with a skeleton");
+  command->add_option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
+  command->add_option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
+  command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
+  command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
+  command->add_option("--mapping", request->companions.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
+  command->add_option("--figure", request->companions.figure, "Figure of a tutorial pose");
+  command->add_option("--unit", request->unit, "Metres in one unit of the file; default: what the format says, else 1")->check(CLI::PositiveNumber);
   command->add_flag("--json", request->asJson, "Print JSON");
   command->callback([request] { run(*request); });
 }

@@ -4,14 +4,23 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
 #include "apps/chain_models.h"
 #include "kinematics/io/pinocchio_skeleton.h"
+#include "kinematics/io/word_stream.h"
+#include "kinematics/skeleton_transfer.h"
+#include "kinematics/skeleton_transform.h"
 #include "kinematics/io/text_file.h"
+#include "skinning/bone_heat.h"
+#include "skinning/io/gltf.h"
 #include "skinning/io/obj.h"
 #include "skinning/io/pinocchio_weights.h"
+#include "skinning/io/urdf_body.h"
+#include "skinning/weight_transfer.h"
 
 namespace gelenk {
 namespace {
@@ -29,19 +38,36 @@ constexpr std::array extensions = {
     Extension{".attachment.out", FileKind::PinocchioWeights},
     Extension{".attachment", FileKind::PinocchioWeights},
     Extension{".weights", FileKind::PinocchioWeights},
+    Extension{".asf", FileKind::Asf},
+    Extension{".amc", FileKind::Amc},
+    Extension{".bvh", FileKind::Bvh},
+    Extension{".figure", FileKind::TutorialSkeleton},
+    Extension{".pose", FileKind::TutorialPose},
+    Extension{".gltf", FileKind::Gltf},
+    Extension{".glb", FileKind::Gltf},
+    Extension{".urdf", FileKind::Urdf},
     Extension{".dh", FileKind::DhTable},
 };
 
-std::string lowerCase(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
+/// The first characters tell the tutorial's files from others with the same extension.
+bool beginsWithNumJoints(const std::string& path, bool& isPose) {
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (!file) return false;
+  char head[256] = {};
+  const std::size_t n = std::fread(head, 1, sizeof head - 1, file);
+  std::fclose(file);
+  const std::string_view text(head, n);
+  const std::size_t at = text.find_first_not_of(" \t\r\n");
+  isPose = text.find("JointAngles") != std::string_view::npos;
+  return at != std::string_view::npos && text.substr(at).starts_with("NumJoints");
 }
 
 }  // namespace
 
 std::optional<FileKind> fileKind(const std::string& path) {
   const std::string name = lowerCase(path);
+  if (bool isPose = false; (name.ends_with(".skel") || name.ends_with(".txt")) && beginsWithNumJoints(path, isPose))
+    return isPose ? FileKind::TutorialPose : FileKind::TutorialSkeleton;
   for (const Extension& extension : extensions)
     if (name.ends_with(extension.ending)) return extension.kind;
   return std::nullopt;
@@ -53,6 +79,13 @@ std::string describe(FileKind kind) {
     case FileKind::PinocchioSkeleton: return "Pinocchio skeleton";
     case FileKind::PinocchioWeights: return "Pinocchio bone weights";
     case FileKind::DhTable: return "Denavit-Hartenberg table";
+    case FileKind::Asf: return "Acclaim skeleton (ASF)";
+    case FileKind::Amc: return "Acclaim motion (AMC)";
+    case FileKind::Bvh: return "Biovision motion (BVH)";
+    case FileKind::TutorialSkeleton: return "tutorial skeleton";
+    case FileKind::TutorialPose: return "tutorial pose";
+    case FileKind::Gltf: return "glTF 2.0";
+    case FileKind::Urdf: return "URDF robot";
   }
   return "";
 }
@@ -73,32 +106,148 @@ Model openBody(const std::string& objPath, const std::string& skeletonPath, cons
   Mesh mesh = readObj(objPath);
   Model model = openModelFile(skeletonPath);
   model.name = stem(objPath);
-  if (!weightsPath)
-    throw std::invalid_argument("a body without a weights file: give one with --weights");
-  const BoneWeights bones = readPinocchioWeights(*weightsPath, model.skeleton.jointCount() - 1, mesh);
+  const Frames rest = restFrames(model.skeleton);
+  SparseWeights weights;
+  if (weightsPath) {
+    weights = jointWeights(readPinocchioWeights(*weightsPath, model.skeleton.jointCount() - 1, mesh), model.skeleton);
+  } else {
+    weights = boneHeatWeights(mesh, bonesOf(model.skeleton, rest));
+    model.notes.push_back("no weights file: weights by heat diffusion on the surface");
+  }
   WeightLoss loss;
-  auto influences = fourLargest(jointWeights(bones, model.skeleton), model.skeleton.jointCount(), &loss);
-  model.notes.push_back(fmt::format("four largest weights kept, bones that turn about one joint counted together: {:.2f} % of the weight lost on average, {:.1f} % at most ({} of {} vertices had more)",
+  auto influences = fourLargest(weights, model.skeleton.jointCount(), &loss);
+  model.notes.push_back(fmt::format("four largest weights kept, bones that turn about one joint counted together: {:.2f} % of the weight lost on "
+                                    "average, {:.1f} % at most ({} of {} vertices had more)",
                                     100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, mesh.positions.size()));
-  model.skin = bindSkin(std::move(mesh), restFrames(model.skeleton), std::move(influences));
+  model.skin = bindSkin(std::move(mesh), rest, std::move(influences));
   return model;
 }
 
-Model openModelFile(const std::string& path) {
-  const auto kind = fileKind(path);
-  if (!kind) throw std::invalid_argument("cannot tell what '" + path + "' holds; known extensions: " + knownExtensions());
-  Model model{.name = stem(path), .skeleton = {}};
-  switch (*kind) {
-    case FileKind::PinocchioSkeleton:
-      model.skeleton = namedAsHuman(readPinocchioSkeleton(path));
-      return model;
-    case FileKind::DhTable: return openDhModel(path);
-    case FileKind::ObjMesh:
-      throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton");
+Model openModelFile(const std::string& path) { return importFiles(path).model; }
+
+Model rotated(Model model, const Eigen::Quaterniond& worldFromOld) {
+  model.skeleton = rotated(model.skeleton, worldFromOld);
+  if (model.skin) {
+    for (auto& p : model.skin->mesh.positions) p = worldFromOld * p;
+    for (auto& n : model.skin->mesh.normals) n = worldFromOld * n;
+    for (auto& frame : model.skin->jointFromRestWorld) frame = frame * Eigen::Isometry3d(worldFromOld.conjugate());
+  }
+  return model;
+}
+
+namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
+/// The exercise sheet: the fitted skeleton on the ASF skeleton, Pinocchio's weights on its bones.
+Imported exerciseSheet(const std::string& objPath, const Companions& files, const ImportOptions& options) {
+  Mesh mesh = readObj(objPath);
+  const Skeleton fitted = namedAsHuman(readPinocchioSkeleton(files.skeleton));
+  if (files.weights.empty()) throw std::invalid_argument("laying a fitted skeleton on an ASF skeleton needs its weights: give them with --weights");
+  const BoneWeights bones = readPinocchioWeights(files.weights, fitted.jointCount() - 1, mesh);
+  Imported result;
+  result.asf = readAsf(files.asf, options.metresPerUnit);
+  const auto paths = files.mapping.empty() ? cmuOnPinocchioHuman() : parseBonePaths(readFile(files.mapping), files.mapping);
+  const TransferredSkeleton transferred = transferSkeleton(*result.asf, fitted, paths);
+  result.model = {.name = stem(objPath), .skeleton = transferred.skeleton};
+  WeightLoss loss;
+  auto influences = fourLargest(transferWeights(bones, mesh.positions, fitted, transferred), transferred.skeleton.jointCount(), &loss);
+  result.model.skin = bindSkin(std::move(mesh), transferred.bindFrames, std::move(influences));
+  auto& notes = result.model.notes;
+  notes.push_back(fmt::format("four largest weights kept: {:.2f} % of the weight lost on average, {:.1f} % at most", 100.0 * loss.mean, 100.0 * loss.max));
+  if (!transferred.unmatchedBones.empty())
+    notes.push_back("bones of the ASF skeleton without a fitted counterpart (they follow their parent): " + joined(transferred.unmatchedBones));
+  if (!transferred.unmatchedJoints.empty())
+    notes.push_back("fitted joints whose bone lies on no ASF bone: " + joined(transferred.unmatchedJoints));
+  if (!files.amc.empty()) {
+    const MotionClip clip = readAmc(files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
+    result.clip = withScaledRoot(transferred.skeleton, clip, transferred.heightRatio);
+    notes.push_back(fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights", transferred.heightRatio));
+  }
+  return result;
+}
+
+Imported importOne(const std::string& path, FileKind kind, const Companions& files, const ImportOptions& options) {
+  const double unit = options.metresPerUnit.value_or(1.0);
+  Imported result{.model = {.name = stem(path), .skeleton = {}}};
+  Model& model = result.model;
+  switch (kind) {
+    case FileKind::PinocchioSkeleton: model.skeleton = scaled(namedAsHuman(readPinocchioSkeleton(path)), unit); break;
+    case FileKind::DhTable: model = openDhModel(path); break;
+    case FileKind::Asf:
+    case FileKind::Amc: {
+      const bool isMotion = kind == FileKind::Amc;
+      if (isMotion && files.asf.empty()) throw std::invalid_argument("'" + path + "' needs the skeleton it belongs to: give it with --asf");
+      result.asf = readAsf(isMotion ? files.asf : path, options.metresPerUnit);
+      model.skeleton = result.asf->skeleton;
+      if (isMotion || !files.amc.empty())
+        result.clip = readAmc(isMotion ? path : files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
+      break;
+    }
+    case FileKind::Bvh: {
+      BvhMotion bvh = readBvh(path, {.metresPerUnit = unit, .positions = options.bvhPositions});
+      model.skeleton = std::move(bvh.skeleton);
+      result.clip = std::move(bvh.clip);
+      model.notes = bvh.notes;
+      break;
+    }
+    case FileKind::TutorialSkeleton:
+    case FileKind::TutorialPose: {
+      const bool isPose = kind == FileKind::TutorialPose;
+      if (isPose && files.figure.empty()) throw std::invalid_argument("'" + path + "' needs the figure it belongs to: give it with --figure");
+      TutorialSkeleton tutorial = readTutorialSkeleton(isPose ? files.figure : path);
+      for (auto& position : tutorial.positions) position *= unit;
+      result.figure = toSkeleton(tutorial);
+      model.skeleton = result.figure->skeleton;
+      if (isPose) result.clip = MotionClip{.framesPerSecond = 1.0, .q = configuration(*result.figure, readTutorialPose(path))};
+      break;
+    }
+    case FileKind::Gltf: {
+      GltfModel gltf = readGltf(path);
+      model.skeleton = std::move(gltf.skeleton);
+      model.skin = std::move(gltf.skin);
+      model.notes = gltf.notes;
+      if (!gltf.clips.empty()) result.clip = gltf.clips.front().clip;
+      if (options.metresPerUnit) throw std::invalid_argument("glTF is in metres by definition; another unit cannot be given");
+      break;
+    }
+    case FileKind::Urdf: {
+      UrdfModel urdf = openUrdf(path);
+      model.skeleton = std::move(urdf.skeleton);
+      model.skin = std::move(urdf.skin);
+      model.notes = urdf.notes;
+      break;
+    }
+    case FileKind::ObjMesh: {
+      if (files.skeleton.empty()) throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton");
+      if (!files.asf.empty()) return exerciseSheet(path, files, options);
+      model = openBody(path, files.skeleton, files.weights.empty() ? std::nullopt : std::optional(files.weights));
+      break;
+    }
     case FileKind::PinocchioWeights:
       throw std::invalid_argument("'" + path + "' holds weights only: give it with --weights, beside an OBJ and --skeleton");
   }
-  return model;
+  return result;
+}
+
+}  // namespace
+
+Imported importFiles(const std::string& nameOrFile, const Companions& companions, const ImportOptions& options) {
+  const auto names = builtInModels();
+  if (std::find(names.begin(), names.end(), nameOrFile) != names.end()) return {.model = openModel(nameOrFile)};
+  const auto kind = fileKind(nameOrFile);
+  if (!kind && !std::filesystem::exists(nameOrFile)) return {.model = openModel(nameOrFile)};  // its message lists the names
+  if (!kind) throw std::invalid_argument("cannot tell what '" + nameOrFile + "' holds; known extensions: " + knownExtensions());
+  Imported result = importOne(nameOrFile, *kind, companions, options);
+  if (options.zUp) {
+    const Eigen::Quaterniond upright(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
+    result.model = rotated(std::move(result.model), upright);
+  }
+  return result;
 }
 
 }  // namespace gelenk

@@ -5,6 +5,10 @@
 #include <vector>
 
 #include "apps/model.h"
+#include "kinematics/io/asf_amc.h"
+#include "kinematics/io/bvh.h"
+#include "kinematics/io/tutorial_skeleton.h"
+#include "kinematics/motion_clip.h"
 
 namespace gelenk {
 
@@ -13,6 +17,13 @@ enum class FileKind {
   ObjMesh,             ///< .obj
   PinocchioSkeleton,   ///< .skel, .skeleton, .skeleton.out
   PinocchioWeights,    ///< .attachment, .attachment.out, .weights
+  Asf,                 ///< .asf
+  Amc,                 ///< .amc
+  Bvh,                 ///< .bvh
+  TutorialSkeleton,    ///< .figure, or .skel and .txt that begin with NumJoints
+  TutorialPose,        ///< .pose
+  Gltf,                ///< .gltf, .glb
+  Urdf,                ///< .urdf
   DhTable,             ///< .dh
 };
 
@@ -23,8 +34,40 @@ std::string describe(FileKind kind);
 /// The extensions that are known, for messages.
 std::string knownExtensions();
 
+/// What the files themselves do not say, or say wrongly.
+struct ImportOptions {
+  std::optional<double> metresPerUnit = {};    ///< default: what the format says, else 1
+  std::optional<double> framesPerSecond = {};  ///< of an AMC; default 120
+  bool zUp = false;                            ///< the file has z up; turned to y up
+  BvhPositions bvhPositions = BvhPositions::Automatic;
+};
+
+/// Further files that one file needs, empty where not given.
+struct Companions {
+  std::string skeleton, weights;  ///< of an OBJ
+  std::string asf;                ///< of an AMC, or to lay a fitted skeleton on
+  std::string amc;
+  std::string mapping;            ///< BonePath lines; default: CMU's bones on Pinocchio's human
+  std::string figure;             ///< of a tutorial pose
+};
+
+/// A model and, where the files hold one, a motion for it.
+struct Imported {
+  Model model;
+  std::optional<MotionClip> clip = {};
+  std::optional<AsfSkeleton> asf = {};         ///< bones and their ends, where the skeleton is an ASF's
+  std::optional<TutorialFigure> figure = {};   ///< the order of joints in the file, where the skeleton is the tutorial's
+};
+
+/// Everything that the files hold together. OBJ + skeleton + weights + ASF + AMC: the exercise sheet (skeleton_transfer.h); what could not be matched and
+/// the root's scale are told in the notes. Throws ParseError and std::invalid_argument.
+Imported importFiles(const std::string& nameOrFile, const Companions& companions = {}, const ImportOptions& options = {});
+
+/// Turns a model as a whole: skeleton, skin, bind pose.
+Model rotated(Model model, const Eigen::Quaterniond& worldFromOld);
+
 /// A body with a skeleton, from an OBJ and any file that holds a skeleton. With a weights file (Pinocchio's attachment) the four
-/// largest weights are used and what that loses is told in the notes. Throws ParseError and std::invalid_argument.
+/// largest weights are used and what that loses is told in the notes; without one it gets heat weights. Throws ParseError and std::invalid_argument.
 Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath);
 
 /// The skeleton or the whole model that one file holds. Throws std::invalid_argument for a file that holds none, and ParseError.

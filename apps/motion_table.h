@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace gelenk {
+
+/// `gelenk fk FILE --amc MOTION --csv`: where every bone of every frame begins and ends.
+struct MotionTableRequest {
+  std::string amc, asf;
+  int frame = 0;  ///< from 1; 0: all frames
+  double unit = 0.0;
+  bool csv = false;
+
+  bool wanted() const { return csv || frame != 0 || !amc.empty() || !asf.empty(); }
+};
+
+/// Adds --amc, --asf, --frame, --csv to the command; the request is filled when it is parsed.
+std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command);
+
+/// Prints `frame,bone,start_x,start_y,start_z,end_x,end_y,end_z` (metres; frames from 1; "rest" without a motion). Bones of an ASF skeleton
+/// go from their own start to their own end; of any other model, one row a joint: from the parent's place to its own.
+void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& request);
+
+}  // namespace gelenk

@@ -1,0 +1,255 @@
+#include "kinematics/io/urdf.h"
+
+#include <tinyxml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "kinematics/io/parse_error.h"
+#include "kinematics/io/text_file.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+/// The library reads elements by recursion: a limit before it begins. Comments and attributes may fool the count upwards only by what they hold.
+void checkNesting(std::string_view text, const std::string& file) {
+  constexpr int deepest = 200;
+  int depth = 0, line = 1;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    line += text[i] == '\n';
+    if (text[i] != '<' || i + 1 == text.size()) continue;
+    if (text[i + 1] == '/') {
+      --depth;
+    } else if (text[i + 1] != '!' && text[i + 1] != '?') {
+      ++depth;
+      const std::size_t end = text.find('>', i);
+      if (end != std::string_view::npos && text[end - 1] == '/') --depth;
+    }
+    if (depth > deepest) throw ParseError(file, line, "elements nested at most " + std::to_string(deepest) + " deep", "more");
+  }
+}
+
+struct Link {
+  int line = 0;
+  std::vector<const TiXmlElement*> visuals;
+  int parentJoint = -1;
+};
+
+struct JointElement {
+  const TiXmlElement* element;
+  std::string name, type, parent, child;
+  bool placed = false;
+};
+
+class Reader {
+ public:
+  Reader(std::string_view text, const std::string& file) : file_(file) {
+    checkNesting(text, file);
+    if (text.find('\0') != std::string_view::npos) throw ParseError(file, 0, "XML text", "a zero byte");
+    document_.Parse(std::string(text).c_str(), nullptr, TIXML_ENCODING_UTF8);
+    if (document_.Error()) throw ParseError(file, std::max(0, document_.ErrorRow()), "well-formed XML", lowerFirst(document_.ErrorDesc()));
+    if (!document_.RootElement()) throw ParseError(file, 0, "an element <robot>", "none");
+  }
+
+  UrdfRobot read() {
+    const TiXmlElement* robot = document_.RootElement();
+    if (robot->ValueStr() != "robot") fail(robot, "an element <robot>", "<" + robot->ValueStr() + ">");
+    if (const char* name = robot->Attribute("name")) robot_.name = name;
+    collect(robot);
+    build();
+    return std::move(robot_);
+  }
+
+ private:
+  static std::string lowerFirst(std::string text) {
+    if (!text.empty() && text[0] >= 'A' && text[0] <= 'Z') text[0] = static_cast<char>(text[0] - 'A' + 'a');
+    while (!text.empty() && text.back() == '.') text.pop_back();
+    return text;
+  }
+  [[noreturn]] void fail(const TiXmlNode* node, const std::string& expected, const std::string& found) const {
+    throw ParseError(file_, node->Row(), expected, found);
+  }
+
+  std::string attribute(const TiXmlElement* element, const char* name) const {
+    const char* value = element->Attribute(name);
+    if (!value || !*value) fail(element, std::string("an attribute ") + name + " in <" + element->ValueStr() + ">", "none");
+    return value;
+  }
+  const TiXmlElement* child(const TiXmlElement* element, const char* name) const {
+    const TiXmlElement* found = element->FirstChildElement(name);
+    if (!found) fail(element, std::string("an element <") + name + "> in <" + element->ValueStr() + ">", "none");
+    return found;
+  }
+  double number(const TiXmlElement* element, const char* name) const {
+    const std::string word = attribute(element, name);
+    const auto words = splitWords(word);
+    const auto value = words.size() == 1 ? parseNumber(words[0]) : std::nullopt;
+    if (!value) fail(element, std::string("a finite number as ") + name, "'" + word + "'");
+    return *value;
+  }
+  Vector3d triple(const TiXmlElement* element, const char* name, const Vector3d& absent) const {
+    const char* text = element->Attribute(name);
+    if (!text) return absent;
+    const auto words = splitWords(text);
+    Vector3d v;
+    for (int k = 0; k < 3; ++k) {
+      const auto value = words.size() == 3 ? parseNumber(words[k]) : std::nullopt;
+      if (!value) fail(element, std::string("three finite numbers as ") + name, "'" + std::string(text) + "'");
+      v[k] = *value;
+    }
+    return v;
+  }
+  Isometry3d origin(const TiXmlElement* element) const {
+    Isometry3d frame = Isometry3d::Identity();
+    const TiXmlElement* at = element->FirstChildElement("origin");
+    if (!at) return frame;
+    const Vector3d rpy = triple(at, "rpy", Vector3d::Zero());
+    frame.linear() = (Eigen::AngleAxisd(rpy.z(), Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3d::UnitY()) *
+                      Eigen::AngleAxisd(rpy.x(), Vector3d::UnitX()))
+                         .toRotationMatrix();
+    frame.translation() = triple(at, "xyz", Vector3d::Zero());
+    return frame;
+  }
+
+  void collect(const TiXmlElement* robot) {
+    for (const TiXmlElement* e = robot->FirstChildElement("link"); e; e = e->NextSiblingElement("link")) {
+      const std::string name = attribute(e, "name");
+      const auto [at, isNew] = links_.emplace(name, Link{.line = e->Row(), .visuals = {}});
+      if (!isNew) fail(e, "a link name that is used once", "'" + name + "' again");
+      linkOrder_.push_back(name);
+      for (const char* kind : {"visual", "collision"})
+        for (const TiXmlElement* v = e->FirstChildElement(kind); v; v = v->NextSiblingElement(kind)) at->second.visuals.push_back(v);
+    }
+    if (links_.empty()) fail(robot, "at least one <link>", "none");
+    std::set<std::string> names;
+    for (const TiXmlElement* e = robot->FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) {
+      JointElement joint{.element = e, .name = attribute(e, "name"), .type = attribute(e, "type"), .parent = attribute(child(e, "parent"), "link"),
+                         .child = attribute(child(e, "child"), "link")};
+      if (!names.insert(joint.name).second) fail(e, "a joint name that is used once", "'" + joint.name + "' again");
+      for (const std::string& link : {joint.parent, joint.child})
+        if (!links_.count(link)) fail(e, "a link that exists", "'" + link + "'");
+      Link& below = links_[joint.child];
+      if (below.parentJoint >= 0) fail(e, "one parent a link", "a second one for '" + joint.child + "'");
+      below.parentJoint = static_cast<int>(joints_.size());
+      joints_.push_back(std::move(joint));
+    }
+  }
+
+  void build() {
+    std::string root;
+    for (const std::string& link : linkOrder_) {
+      if (links_[link].parentJoint >= 0) continue;
+      if (!root.empty()) throw ParseError(file_, links_[link].line, "one link without a parent ('" + root + "')", "a second one, '" + link + "'");
+      root = link;
+    }
+    if (root.empty()) throw ParseError(file_, links_[linkOrder_.front()].line, "a link without a parent", "a cycle of links");
+    std::multimap<std::string, int> jointsOfLink;
+    for (std::size_t j = 0; j < joints_.size(); ++j) jointsOfLink.emplace(joints_[j].parent, static_cast<int>(j));
+
+    std::vector<Joint> list{{.name = root}};
+    std::vector<double> rest;
+    std::set<std::string> names{root};
+    addVisuals(links_[root], 0);
+    std::vector<std::pair<std::string, int>> open{{root, 0}};
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      const auto [link, parent] = open[k];
+      const auto [from, to] = jointsOfLink.equal_range(link);
+      for (auto at = from; at != to; ++at) {
+        JointElement& source = joints_[at->second];
+        source.placed = true;
+        std::string name = source.name;
+        while (!names.insert(name).second) name += "_";
+        list.push_back(makeJoint(source, name, parent, rest));
+        addVisuals(links_[source.child], static_cast<int>(list.size()) - 1);
+        open.emplace_back(source.child, static_cast<int>(list.size()) - 1);
+      }
+    }
+    for (const JointElement& joint : joints_)
+      if (!joint.placed) fail(joint.element, "a joint below the root link '" + root + "'", "'" + joint.name + "' on a cycle of links");
+    robot_.skeleton = Skeleton(std::move(list), Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
+  }
+
+  Joint makeJoint(const JointElement& source, const std::string& name, int parent, std::vector<double>& rest) {
+    Joint joint{.name = name, .parent = parent};
+    joint.parentFromZero = origin(source.element);
+    const std::string& type = source.type;
+    if (source.element->FirstChildElement("mimic")) robot_.notes.push_back("joint '" + name + "' mimics another one; here it moves by itself");
+    if (type == "fixed") return joint;
+    if (type == "floating") {
+      for (int k = 0; k < 3; ++k) joint.axes.push_back({AxisDof::Kind::Translation, Vector3d::Unit(k)});
+      joint.ball = true;
+      for (const double value : {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0}) rest.push_back(value);
+      return joint;
+    }
+    Vector3d axis = Vector3d::UnitX();
+    if (const TiXmlElement* e = source.element->FirstChildElement("axis")) {
+      axis = triple(e, "xyz", axis);
+      if (!(axis.norm() > 1e-9) || !std::isfinite(axis.norm())) fail(e, "an axis of positive length", "zero or an overflow");
+      axis.normalize();
+    }
+    if (type == "planar") {
+      const Vector3d u = axis.unitOrthogonal();
+      joint.axes = {{AxisDof::Kind::Translation, u}, {AxisDof::Kind::Translation, axis.cross(u).normalized()}, {AxisDof::Kind::Rotation, axis}};
+      rest.insert(rest.end(), {0.0, 0.0, 0.0});
+      return joint;
+    }
+    AxisDof dof{.kind = type == "prismatic" ? AxisDof::Kind::Translation : AxisDof::Kind::Rotation, .axis = axis};
+    if (type == "revolute" || type == "prismatic") {
+      const TiXmlElement* limit = child(source.element, "limit");
+      dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
+      dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
+      if (dof.lower > dof.upper) fail(limit, "lower <= upper", exactNumber(dof.lower) + " and " + exactNumber(dof.upper));
+    } else if (type != "continuous") {
+      fail(source.element, "a joint type revolute, continuous, prismatic, fixed, floating or planar", "'" + type + "'");
+    }
+    rest.push_back(std::clamp(0.0, dof.lower, dof.upper));
+    joint.axes.push_back(dof);
+    return joint;
+  }
+
+  void addVisuals(const Link& link, int joint) {
+    for (const TiXmlElement* visual : link.visuals) {
+      UrdfVisual result{.joint = joint, .jointFromVisual = origin(visual), .collision = visual->ValueStr() == "collision", .line = visual->Row()};
+      const TiXmlElement* geometry = child(visual, "geometry");
+      if (const TiXmlElement* mesh = geometry->FirstChildElement("mesh")) {
+        result.fileName = attribute(mesh, "filename");
+        result.size = triple(mesh, "scale", Vector3d::Ones());
+      } else if (const TiXmlElement* box = geometry->FirstChildElement("box")) {
+        result.shape = UrdfVisual::Shape::Box;
+        attribute(box, "size");
+        result.size = triple(box, "size", Vector3d::Ones());
+      } else if (const TiXmlElement* cylinder = geometry->FirstChildElement("cylinder")) {
+        result.shape = UrdfVisual::Shape::Cylinder;
+        const double radius = number(cylinder, "radius");
+        result.size = {radius, radius, number(cylinder, "length")};
+      } else if (const TiXmlElement* sphere = geometry->FirstChildElement("sphere")) {
+        result.shape = UrdfVisual::Shape::Sphere;
+        result.size.setConstant(number(sphere, "radius"));
+      } else {
+        fail(geometry, "a mesh, box, cylinder or sphere", "another geometry");
+      }
+      if (result.shape != UrdfVisual::Shape::Mesh && !(result.size.minCoeff() > 0.0)) fail(geometry, "sizes above 0", exactNumber(result.size.minCoeff()));
+      robot_.visuals.push_back(std::move(result));
+    }
+  }
+
+  const std::string& file_;
+  TiXmlDocument document_;
+  std::map<std::string, Link> links_;
+  std::vector<std::string> linkOrder_;
+  std::vector<JointElement> joints_;
+  UrdfRobot robot_;
+};
+
+}  // namespace
+
+UrdfRobot parseUrdf(std::string_view text, const std::string& file) { return Reader(text, file).read(); }
+
+UrdfRobot readUrdf(const std::string& path) { return parseUrdf(readFile(path), path); }
+
+}  // namespace gelenk

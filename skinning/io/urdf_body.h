@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "kinematics/io/urdf.h"
+#include "skinning/skin.h"
+
+namespace gelenk {
+
+/// A robot with the bodies of its links as one skin, each rigid on its joint.
+struct UrdfModel {
+  Skeleton skeleton;
+  std::optional<Skin> skin = {};
+  std::vector<std::string> notes = {};
+};
+
+/// Meshes are read from STL and OBJ; where a file is not there or is of another kind (Collada), one of the same name with the ending .stl or .obj is taken, else
+/// the link's collision geometry; what is missing then is told in the notes. package://NAME/PATH is looked for as NAME/PATH and
+/// PATH in the URDF's folder and the folders above it. Throws ParseError.
+UrdfModel openUrdf(const std::string& path);
+
+}  // namespace gelenk

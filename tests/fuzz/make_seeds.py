@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Writes tiny files of our own as seeds for the fuzz targets: make_seeds.py FOLDER"""
+import base64
+import os
+import struct
+import sys
+
+SEEDS = {
+    "obj": [b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", b"v 0 0 0\nv 1 0 0 1\nv 1 1 0 .1 .2 .3\nvt 0 0\nvn 0 0 1\nv 0 1 0\nf 1/1/1 2//1 \\\n3/1 -1\n"],
+    "pinocchio_skeleton": [b"0 0 0 0 -1\n1 1 0 0 0\n2 1 1 0 1\n", b"hip 0 1e-3 0 -1\r\nknee 0 -.5 0 hip\r\n"],
+    "pinocchio_weights": [b"0.5 0.5\n0 1\n1 0\n", b"1 0\n"],
+    "asf": [b":units\nlength 0.45\nangle deg\n:root\norder TX TY TZ RX RY RZ\naxis XYZ\nposition 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\nname a\n"
+            b"direction 0 -1 0\nlength 2\naxis 0 0 20 XYZ\ndof rx ry rz\nlimits (-160.0 20.0)\n(-inf inf)\n(0 1)\nend\nbegin\nname b\ndirection 1 0 0\nlength 0\n"
+            b"axis 0 0 0 XYZ\nend\n:hierarchy\nbegin\nroot a\na b\nend\n"],
+    "amc": [b"#!OML\n:FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 2 3 4 5\na 7.6e-016 -1\n2\na 1 2\nroot 0 0 0 0 0 0\n"],
+    "bvh": [b"HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\nJOINT b\n{\nOFFSET 1 0 0\nCHANNELS 3 "
+            b"Yrotation Zrotation Xrotation\nEnd Site\n{\nOFFSET .5 0 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.025\n0 1 0 0 0 0 0 0 0\n0 1 0 90 0 0 90 90 0\n"],
+    "tutorial": [b"NumJoints: 3\nNonAnimatedJointPositions:\n0.0, 0.0, 0.0,\n0, 1, 0,\n0, 2, 0,\nNumBones: 2\n0, 1,\n1, 2,\nNumJointHierarchies: 1\n"
+                 b"NumJoints-all: 3\n0, 1, 2,\n", b"NumJoints: 2\nJointAngles:\n0.1, 0, 0,\n0, -0.17, 0,\n"],
+    "urdf": [b'<robot name="r"><link name="a"><visual><geometry><box size="1 2 3"/></geometry></visual></link><link name="b"/>'
+             b'<joint name="j" type="revolute"><origin xyz="0 0 1" rpy="0 1 0"/><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint></robot>'],
+    "stl": [b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
+            b" " * 80 + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)],
+    "dh": [b"convention modified\nrevolute 0 0 0.1 0\nprismatic 0.5 90 0 0\n"],
+    "gltf": [],
+}
+
+triangle = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<12H", *[0, 0, 0, 0] * 3) + struct.pack("<12f", *[1, 0, 0, 0] * 3)
+triangle += struct.pack("<16f", 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1) + struct.pack("<2f", 0, 1) + struct.pack("<8f", 0, 0, 0, 1, 0, 0, 1, 0)
+views = [(0, 36), (36, 24), (60, 48), (108, 64), (172, 8), (180, 32)]
+SEEDS["gltf"].append((
+    '{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"name":"a","translation":[0,1,0],"rotation":[0,0,0,1]},{"mesh":0,"skin":0}],'
+    '"meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2}}]}],"skins":[{"joints":[0],"inverseBindMatrices":3}],'
+    '"animations":[{"channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}],"samplers":[{"input":4,"output":5}]}],'
+    '"buffers":[{"byteLength":%d,"uri":"data:application/octet-stream;base64,%s"}],"bufferViews":[%s],"accessors":['
+    '{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":3,"type":"VEC4"},'
+    '{"bufferView":2,"componentType":5126,"count":3,"type":"VEC4"},{"bufferView":3,"componentType":5126,"count":1,"type":"MAT4"},'
+    '{"bufferView":4,"componentType":5126,"count":2,"type":"SCALAR"},{"bufferView":5,"componentType":5126,"count":2,"type":"VEC4"}]}'
+    % (len(triangle), base64.b64encode(triangle).decode(),
+       ",".join('{"buffer":0,"byteOffset":%d,"byteLength":%d}' % v for v in views))).encode())
+
+for name, seeds in SEEDS.items():
+    folder = os.path.join(sys.argv[1], name)
+    os.makedirs(folder, exist_ok=True)
+    for k, seed in enumerate(seeds):
+        with open(os.path.join(folder, "seed%d" % k), "wb") as file:
+            file.write(seed)

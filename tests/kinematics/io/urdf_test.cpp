@@ -1,0 +1,96 @@
+#include "kinematics/io/urdf.h"
+
+#include <filesystem>
+
+#include "kinematics/configuration.h"
+#include "kinematics/forward_kinematics.h"
+#include "tests/kinematics/io/bad_input.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+
+const std::string arm =
+    "<?xml version=\"1.0\"?>\n"
+    "<robot name=\"arm\">\n"
+    "<link name=\"base\"><visual><origin xyz=\"0 0 0.1\"/><geometry><box size=\"1 2 3\"/></geometry></visual></link>\n"
+    "<link name=\"upper\"/>\n"
+    "<link name=\"slide\"/>\n"
+    "<joint name=\"shoulder\" type=\"revolute\"><origin xyz=\"0 0 1\" rpy=\"0 0 1.5707963267948966\"/><parent link=\"base\"/><child link=\"upper\"/>"
+    "<axis xyz=\"0 0 2\"/><limit lower=\"0.5\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>\n"
+    "<joint name=\"push\" type=\"prismatic\"><origin xyz=\"1 0 0\"/><parent link=\"upper\"/><child link=\"slide\"/>"
+    "<limit upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\n"
+    "</robot>\n";
+
+TEST(Urdf, ArmByHand) {
+  const UrdfRobot robot = parseUrdf(arm, "arm.urdf");
+  ASSERT_EQ(robot.skeleton.jointCount(), 3);
+  EXPECT_EQ(robot.skeleton.joint(1).name, "shoulder");
+  EXPECT_EQ(robot.skeleton.rest()[0], 0.5);  // zero is outside the limits
+  Eigen::VectorXd q(2);
+  q << M_PI / 2, 0.25;
+  // Turned by 90 + 90 degrees the upper arm points to -x; the slide moves along it (its axis is x where none is given).
+  EXPECT_LE((forwardKinematics(robot.skeleton, q)[2].translation() - Vector3d(-1.25, 0, 1)).norm(), 1e-15);
+  ASSERT_EQ(robot.visuals.size(), 1u);
+  EXPECT_EQ(robot.visuals[0].size, Vector3d(1, 2, 3));
+}
+
+TEST(Urdf, BadInputIsRefusedWithItsLine) {
+  const auto with = [](std::string text, const std::string& old, const std::string& replacement) {
+    const std::size_t at = text.find(old);
+    EXPECT_NE(at, std::string::npos) << old;
+    return text.replace(at, old.size(), replacement);
+  };
+  std::string deep = "<robot>";
+  for (int k = 0; k < 100000; ++k) deep += "<a>";
+  testing::expectRefused(
+      {
+          {"empty", "", 0, ""},
+          {"not XML", "robot arm\n", 0, "document empty"},
+          {"not closed", "<robot>\n<link name=\"a\">\n", 3, "end tag"},
+          {"another root", "<mujoco/>\n", 1, "an element <robot>, found <mujoco>"},
+          {"no link", "<robot/>\n", 1, "at least one <link>"},
+          {"nested too deeply", deep, 1, "nested at most 200"},
+          {"a zero byte", std::string("<robot>\0</robot>", 16), 0, "zero byte"},
+          {"link without a name", with(arm, "<link name=\"upper\"/>", "<link/>"), 4, "an attribute name"},
+          {"link twice", with(arm, "name=\"slide\"/>", "name=\"upper\"/>"), 5, "'upper' again"},
+          {"joint without a type", with(arm, " type=\"prismatic\"", ""), 7, "an attribute type"},
+          {"unknown type", with(arm, "prismatic", "screw"), 7, "'screw'"},
+          {"joint twice", with(arm, "push", "shoulder"), 7, "'shoulder' again"},
+          {"joint without a parent", with(arm, "<parent link=\"upper\"/>", ""), 7, "<parent>"},
+          {"joint without a child", with(arm, "<child link=\"slide\"/>", ""), 7, "<child>"},
+          {"unknown link", with(arm, "<child link=\"slide\"/>", "<child link=\"slid\"/>"), 7, "'slid'"},
+          {"two parents", with(arm, "<child link=\"slide\"/>", "<child link=\"upper\"/>"), 7, "second one for 'upper'"},
+          {"two roots", with(arm, "<link name=\"slide\"/>", "<link name=\"slide\"/><link name=\"lost\"/>"), 5, "'lost'"},
+          {"cycle at the root", with(arm, "<child link=\"slide\"/>", "<child link=\"base\"/>"), 6, "on a cycle of links"},
+          {"only a cycle", "<robot><link name=\"a\"/><link name=\"b\"/><joint name=\"x\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>"
+                           "<joint name=\"y\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>", 1, "cycle"},
+          {"a cycle aside", with(arm, "</robot>", "<link name=\"a\"/><link name=\"b\"/><joint name=\"x\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>"
+                                              "<joint name=\"y\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>"), 8, "cycle"},
+          {"axis of length zero", with(arm, "0 0 2", "0 0 0"), 6, "positive length"},
+          {"axis of two numbers", with(arm, "0 0 2", "0 2"), 6, "'0 2'"},
+          {"NaN", with(arm, "0 0 2", "0 nan 2"), 6, "'0 nan 2'"},
+          {"origin with a word", with(arm, "xyz=\"0 0 1\"", "xyz=\"0 0 a\""), 6, "'0 0 a'"},
+          {"overflow", with(arm, "xyz=\"0 0 1\"", "xyz=\"0 0 1e999\""), 6, "1e999"},
+          {"no limit", with(arm, "<limit upper=\"2\" effort=\"1\" velocity=\"1\"/>", ""), 7, "<limit>"},
+          {"limit a word", with(arm, "upper=\"2\"", "upper=\"high\""), 7, "'high'"},
+          {"reversed limits", with(arm, "lower=\"0.5\"", "lower=\"2\""), 6, "lower <= upper"},
+          {"box of size zero", with(arm, "1 2 3", "1 0 3"), 3, "sizes above 0"},
+          {"unknown geometry", with(arm, "<box size=\"1 2 3\"/>", "<cone/>"), 3, "a mesh, box, cylinder or sphere"},
+          {"CRLF keeps line numbers", with(arm, "<robot name=\"arm\">\n", "<robot>\r\n<link/>\r\n"), 3, "an attribute name"},
+      },
+      [](const std::string& text, const std::string& file) { parseUrdf(text, file); });
+}
+
+TEST(Urdf, EveryRobotOfTheTrialDataIsRead) {
+  const std::string folder = std::string(GELENK_DATA_DIR) + "/robots/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no trial data at " << folder;
+  EXPECT_EQ(readUrdf(folder + "panda/urdf/panda.urdf").skeleton.nv(), 9);
+  EXPECT_EQ(readUrdf(folder + "ur5/urdf/ur5_robot.urdf").skeleton.nv(), 6);
+  EXPECT_EQ(readUrdf(folder + "kuka_iiwa/model.urdf").skeleton.nv(), 7);
+  EXPECT_GT(readUrdf(folder + "simple_humanoid/urdf/simple_humanoid.urdf").skeleton.nv(), 20);
+}
+
+}  // namespace
+}  // namespace gelenk
