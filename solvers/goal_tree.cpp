@@ -28,7 +28,8 @@ void setSwingLimit(const BallLimit& limit, TreeNode& node) {
   const double beyond = node.swingCentre.norm() / (0.99 * largestSwing);
   if (beyond > 1.0) node.swingCentre /= beyond;
   double scale = 1.0;
-  for (int k = 0; k < 360; ++k) {  // |centre + s r(angle)| = largestSwing, solved for s
+  const bool inside = node.swingCentre.norm() + node.swingRadii.maxCoeff() <= largestSwing;
+  for (int k = 0; !inside && k < 360; ++k) {  // |centre + s r(angle)| = largestSwing, solved for s
     const double angle = k * M_PI / 180.0;
     const Vector2d r = node.swingRadii.cwiseProduct(Vector2d(std::cos(angle), std::sin(angle)));
     const double a = r.squaredNorm(), b = r.dot(node.swingCentre);
@@ -275,8 +276,11 @@ Vector3d GoalTree::at(const TreePose& pose, const TreePoint& point) const {
 
 double GoalTree::cost(const TreePose& pose, std::span<const TreePoint> points) const {
   double sum = 0.0;
-  for (const TreePoint& point : points) sum += point.weight * (point.target - at(pose, point)).squaredNorm();
-  return 0.5 * sum;
+  for (const TreePoint& point : points) {
+    const double squared = (point.target - at(pose, point)).squaredNorm(), cut = point.cut;
+    sum += point.weight * (squared <= cut * cut ? 0.5 * squared : cut * (std::sqrt(squared) - 0.5 * cut));
+  }
+  return sum;
 }
 
 void GoalTree::gather(const TreePose& pose, std::span<const TreePoint> points) {
@@ -284,9 +288,13 @@ void GoalTree::gather(const TreePose& pose, std::span<const TreePoint> points) {
   for (const TreePoint& point : points) {
     if (point.node < 0) continue;
     Sums& s = sums_[point.node];
-    const Vector3d p = at(pose, point), f = point.weight * (point.target - p), wp = point.weight * p;
+    const Vector3d p = at(pose, point), e = point.target - p;
+    // Beyond the cut the quadratic that touches the cost there and lies above it everywhere.
+    const double squared = e.squaredNorm();
+    const double weight = squared <= point.cut * point.cut ? point.weight : point.weight * point.cut / std::sqrt(squared);
+    const Vector3d f = weight * e, wp = weight * p;
     if (!point.direction) {  // a direction only turns: no mass, no force, but inertia and moment
-      s.m += point.weight;
+      s.m += weight;
       s.h += wp;
       s.F += f;
     }

@@ -40,11 +40,13 @@ struct TreeNode {
   int coordinates() const { return motion == TreeMotion::FreeBall ? 4 : motion == TreeMotion::LimitedBall ? 3 : 1; }
 };
 
-/// A point, or a direction, fixed to a node and drawn to a target by the cost 1/2 weight |target - x|^2.
+/// A point, or a direction, fixed to a node and drawn to a target t by the cost 1/2 weight |t - x|^2, which goes on with
+/// the same slope where |t - x| > cut: weight cut (|t - x| - cut / 2). (Huber 1964)
 struct TreePoint {
   int node = -1;           ///< -1: fixed to the world, cannot move
   bool direction = false;  ///< x = R local instead of R local + p
   double weight = 1.0;
+  double cut = unlimited;  ///< units
   Eigen::Vector3d local = Eigen::Vector3d::Zero();
   Eigen::Vector3d target = Eigen::Vector3d::Zero();
 };
@@ -101,7 +103,7 @@ class GoalTree {
 
   /// World position (or direction) of a point, units from the origin.
   Eigen::Vector3d at(const TreePose& pose, const TreePoint& point) const;
-  /// 1/2 sum w |t - x|^2.
+  /// Sum of the points' costs.
   double cost(const TreePose& pose, std::span<const TreePoint> points) const;
 
   /// Sums over the goals below every node; gradientAndHessian needs them at the same pose.

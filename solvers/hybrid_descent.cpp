@@ -15,6 +15,11 @@ using Eigen::VectorXd;
 
 namespace {
 
+/// Limits are met to the last bits where a step ended on them.
+bool onCone(const TreeNode& node, const double* c) {
+  return (Vector2d(c[0], c[1]) - node.swingCentre).cwiseQuotient(node.swingRadii).squaredNorm() > 1.0 - 1e-9;
+}
+
 constexpr double smallestPivot = 1e-9;
 constexpr double armijo = 1e-4;
 
@@ -42,6 +47,7 @@ void HybridDescent::build(std::span<const int> joints, const Vector3d& origin) {
   const int n = tree_.dofCount();
   H_.setStructure(tree_.dofParents());
   W_.setStructure(tree_.dofParents());
+  stays_.assign(n, 0);
   for (std::vector<double>* v : {&g_, &d_, &x_, &value_, &s_, &tangentLength_}) v->assign(n, 0.0);
   tangent_.assign(n, Vector2d::Zero());
   state_.assign(n, DofState::Free);
@@ -65,7 +71,7 @@ void HybridDescent::forget() {
 void HybridDescent::load(const VectorXd& q) {
   tree_.load(q, pose_);
   trial_ = pose_;
-  anchor_ = pose_;
+  anchor();
 }
 
 double HybridDescent::residual() const { return std::sqrt(2.0 * tree_.cost(pose_, points_)); }
@@ -77,7 +83,7 @@ double HybridDescent::regulariser(const Settings& settings, const TreePose& pose
   for (const TreeNode& node : tree_.nodes()) {
     const double* c = pose.coordinates.data() + node.coordinate;
     const double* rest = restCoordinates_.data() + node.coordinate;
-    const double* anchor = anchor_.coordinates.data() + node.coordinate;
+    const double* anchor = changeAnchor_.data() + node.coordinate;
     if (node.motion == TreeMotion::FreeBall) {
       if (settings.lambda > 0.0) posture += s_[node.dof] * rotationVector(rest, c).squaredNorm();
       if (settings.kappa > 0.0) change += rotationVector(anchor, c).squaredNorm();
@@ -100,7 +106,7 @@ void HybridDescent::addRegulariser(const Settings& settings) {
   for (const TreeNode& node : tree_.nodes()) {
     const double* c = pose_.coordinates.data() + node.coordinate;
     const double* rest = restCoordinates_.data() + node.coordinate;
-    const double* anchor = anchor_.coordinates.data() + node.coordinate;
+    const double* anchor = changeAnchor_.data() + node.coordinate;
     if (node.motion == TreeMotion::FreeBall) {
       const double s = lambda * s_[node.dof];
       const Vector3d fromRest = rotationVector(rest, c), fromAnchor = rotationVector(anchor, c);
@@ -133,6 +139,14 @@ void HybridDescent::derivatives(const Settings& settings, double beta, double* g
 
 // ---- limits -------------------------------------------------------------------------------------------------------------
 
+/// Where the swing at c stands on its cone: the unit tangent of the ellipse and its length by the ellipse's angle.
+void HybridDescent::setConeTangent(const TreeNode& node, const double* c) {
+  const Vector2d scaled = (Vector2d(c[0], c[1]) - node.swingCentre).cwiseQuotient(node.swingRadii);
+  const Vector2d e(-node.swingRadii.x() * scaled.y(), node.swingRadii.y() * scaled.x());
+  tangentLength_[node.dof] = e.norm();
+  tangent_[node.dof] = e / tangentLength_[node.dof];
+}
+
 void HybridDescent::chooseActiveSet() {
   anyFixedMoves_ = false;
   for (const TreeNode& node : tree_.nodes()) {
@@ -144,23 +158,47 @@ void HybridDescent::chooseActiveSet() {
     }
     if (node.motion == TreeMotion::LimitedBall) {
       state_[k] = state_[k + 1] = DofState::Free;
-      const Vector2d out = Vector2d(c[0], c[1]) - node.swingCentre, scaled = out.cwiseQuotient(node.swingRadii);
-      if (scaled.squaredNorm() > 1.0 - 1e-9) {
-        const Vector2d normal = scaled.cwiseQuotient(node.swingRadii), g(g_[k], g_[k + 1]);
-        if (g.dot(normal) < 0.0) {
+      if (onCone(node, c)) {
+        setConeTangent(node, c);
+        const Vector2d outward(tangent_[k].y(), -tangent_[k].x());
+        if (stays_[k] || outward.dot(Vector2d(g_[k], g_[k + 1])) < 0.0) {
           state_[k] = DofState::AlongCone;
           state_[k + 1] = DofState::ConePartner;
-          const Vector2d e(-node.swingRadii.x() * scaled.y(), node.swingRadii.y() * scaled.x());
-          tangentLength_[k] = e.norm();
-          tangent_[k] = e / tangentLength_[k];
         }
       }
       c += 2;
       k += 2;
     }
-    const bool pushedDown = *c <= node.lower && g_[k] > 0.0, pushedUp = *c >= node.upper && g_[k] < 0.0;
-    state_[k] = pushedDown || pushedUp || node.lower == node.upper ? DofState::Fixed : DofState::Free;
+    const bool atLower = *c <= node.lower, atUpper = *c >= node.upper;
+    const bool pushed = (atLower && g_[k] > 0.0) || (atUpper && g_[k] < 0.0);
+    state_[k] = pushed || (atLower && atUpper) || (stays_[k] && (atLower || atUpper)) ? DofState::Fixed : DofState::Free;
     value_[k] = 0.0;
+  }
+}
+
+/// Which dofs on their limits to leave there in the next step although its gradient may point inwards: those that the model at
+/// the end of this step still presses outwards (the sign of the limit's multiplier).
+void HybridDescent::rememberActiveSet() {
+  for (const TreeNode& node : tree_.nodes()) {
+    if (node.motion == TreeMotion::FreeBall) continue;
+    const double* c = pose_.coordinates.data() + node.coordinate;
+    int k = node.dof;
+    if (node.motion == TreeMotion::LimitedBall) {
+      stays_[k] = 0;
+      if (state_[k] == DofState::AlongCone) {
+        const Vector2d outward(tangent_[k].y(), -tangent_[k].x());
+        const Vector2d slope(g_[k] + H_.rowTimes(k, d_.data()), g_[k + 1] + H_.rowTimes(k + 1, d_.data()));
+        stays_[k] = outward.dot(slope) < 0.0;
+      } else if (state_[k] == DofState::Fixed) {
+        stays_[k] = 1;  // the step ends on the cone
+      }
+      c += 2;
+      k += 2;
+    }
+    stays_[k] = 0;
+    if (state_[k] != DofState::Fixed) continue;
+    const double slope = g_[k] + H_.rowTimes(k, d_.data());
+    stays_[k] = *c + value_[k] <= node.lower ? slope > 0.0 : slope < 0.0;
   }
 }
 
@@ -175,15 +213,16 @@ bool HybridDescent::factorWithActiveSet(double mu) {
     const int k = node.dof;
     if (state_[k] != DofState::AlongCone) continue;
     const Vector2d e = tangent_[k], g(g_[k], g_[k + 1]);
-    const double* c = pose_.coordinates.data() + node.coordinate;
-    const Vector2d out = Vector2d(c[0], c[1]) - node.swingCentre;
     double* first = W_.row(k);
     const double* second = W_.row(k + 1);
     const int depth = node.depth;
     const double along = e[0] * e[0] * first[depth] + 2.0 * e[0] * e[1] * second[depth] + e[1] * e[1] * second[depth + 1];
     for (int j = 0; j < depth; ++j) first[j] = e[0] * first[j] + e[1] * second[j];
-    // The tangent turns inwards along the ellipse: c'' = -(c - centre) / |tangent|^2.
-    first[depth] = along - g.dot(out) / (tangentLength_[k] * tangentLength_[k]);
+    // Going straight on along the tangent leaves the ellipse; following it bends inwards with curvature r1 r2 / |tangent|^3,
+    // against the gradient's push along the outward normal.
+    const Vector2d normal(e.y(), -e.x());
+    const double push = -g.dot(normal), length = tangentLength_[k];
+    first[depth] = along + std::max(0.0, push) * node.swingRadii.prod() / (length * length * length);
     for (int below = k + 2; below < W_.subtreeEnd(k); ++below) {
       double* entries = W_.row(below) + depth;
       entries[0] = e[0] * entries[0] + e[1] * entries[1];
@@ -206,9 +245,13 @@ bool HybridDescent::factorWithActiveSet(double mu) {
   return W_.factor(smallestPivot);
 }
 
-/// Fixes the free dofs that x_ carries across their limits on those limits. True where there were any.
-bool HybridDescent::fixCrossing() {
+/// Fixes the free dofs that the step, which will be cut to entries of size `reach`, carries across their limits on those
+/// limits. True where there were any.
+bool HybridDescent::fixCrossing(double reach) {
   constexpr double tolerance = 1e-12;
+  double largest = 0.0;
+  for (const double entry : x_) largest = std::max(largest, std::abs(entry));
+  const double share = largest > reach ? reach / largest : 1.0;
   bool any = false;
   for (const TreeNode& node : tree_.nodes()) {
     if (node.motion == TreeMotion::FreeBall) continue;
@@ -216,41 +259,47 @@ bool HybridDescent::fixCrossing() {
     int k = node.dof;
     if (node.motion == TreeMotion::LimitedBall) {
       if (state_[k] == DofState::Free) {
-        const Vector2d target(c[0] + x_[k], c[1] + x_[k + 1]);
-        if ((target - node.swingCentre).cwiseQuotient(node.swingRadii).squaredNorm() > 1.0 + tolerance) {
+        const Vector2d target(c[0] + share * x_[k], c[1] + share * x_[k + 1]);
+        const bool crosses = (target - node.swingCentre).cwiseQuotient(node.swingRadii).squaredNorm() > 1.0 + tolerance;
+        if (crosses && onCone(node, c)) {
+          setConeTangent(node, c);
+          state_[k] = DofState::AlongCone;
+          state_[k + 1] = DofState::ConePartner;
+          any = true;
+        } else if (crosses) {
           double moved[3] = {target.x(), target.y(), c[2]};
           GoalTree::project(node, moved);
           for (int j = 0; j < 2; ++j) {
             state_[k + j] = DofState::Fixed;
-            value_[k + j] = moved[j] - c[j];
+            value_[k + j] = (moved[j] - c[j]) / share;
           }
-          any = true;
+          any = anyFixedMoves_ = true;
         }
       }
       c += 2;
       k += 2;
     }
     if (state_[k] != DofState::Free) continue;
-    const double moved = *c + x_[k], inside = std::clamp(moved, node.lower, node.upper);
+    const double moved = *c + share * x_[k], inside = std::clamp(moved, node.lower, node.upper);
     if (std::abs(moved - inside) > tolerance) {
       state_[k] = DofState::Fixed;
-      value_[k] = inside - *c;
+      value_[k] = (inside - *c) / share;
       any = true;
+      anyFixedMoves_ = anyFixedMoves_ || value_[k] != 0.0;
     }
   }
-  anyFixedMoves_ = anyFixedMoves_ || any;
   return any;
 }
 
 /// The step d_ within limits, and of the model along it: slope_ = g . d, curvature_ = d . (H + mu) d. False on a bad pivot.
-bool HybridDescent::solve(double mu, StepOutcome& outcome) {
+bool HybridDescent::solve(double mu, double reach, StepOutcome& outcome) {
   constexpr int passes = 3;
   chooseActiveSet();
   for (int pass = 0;; ++pass) {
     ++outcome.factorisations;
     if (!factorWithActiveSet(mu)) return false;
     W_.solve(x_.data());
-    if (pass == passes || !fixCrossing()) break;
+    if (pass == passes || !fixCrossing(reach)) break;
   }
   const int n = tree_.dofCount();
   std::copy(x_.begin(), x_.end(), d_.begin());
@@ -349,10 +398,13 @@ double HybridDescent::largestRotation(const TreePose& pose) const {
 
 /// Solves and takes one step of the assembled model; raises mu until the objective falls. False on a bad pivot.
 bool HybridDescent::descend(const Settings& settings, double& mu, StepOutcome& outcome) {
-  constexpr int retries = 6;
+  constexpr int retries = 3;
+  // What the clamp and the budget will leave of a long step.
+  const double reach = std::min(settings.largestStep, 1.2 * (settings.rotationBudget - largestRotation(pose_)) + 0.02);
   for (int attempt = 0; attempt <= retries; ++attempt, mu = std::max(4.0 * mu, startingDamping())) {
-    if (!solve(mu, outcome)) return false;
+    if (!solve(mu, reach, outcome)) return false;
     outcome.damping = mu;
+    outcome.budgetSpent = false;
     double largest = 0.0, squared = 0.0;
     for (const double entry : d_) {
       largest = std::max(largest, std::abs(entry));
@@ -383,6 +435,7 @@ bool HybridDescent::descend(const Settings& settings, double& mu, StepOutcome& o
       outcome.moved = alpha > 0.0;
       outcome.step = alpha * largest;
       cost_ = reached;
+      rememberActiveSet();
       std::swap(pose_, trial_);
       if (gain_ > 0.5)
         mu = mu > 1e-12 ? mu / 5.0 : 0.0;
@@ -391,6 +444,7 @@ bool HybridDescent::descend(const Settings& settings, double& mu, StepOutcome& o
       return true;
     }
     gain_ = -1.0;
+    if (attempt > 0) std::fill(stays_.begin(), stays_.end(), 0);  // what was remembered may be what bars the way
   }
   return true;
 }
@@ -401,10 +455,18 @@ StepOutcome HybridDescent::step(const Settings& settings) {
   tree_.gather(pose_, points_);
   const double goalCost = tree_.cost(pose_, points_);
   cost_ = goalCost + regulariser(settings, pose_);
+  if (settings.passing) {
+    double mu = 1e-6;
+    assemble(settings, StepKind::GaussNewton);
+    descend(settings, mu, outcome);
+    return outcome;
+  }
   if (muGaussNewton_ == 0.0 && muExact_ == 0.0) muGaussNewton_ = muExact_ = startingDamping();
 
   const bool near = std::sqrt(2.0 * goalCost) < 0.03;
-  bool exact = settings.exact && !near && lastGaussNewtonGain_ <= 0.75;
+  // A heavily damped Gauss-Newton step keeps its promise by being short, which is no merit.
+  const bool good = lastGaussNewtonGain_ > 0.75 && muGaussNewton_ < 0.01;
+  bool exact = settings.exact && !near && !good;
   if (forcedExact_ > 0) {
     --forcedExact_;
     exact = settings.exact;
@@ -413,7 +475,7 @@ StepOutcome HybridDescent::step(const Settings& settings) {
     outcome.kind = StepKind::ExactHessian;
     assemble(settings, StepKind::ExactHessian);
     if (descend(settings, muExact_, outcome)) return outcome;
-    for (int raise = 0; forcedExact_ > 0 && raise < 12; ++raise) {
+    for (int raise = 0; forcedExact_ > 0 && raise < 5; ++raise) {
       muExact_ = std::max(4.0 * muExact_, startingDamping());
       if (descend(settings, muExact_, outcome)) return outcome;
     }
@@ -421,7 +483,7 @@ StepOutcome HybridDescent::step(const Settings& settings) {
   outcome.kind = StepKind::GaussNewton;
   assemble(settings, StepKind::GaussNewton);
   descend(settings, muGaussNewton_, outcome);
-  lastGaussNewtonGain_ = outcome.moved ? gain_ : -1.0;
+  if (!outcome.budgetSpent) lastGaussNewtonGain_ = outcome.moved ? gain_ : -1.0;  // a step cut short says nothing
   if (exact && gain_ < 0.25) forcedExact_ = 8;
   return outcome;
 }

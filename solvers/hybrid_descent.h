@@ -38,7 +38,9 @@ class HybridDescent {
     double largestStep = 0.5;      ///< radians or units a dof and step
     double smallestStep = 1e-6;    ///< steps below are not taken
     double rotationBudget = 1e300; ///< radians a joint since anchor()
+    double leastDamping = 0.0;     ///< of Gauss-Newton steps; > 0 where nothing else makes their matrix definite
     bool exact = true;             ///< false: Gauss-Newton alone
+    bool passing = false;          ///< true: a Gauss-Newton step that leaves no trace in what persists
   };
 
   HybridDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness, const Eigen::VectorXd& rest);
@@ -54,7 +56,11 @@ class HybridDescent {
   /// Takes the tree's joints from q, moved into the limits.
   void load(const Eigen::VectorXd& q);
   /// The current pose becomes the one from which change and rotation are measured.
-  void anchor() { anchor_.coordinates = pose_.coordinates, anchor_.frames = pose_.frames; }
+  void anchor() { anchor_ = pose_, anchorChange(); }
+  /// Back to the anchor.
+  void returnToAnchor() { pose_ = anchor_, anchorChange(); }
+  /// The current pose becomes the one from which change alone is measured.
+  void anchorChange() { changeAnchor_ = pose_.coordinates; }
   void forget();
 
   StepOutcome step(const Settings& settings);
@@ -78,9 +84,11 @@ class HybridDescent {
   void addRegulariser(const Settings& settings);
   void assemble(const Settings& settings, StepKind kind);
   void chooseActiveSet();
-  bool solve(double mu, StepOutcome& outcome);
+  void rememberActiveSet();
+  void setConeTangent(const TreeNode& node, const double* coordinates);
+  bool solve(double mu, double reach, StepOutcome& outcome);
   bool factorWithActiveSet(double mu);
-  bool fixCrossing();
+  bool fixCrossing(double reach);
   void apply(double alpha);
   double largestRotation(const TreePose& pose) const;
   bool descend(const Settings& settings, double& mu, StepOutcome& outcome);
@@ -91,11 +99,13 @@ class HybridDescent {
   Eigen::VectorXd rest_;
   std::vector<TreePoint> points_;
   TreePose pose_, trial_, anchor_;
+  std::vector<double> changeAnchor_;
 
   std::vector<double> s_, restCoordinates_;  ///< by dof; by coordinate
   TreeMatrix H_, W_;
   std::vector<double> g_, d_, x_, value_;
   std::vector<DofState> state_;
+  std::vector<char> stays_;  ///< by dof: stay on the limit at the next step
   std::vector<Eigen::Vector2d> tangent_;  ///< by dof: unit tangent of the ellipse where the state is AlongCone
   std::vector<double> tangentLength_;
   bool anyFixedMoves_ = false;

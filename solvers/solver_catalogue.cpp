@@ -3,6 +3,7 @@
 
 #include "solvers/ceres_solver.h"
 #include "solvers/evolution.h"
+#include "solvers/hybrid_solver.h"
 #include "solvers/ik_solver.h"
 #include "solvers/newton.h"
 #include "solvers/qp.h"
@@ -28,6 +29,7 @@ constexpr std::array catalogue{
     SolverEntry{"lm-sugihara", "Levenberg-Marquardt, robust damping", "Sugihara 2011", &makeLmSugihara},
     SolverEntry{"lm-gain-ratio", "Levenberg-Marquardt, gain ratio", "Marquardt 1963; Nielsen 1999", &makeLmGainRatio},
     SolverEntry{"exact-hessian", "Newton with the exact Hessian", "Nocedal, Wright 2006, ch. 3", &makeExactHessian},
+    SolverEntry{"hybrid", "Exact Hessian and Gauss-Newton on the tree", "this project; Featherstone 2008", &makeHybrid},
     SolverEntry{"halley", "Halley's method (QuIK)", "Lloyd, Irani, Ahmadi 2022", &makeHalley},
     SolverEntry{"geodesic", "Levenberg-Marquardt, geodesic acceleration", "Transtrum, Sethna 2012", &makeGeodesic},
     SolverEntry{"bfgs", "BFGS, projected", "Zhao, Badler 1994", &makeBfgs},

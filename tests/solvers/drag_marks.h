@@ -72,6 +72,14 @@ struct Figure {
   }
 };
 
+/// Half way between rest and a pose uniform within limits; the root stays.
+inline VectorXd halfRangePose(const Skeleton& skeleton, std::mt19937_64& random) {
+  VectorXd to = randomWithinLimits(skeleton, random);
+  to.head<3>().setZero();
+  setBallRotation(skeleton, to, 0, Eigen::Quaterniond::Identity());
+  return projectToLimits(skeleton, integrate(skeleton, skeleton.rest(), 0.5 * difference(skeleton, skeleton.rest(), to)));
+}
+
 /// Targets of both hands and the head, frame by frame.
 using Path = std::vector<std::vector<Vector3d>>;
 
@@ -117,11 +125,7 @@ inline Path reachablePath(const Figure& figure, std::mt19937_64& random, int fra
   Path path{targetsOf(figure.start)};
   VectorXd from = figure.start, now = from;
   while (static_cast<int>(path.size()) < frames) {
-    VectorXd to = randomWithinLimits(skeleton, random);
-    to.head<3>().setZero();  // the root: where the feet put it
-    setBallRotation(skeleton, to, 0, Eigen::Quaterniond::Identity());
-    to = projectToLimits(skeleton, integrate(skeleton, skeleton.rest(), 0.5 * difference(skeleton, skeleton.rest(), to)));
-    const auto reached = withFeet(to);
+    const auto reached = withFeet(halfRangePose(skeleton, random));
     if (!reached) continue;
     const VectorXd move = difference(skeleton, from, *reached);
     double s = 0.0;
