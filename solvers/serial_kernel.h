@@ -61,8 +61,8 @@ struct SerialKernel {
   void (*frameAndJacobian)(const ChainConstants&, const double* base, const double* point, const double* q, double* frame,
                            double* J);
 
-  /// Squared errors of eight configurations (8 x n, row after row) against one target: for the choice among seeds.
-  void (*errors)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* q, double* error2);
+  /// Squared error (chain lengths and radians) of a configuration.
+  double (*error)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* q);
 };
 
 enum class InstructionSet { Baseline, Avx2, Avx512 };

@@ -24,9 +24,17 @@
 namespace gelenk {
 namespace {
 
-typedef double Lanes __attribute__((vector_size(64)));
+/// As many lanes as a register holds; eight lanes are eight, four and two of them at a time.
+#if defined(__AVX512F__)
+constexpr int width = 8;
+#elif defined(__AVX2__)
+constexpr int width = 4;
+#else
+constexpr int width = 2;
+#endif
+typedef double Lanes __attribute__((vector_size(8 * width)));
 typedef decltype(Lanes{} < Lanes{}) LaneMask;
-typedef unsigned long LaneBits __attribute__((vector_size(64)));
+typedef unsigned long LaneBits __attribute__((vector_size(8 * width)));
 
 template <typename V>
 struct Of;
@@ -56,12 +64,22 @@ GELENK_INLINE V fill(double x) {
   if constexpr (sizeof(V) == sizeof(double))
     return x;
   else
-    return Lanes{x, x, x, x, x, x, x, x};
+    return Lanes{} + x;
 }
 template <typename V>
 GELENK_INLINE V magnitude(V a) {
   using Bits = typename Of<V>::Bits;
   return __builtin_bit_cast(V, __builtin_bit_cast(Bits, a) & 0x7fffffffffffffffUL);
+}
+template <typename V>
+GELENK_INLINE V load(const double* from) {
+  V v;
+  __builtin_memcpy(&v, from, sizeof v);
+  return v;
+}
+template <typename V>
+GELENK_INLINE void store(V v, double* to) {
+  __builtin_memcpy(to, &v, sizeof v);
 }
 
 /// One bit a lane.
@@ -69,18 +87,11 @@ GELENK_INLINE int bits(LaneMask mask) {
 #if defined(__AVX512DQ__)
   return _mm512_movepi64_mask(__builtin_bit_cast(__m512i, mask));
 #elif defined(__AVX2__)
-  struct Halves {
-    __m256d lo, hi;
-  };
-  const Halves h = __builtin_bit_cast(Halves, mask);
-  return _mm256_movemask_pd(h.lo) | _mm256_movemask_pd(h.hi) << 4;
+  return _mm256_movemask_pd(__builtin_bit_cast(__m256d, mask));
 #else
-  int result = 0;
-  for (int l = 0; l < kernelLanes; ++l) result |= (mask[l] != 0) << l;
-  return result;
+  return (mask[0] & 1) | (mask[1] & 2);
 #endif
 }
-GELENK_INLINE int bits(bool mask) { return mask; }
 
 /// Sine and cosine to about 1e-15 for |x| < 1e5: reduction by multiples of pi/2 in two parts (the first has 33 bits, so that its
 /// multiples are exact), then Taylor polynomials on [-pi/4, pi/4].
@@ -142,9 +153,14 @@ struct Place {
 template <typename V, int N, bool Prismatic>
 GELENK_INLINE void jointSinesCosines(const ChainConstants& C, const V* q, V* s, V* c) {
   if constexpr (sizeof(V) == sizeof(double)) {  // a single problem: the joints take the lanes
-    Lanes angle{}, sine, cosine;
+    alignas(64) double angle[kernelLanes] = {}, sine[kernelLanes], cosine[kernelLanes];
     GELENK_UNROLL for (int i = 0; i < N; ++i) angle[i] = C.theta[i] + (Prismatic ? C.revolute[i] * q[i] : q[i]);
-    sineCosine(angle, sine, cosine);
+    GELENK_UNROLL for (int first = 0; first < N; first += width) {
+      Lanes a, b;
+      sineCosine(load<Lanes>(angle + first), a, b);
+      store(a, sine + first);
+      store(b, cosine + first);
+    }
     GELENK_UNROLL for (int i = 0; i < N; ++i) s[i] = sine[i], c[i] = cosine[i];
   } else {
     GELENK_UNROLL for (int i = 0; i < N; ++i) sineCosine<V>((Prismatic ? q[i] * C.revolute[i] : q[i]) + C.theta[i], s[i], c[i]);
@@ -308,19 +324,38 @@ GELENK_INLINE void broadcast(const KernelTarget& from, Target<V>& to) {
 template <int N>
 struct alignas(64) LaneState {
   double q[N][kernelLanes];
-  Target<Lanes> target;
+  double x[3][kernelLanes], y[3][kernelLanes], z[3][kernelLanes], p[3][kernelLanes];
   double error2[kernelLanes];
+
+  void aim(const KernelTarget& target, int lane) {
+    for (int k = 0; k < 3; ++k) {
+      x[k][lane] = target.x[k];
+      y[k][lane] = target.y[k];
+      z[k][lane] = target.z[k];
+      p[k][lane] = target.p[k];
+    }
+  }
 };
 
 /// One iteration of all lanes; returns the bits of those that were within the tolerances.
 template <int N, bool Prismatic>
 static __attribute__((noinline)) int iterateLanes(const ChainConstants& C, const KernelTask& task, LaneState<N>& state) {
-  Lanes q[N], error2;
-  for (int i = 0; i < N; ++i) __builtin_memcpy(&q[i], state.q[i], sizeof(Lanes));
-  const LaneMask solved = iterate<Lanes, N, Prismatic>(C, task, state.target, q, error2);
-  for (int i = 0; i < N; ++i) __builtin_memcpy(state.q[i], &q[i], sizeof(Lanes));
-  __builtin_memcpy(state.error2, &error2, sizeof(Lanes));
-  return bits(solved);
+  int solved = 0;
+  for (int first = 0; first < kernelLanes; first += width) {
+    Lanes q[N], error2;
+    Target<Lanes> target;
+    GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = load<Lanes>(state.q[i] + first);
+    GELENK_UNROLL for (int k = 0; k < 3; ++k) {
+      target.x[k] = load<Lanes>(state.x[k] + first);
+      target.y[k] = load<Lanes>(state.y[k] + first);
+      target.z[k] = load<Lanes>(state.z[k] + first);
+      target.p[k] = load<Lanes>(state.p[k] + first);
+    }
+    solved |= bits(iterate<Lanes, N, Prismatic>(C, task, target, q, error2)) << first;
+    GELENK_UNROLL for (int i = 0; i < N; ++i) store(q[i], state.q[i] + first);
+    store(error2, state.error2 + first);
+  }
+  return solved;
 }
 
 template <int N, bool Prismatic>
@@ -354,7 +389,7 @@ struct Loops {
   static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* seeds, int seedCount,
                    int maxAttempts, std::uint64_t randomSeed, KernelAnswer& answer) {
     LaneState<N> state;
-    broadcast(goal, state.target);
+    for (int l = 0; l < kernelLanes; ++l) state.aim(goal, l);
     int age[kernelLanes] = {};
     answer.solved = answer.iterations = answer.attempts = 0;
     answer.error2 = 1e300;
@@ -410,13 +445,7 @@ struct Loops {
       if (problem[lane] < 0) return;
       ++live;
       random[lane] = randomSeed + 0xd1342543de82ef95ULL * static_cast<std::uint64_t>(problem[lane] + 1);
-      const KernelTarget& goal = goals[problem[lane]];
-      for (int k = 0; k < 3; ++k) {
-        state.target.x[k][lane] = goal.x[k];
-        state.target.y[k][lane] = goal.y[k];
-        state.target.z[k][lane] = goal.z[k];
-        state.target.p[k][lane] = goal.p[k];
-      }
+      state.aim(goals[problem[lane]], lane);
       KernelAnswer& answer = answers[problem[lane]];
       answer.solved = answer.iterations = answer.attempts = 0;
       answer.error2 = 1e300;
@@ -491,21 +520,17 @@ struct Loops {
     }
   }
 
-  static void errors(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* rows, double* error2) {
-    Target<Lanes> target;
+  static double error(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* q) {
+    Target<double> target;
     broadcast(goal, target);
-    Lanes q[N];
-    for (int i = 0; i < N; ++i)
-      for (int l = 0; l < kernelLanes; ++l) q[i][l] = rows[l * N + i];
-    Place<Lanes, N> at;
-    place<Lanes, N, Prismatic>(C, task, q, at);
-    Lanes e[3], w[3];
-    errorAt<Lanes, N>(task, at, target, e, w);
-    const Lanes sum = dot(e, e) + dot(w, w);
-    __builtin_memcpy(error2, &sum, sizeof sum);
+    Place<double, N> at;
+    place<double, N, Prismatic>(C, task, q, at);
+    double e[3], w[3];
+    errorAt<double, N>(task, at, target, e, w);
+    return dot(e, e) + dot(w, w);
   }
 
-  static constexpr SerialKernel table{&attempt, &race, &batch, &frameAndJacobian, &errors};
+  static constexpr SerialKernel table{&attempt, &race, &batch, &frameAndJacobian, &error};
 };
 
 template <bool Prismatic>

@@ -180,15 +180,7 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
   };
 
   constexpr double near2 = 0.5;  // squared error (chain lengths, radians): within it the start's own descent is tried first
-  double startError2[kernelLanes];
-  bool descend = options.restarts == 0;
-  if (!descend) {
-    double rows[kernelLanes * maxChainDofs];
-    for (int l = 0; l < kernelLanes; ++l)
-      for (int i = 0; i < n; ++i) rows[l * n + i] = kernelStart[i];
-    kernel_->errors(scaled_, prepared.task, prepared.target, rows, startError2);
-    descend = startError2[0] < near2;
-  }
+  const bool descend = options.restarts == 0 || kernel_->error(scaled_, prepared.task, prepared.target, kernelStart) < near2;
   if (descend) {
     KernelTask task = prepared.task;
     if (options.restarts == 0) task.attemptIterations = std::clamp(options.maxIterations, 1, 30);
