@@ -17,13 +17,7 @@ void spinBack(const double* v, double cosine, double sine, double* out) {
   out[2] = v[2];
 }
 
-/// The angle's representative within [lower, upper] nearest to the range's middle; NaN where there is none.
-double intoRange(double angle, double lower, double upper) {
-  if (lower <= -1e299 || upper >= 1e299) return std::remainder(angle, 2.0 * M_PI);
-  const double middle = 0.5 * (lower + upper);
-  const double wrapped = middle + std::remainder(angle - middle, 2.0 * M_PI);
-  return wrapped >= lower && wrapped <= upper ? wrapped : std::nan("");
-}
+constexpr int trainingIterations = 12;
 
 struct Sample {
   double q[maxChainDofs], frame[12];
@@ -38,13 +32,17 @@ int SeedTable::cellOf(double radius, double height, double cosine, double azimut
   return ((i * side_ + j) * side_ + k) * side_ + l;
 }
 
+struct SeedTable::Pool {
+  SeedCell half[poolSize / kernelLanes];
+  int count = 0;
+};
+
 std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const SerialKernel& kernel, const SeedTableOptions& options) {
   if (n < 3 || C.revolute[0] == 0.0 || C.revolute[n - 1] == 0.0) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
   SeedTable table;
   table.n_ = n;
   table.side_ = options.cellsPerSide;
-  table.perCell_ = options.entriesPerCell;
   std::mt19937_64 random(options.seed);
   const double base[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, origin[3] = {0, 0, 0};
   double jacobian[6 * maxChainDofs];
@@ -63,7 +61,8 @@ std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const 
   table.radius_ = std::max(table.radius_, 1e-9);
   table.highest_ = std::max(table.highest_, table.lowest_ + 1e-9);
   const int cells = table.side_ * table.side_ * table.side_ * table.side_;
-  table.entries_.resize(static_cast<size_t>(cells) * table.perCell_);
+  table.cells_.resize(cells, SeedCell{});
+  std::vector<Pool> pools(cells);
   table.counts_.assign(cells, 0);
   std::vector<int> seen(cells, 0);
   for (int trial = 0; trial < options.samples; ++trial) {
@@ -76,66 +75,90 @@ std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const 
     spinBack(s.frame + 3, c, sn, y);
     spinBack(s.frame + 6, c, sn, z);
     const int cell = table.cellOf(radius, p[2], z[2], std::atan2(z[1], z[0]));
-    int slot = table.counts_[cell];
+    Pool& pool = pools[cell];
+    int slot = pool.count;
     ++seen[cell];
-    if (slot == table.perCell_) {  // a fair sample of all that came (Vitter's reservoir)
+    if (slot == poolSize) {  // a fair sample of all that came (Vitter's reservoir)
       slot = static_cast<int>(uniform01(random) * seen[cell]);
-      if (slot >= table.perCell_) continue;
+      if (slot >= poolSize) continue;
     } else {
-      ++table.counts_[cell];
+      ++pool.count;
     }
-    Entry& entry = table.entries_[static_cast<size_t>(cell) * table.perCell_ + slot];
-    for (int i = 0; i < n; ++i) entry.q[i] = static_cast<float>(s.q[i]);
-    entry.q[0] = static_cast<float>(-azimuth);
-    for (int k = 0; k < 3; ++k) entry.x[k] = static_cast<float>(x[k]), entry.y[k] = static_cast<float>(y[k]);
-    entry.radius = static_cast<float>(radius);
-    entry.height = static_cast<float>(p[2]);
+    SeedCell& half = pool.half[slot / kernelLanes];
+    const int lane = slot % kernelLanes;
+    for (int i = 0; i < n; ++i) half.q[i][lane] = static_cast<float>(s.q[i]);
+    half.q[0][lane] = static_cast<float>(-azimuth);
+    for (int k = 0; k < 3; ++k) half.x[k][lane] = static_cast<float>(x[k]), half.y[k][lane] = static_cast<float>(y[k]);
   }
+  for (int cell = 0; cell < cells; ++cell) table.choose(C, kernel, pools[cell], cell);
   table.seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return table;
 }
 
-int SeedTable::lookUp(const ChainConstants& C, const KernelTarget& target, int most, double* starts) const {
+/// Greedy cover: the candidate that leads to most of the cell's poses first, then the one that adds most.
+void SeedTable::choose(const ChainConstants& C, const SerialKernel& kernel, const Pool& pool, int cell) {
+  const int count = pool.count;
+  const double base[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, origin[3] = {0, 0, 0};
+  const double middle = C.lower[0] > -1e299 && C.upper[0] < 1e299 ? 0.5 * (C.lower[0] + C.upper[0]) : 0.0;
+  KernelTarget targets[poolSize * poolSize];
+  double starts[poolSize * poolSize * maxChainDofs], frame[12], jacobian[6 * maxChainDofs], q[maxChainDofs];
+  KernelAnswer answers[poolSize * poolSize];
+  const auto angle = [&](int candidate, int dof) { return pool.half[candidate / kernelLanes].q[dof][candidate % kernelLanes]; };
+  for (int t = 0; t < count; ++t) {
+    for (int i = 0; i < n_; ++i) q[i] = angle(t, i);
+    q[0] = middle;  // the pose in the middle of the first joint's range
+    kernel.frameAndJacobian(C, base, origin, q, frame, jacobian);
+    KernelTarget target;
+    for (int k = 0; k < 3; ++k) target.x[k] = frame[k], target.y[k] = frame[3 + k], target.z[k] = frame[6 + k], target.p[k] = frame[9 + k];
+    for (int half = 0; half * kernelLanes < count; ++half) {
+      LaneStarts turned;
+      kernel.turnSeeds(C, target, pool.half[half], kernelLanes, turned);
+      for (int s = half * kernelLanes; s < std::min(count, (half + 1) * kernelLanes); ++s) {
+        targets[t * count + s] = target;
+        for (int i = 0; i < n_; ++i) starts[(t * count + s) * n_ + i] = turned.q[i][s % kernelLanes];
+      }
+    }
+  }
+  kernel.batch(C, KernelTask{.attemptIterations = trainingIterations}, targets, count * count, starts, 1, 1, 1, answers);
+  unsigned long long covered = 0, taken = 0;
+  counts_[cell] = static_cast<std::uint8_t>(std::min(count, kernelLanes));
+  for (int place = 0; place < counts_[cell]; ++place) {
+    int best = -1, bestValue = -1;
+    unsigned long long bestReach = 0;
+    for (int s = 0; s < count; ++s) {
+      if (taken >> s & 1) continue;
+      unsigned long long reach = 0;
+      int value = 0;
+      for (int t = 0; t < count; ++t) {
+        if (t == s || !answers[t * count + s].solved) continue;
+        reach |= 1ull << t;
+        value += (covered >> t & 1 ? 1 : 16) * (2 * trainingIterations - answers[t * count + s].iterations);
+      }
+      if (value > bestValue) best = s, bestValue = value, bestReach = reach;
+    }
+    taken |= 1ull << best;
+    covered |= bestReach;
+    const SeedCell& from = pool.half[best / kernelLanes];
+    const int lane = best % kernelLanes;
+    for (int i = 0; i < n_; ++i) cells_[cell].q[i][place] = from.q[i][lane];
+    for (int k = 0; k < 3; ++k) cells_[cell].x[k][place] = from.x[k][lane], cells_[cell].y[k][place] = from.y[k][lane];
+  }
+}
+
+int SeedTable::cellOf(const KernelTarget& target) const {
   const double radius = std::sqrt(target.p[0] * target.p[0] + target.p[1] * target.p[1]);
   const double c = radius > 0.0 ? target.p[0] / radius : 1.0, s = radius > 0.0 ? target.p[1] / radius : 0.0;
-  const double azimuth = std::atan2(s, c);
-  double x[3], y[3], z[3];
-  spinBack(target.x, c, s, x);
-  spinBack(target.y, c, s, y);
+  double z[3];
   spinBack(target.z, c, s, z);
-  const int cell = cellOf(radius, target.p[2], z[2], std::atan2(z[1], z[0]));
-  struct Candidate {
-    double distance, first, last;
-    const Entry* entry;
-  };
-  Candidate found[256];
-  int count = 0;
-  for (int slot = 0; slot < counts_[cell]; ++slot) {
-    const Entry& entry = entries_[static_cast<size_t>(cell) * perCell_ + slot];
-    const double xx = entry.x[0] * x[0] + entry.x[1] * x[1] + entry.x[2] * x[2], xy = entry.x[0] * y[0] + entry.x[1] * y[1] + entry.x[2] * y[2];
-    const double yx = entry.y[0] * x[0] + entry.y[1] * x[1] + entry.y[2] * x[2], yy = entry.y[0] * y[0] + entry.y[1] * y[1] + entry.y[2] * y[2];
-    const double ez[3] = {entry.x[1] * entry.y[2] - entry.x[2] * entry.y[1], entry.x[2] * entry.y[0] - entry.x[0] * entry.y[2],
-                          entry.x[0] * entry.y[1] - entry.x[1] * entry.y[0]};
-    const double cosineRoll = xx + yy, sineRoll = xy - yx;  // the roll that brings the entry's frame nearest to the target's
-    Candidate& candidate = found[count];
-    candidate.first = intoRange(entry.q[0] + azimuth, C.lower[0], C.upper[0]);
-    candidate.last = intoRange(std::atan2(sineRoll, cosineRoll), C.lower[n_ - 1], C.upper[n_ - 1]);
-    if (std::isnan(candidate.first) || std::isnan(candidate.last)) continue;
-    const double trace = std::sqrt(cosineRoll * cosineRoll + sineRoll * sineRoll) + ez[0] * z[0] + ez[1] * z[1] + ez[2] * z[2];
-    const double dr = radius - entry.radius, dh = target.p[2] - entry.height;
-    candidate.distance = dr * dr + dh * dh + (3.0 - trace);
-    candidate.entry = &entry;
-    ++count;
-  }
-  const int given = std::min(count, most);
-  std::partial_sort(found, found + given, found + count, [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-  for (int k = 0; k < given; ++k) {
-    double* row = starts + static_cast<size_t>(k) * n_;
-    for (int i = 1; i + 1 < n_; ++i) row[i] = found[k].entry->q[i];
-    row[0] = found[k].first;
-    row[n_ - 1] = found[k].last;
-  }
-  return given;
+  return cellOf(radius, target.p[2], z[2], std::atan2(z[1], z[0]));
+}
+
+bool SeedTable::lookUp(const ChainConstants& C, const SerialKernel& kernel, const KernelTarget& target, LaneStarts& starts) const {
+  const int cell = cellOf(target);
+  starts.valid = 0;
+  if (counts_[cell] == 0) return false;
+  kernel.turnSeeds(C, target, cells_[cell], counts_[cell], starts);
+  return true;
 }
 
 double SeedTable::filledCells() const {

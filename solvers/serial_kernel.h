@@ -41,14 +41,26 @@ struct KernelAnswer {
   double q[maxChainDofs];
 };
 
+/// Starts that reach into one cell of the seed table, turned to azimuth 0, and the x and y axes of their last frames; a start a lane.
+struct alignas(64) SeedCell {
+  float q[maxChainDofs][kernelLanes];
+  float x[3][kernelLanes], y[3][kernelLanes];
+};
+
+/// Eight starts side by side: dof by dof, a start a lane; bit l of valid tells whether lane l holds one.
+struct alignas(64) LaneStarts {
+  double q[maxChainDofs][kernelLanes];
+  int valid = 0;
+};
+
 /// The inner loops for one number of dofs.
 struct SerialKernel {
   /// One start, one lane. answer.q: the solution, or the best point met.
   void (*attempt)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* start, KernelAnswer&);
 
-  /// One problem, eight starts side by side: seeds (seedCount x n, row after row) first, then random ones; a lane that fails takes
-  /// the next start. Ends with the first lane that converges, or when maxAttempts starts are spent.
-  void (*race)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* seeds, int seedCount, int maxAttempts,
+  /// One problem, eight starts side by side; lanes without a start, and lanes that fail, take random ones. Ends with the first
+  /// lane that converges, or when maxAttempts starts are spent.
+  void (*race)(const ChainConstants&, const KernelTask&, const KernelTarget&, const LaneStarts&, int maxAttempts,
                std::uint64_t randomSeed, KernelAnswer&);
 
   /// Many problems, one a lane; a lane that is done takes the next problem. seeds: seedsEach x n a problem; random starts after.
@@ -60,6 +72,10 @@ struct SerialKernel {
   /// last frame with p the point's place. J: n columns of 6 (velocity of the point, angular velocity).
   void (*frameAndJacobian)(const ChainConstants&, const double* base, const double* point, const double* q, double* frame,
                            double* J);
+
+  /// The cell's starts turned to the target: q_1 by its azimuth, q_n so that the remaining rotation is smallest. Valid where both are
+  /// within the limits.
+  void (*turnSeeds)(const ChainConstants&, const KernelTarget&, const SeedCell&, int count, LaneStarts&);
 
   /// Squared error (chain lengths and radians) of a configuration.
   double (*error)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* q);

@@ -252,10 +252,11 @@ GELENK_INLINE void jacobianColumn(const ChainConstants& C, const KernelTask& tas
   if (!task.orientation) J[3] = J[4] = J[5] = fill<V>(0.0);
 }
 
-/// One iteration: the squared error at q, whether it is within the tolerances, and q moved by the step. Where q is within the
-/// tolerances the step is a refinement, taken only when it is small.
+/// One iteration: the squared error at q, what the step promises to take off it, whether it is within the tolerances, and q
+/// moved by the step. Where q is within the tolerances the step is a refinement, taken only when it is small.
 template <typename V, int N, bool Prismatic>
-GELENK_INLINE typename Of<V>::Mask iterate(const ChainConstants& C, const KernelTask& task, const Target<V>& target, V* q, V& error2) {
+GELENK_INLINE typename Of<V>::Mask iterate(const ChainConstants& C, const KernelTask& task, const Target<V>& target, V* q, V& error2,
+                                               V& promise) {
   constexpr double dampingPerError = 0.05, leastDamping = 1e-9, longestStep = 1.2, refinement = 1e-4;
   Place<V, N> at;
   place<V, N, Prismatic>(C, task, q, at);
@@ -266,7 +267,7 @@ GELENK_INLINE typename Of<V>::Mask iterate(const ChainConstants& C, const Kernel
   const auto solved = (position2 <= task.positionTolerance2) & (orientation2 <= task.orientationTolerance2) &
                       facesTarget<V, N>(task, at, target);
 
-  V J[N][6], d[N], A[N][N];
+  V J[N][6], d[N], A[N][N], ownDamping[N];
   const V damping = error2 * dampingPerError + leastDamping;
   GELENK_UNROLL for (int i = 0; i < N; ++i) {
     jacobianColumn<V, N, Prismatic>(C, task, at, i, J[i]);
@@ -275,12 +276,19 @@ GELENK_INLINE typename Of<V>::Mask iterate(const ChainConstants& C, const Kernel
     const V isFree = select(locked, fill<V>(0.0), fill<V>(1.0));
     GELENK_UNROLL for (int k = 0; k < 6; ++k) J[i][k] = J[i][k] * isFree;
     d[i] = slope * isFree;
+    // A joint that is driven towards its wall is damped the more the closer it is, so that a redundant arm moves others.
+    const V room = select(slope < 0.0, q[i] - C.lower[i], C.upper[i] - q[i]);
+    ownDamping[i] = damping + damping / (room * room + 0.05);
   }
   GELENK_UNROLL for (int i = 0; i < N; ++i) {
     GELENK_UNROLL for (int j = i; j < N; ++j) A[j][i] = dot(J[i], J[j]) + dot(J[i] + 3, J[j] + 3);
-    A[i][i] = A[i][i] + damping;
+    A[i][i] = A[i][i] + ownDamping[i];
   }
+  V downhill[N];
+  GELENK_UNROLL for (int i = 0; i < N; ++i) downhill[i] = d[i];
   solveSymmetric<V, N>(A, d);
+  promise = fill<V>(0.0);
+  GELENK_UNROLL for (int i = 0; i < N; ++i) promise = promise + d[i] * downhill[i];
 
   V longest = fill<V>(0.0);
   GELENK_UNROLL for (int i = 0; i < N; ++i) longest = larger<V>(longest, magnitude(d[i]));
@@ -325,7 +333,7 @@ template <int N>
 struct alignas(64) LaneState {
   double q[N][kernelLanes];
   double x[3][kernelLanes], y[3][kernelLanes], z[3][kernelLanes], p[3][kernelLanes];
-  double error2[kernelLanes];
+  double error2[kernelLanes], age[kernelLanes];
 
   void aim(const KernelTarget& target, int lane) {
     for (int k = 0; k < 3; ++k) {
@@ -337,12 +345,20 @@ struct alignas(64) LaneState {
   }
 };
 
-/// One iteration of all lanes; returns the bits of those that were within the tolerances.
+/// Lanes that were within the tolerances, and those and the ones whose attempt is over.
+struct LaneEvents {
+  int solved, done;
+};
+
+/// An attempt is over when the linear model promises to take away less than this share of the squared error: a local minimum.
+constexpr double leastPromise = 0.1;
+
+/// One iteration of all lanes.
 template <int N, bool Prismatic>
-static __attribute__((noinline)) int iterateLanes(const ChainConstants& C, const KernelTask& task, LaneState<N>& state) {
-  int solved = 0;
+static __attribute__((noinline)) LaneEvents iterateLanes(const ChainConstants& C, const KernelTask& task, LaneState<N>& state) {
+  LaneEvents events{0, 0};
   for (int first = 0; first < kernelLanes; first += width) {
-    Lanes q[N], error2;
+    Lanes q[N], error2, promise;
     Target<Lanes> target;
     GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = load<Lanes>(state.q[i] + first);
     GELENK_UNROLL for (int k = 0; k < 3; ++k) {
@@ -351,11 +367,36 @@ static __attribute__((noinline)) int iterateLanes(const ChainConstants& C, const
       target.z[k] = load<Lanes>(state.z[k] + first);
       target.p[k] = load<Lanes>(state.p[k] + first);
     }
-    solved |= bits(iterate<Lanes, N, Prismatic>(C, task, target, q, error2)) << first;
+    const LaneMask solved = iterate<Lanes, N, Prismatic>(C, task, target, q, error2, promise);
+    const Lanes age = load<Lanes>(state.age + first) + 1.0;
+    events.solved |= bits(solved) << first;
+    const LaneMask spent = (age >= fill<Lanes>(task.attemptIterations)) | ((age >= 3.0) & (promise < leastPromise * error2));
+    events.done |= bits(solved | spent) << first;
+    store(age, state.age + first);
     GELENK_UNROLL for (int i = 0; i < N; ++i) store(q[i], state.q[i] + first);
     store(error2, state.error2 + first);
   }
-  return solved;
+  return events;
+}
+
+/// atan2(s, c) of any length to about 1e-3: for starts.
+GELENK_INLINE Lanes roughAngle(Lanes c, Lanes s) {
+  const Lanes ac = magnitude(c), as = magnitude(s);
+  const Lanes t = smaller<Lanes>(ac, as) / larger<Lanes>(larger<Lanes>(ac, as), fill<Lanes>(1e-300)), t2 = t * t;
+  Lanes angle = t * (0.9986 + t2 * (-0.3076 + t2 * 0.0945));  // least squares for atan on [0, 1]
+  angle = select(as > ac, 1.5707963267948966 - angle, angle);
+  angle = select(c < 0.0, 3.1415926535897932 - angle, angle);
+  return select(s < 0.0, -angle, angle);
+}
+
+/// The angle by whole turns next to the range's middle; true where that is within it.
+GELENK_INLINE LaneMask intoRange(Lanes angle, double lower, double upper, double* to) {
+  constexpr double roundToInteger = 6755399441055744.0, turn = 6.283185307179586;
+  const double middle = lower > -1e299 && upper < 1e299 ? 0.5 * (lower + upper) : 0.0;
+  const Lanes turns = ((angle - middle) * (1.0 / turn) + roundToInteger) - roundToInteger;
+  const Lanes wrapped = angle - turns * turn;
+  store(wrapped, to);
+  return (wrapped >= lower) & (wrapped <= upper);
 }
 
 template <int N, bool Prismatic>
@@ -370,9 +411,9 @@ struct Loops {
     answer.error2 = 1e300;
     int iteration = 0;
     while (iteration < task.attemptIterations) {
-      double error2;
+      double error2, promise;
       for (int i = 0; i < N; ++i) before[i] = q[i];
-      const bool solved = iterate<double, N, Prismatic>(C, task, target, q, error2);
+      const bool solved = iterate<double, N, Prismatic>(C, task, target, q, error2, promise);
       ++iteration;
       if (error2 < answer.error2 || solved) {
         answer.error2 = error2;
@@ -386,40 +427,38 @@ struct Loops {
     answer.iterations = iteration;
   }
 
-  static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* seeds, int seedCount,
-                   int maxAttempts, std::uint64_t randomSeed, KernelAnswer& answer) {
+  static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const LaneStarts& starts, int maxAttempts,
+                   std::uint64_t randomSeed, KernelAnswer& answer) {
     LaneState<N> state;
     for (int l = 0; l < kernelLanes; ++l) state.aim(goal, l);
-    int age[kernelLanes] = {};
-    answer.solved = answer.iterations = answer.attempts = 0;
+    __builtin_memcpy(state.q, starts.q, sizeof state.q);
+    for (int l = 0; l < kernelLanes; ++l) {
+      state.age[l] = 0.0;
+      if (!(starts.valid >> l & 1)) randomStart<N>(C, randomSeed, state.q, l);
+    }
+    answer.solved = answer.iterations = 0;
+    answer.attempts = kernelLanes;
     answer.error2 = 1e300;
-    const auto nextStart = [&](int lane) __attribute__((always_inline)) {
-      age[lane] = 0;
-      if (answer.attempts < seedCount)
-        for (int i = 0; i < N; ++i) state.q[i][lane] = seeds[answer.attempts * N + i];
-      else
-        randomStart<N>(C, randomSeed, state.q, lane);
-      ++answer.attempts;
-    };
-    for (int l = 0; l < kernelLanes; ++l) nextStart(l);
     while (true) {
-      const int solved = iterateLanes<N, Prismatic>(C, task, state);
+      const LaneEvents events = iterateLanes<N, Prismatic>(C, task, state);
       answer.iterations += kernelLanes;
-      if (solved) {
-        const int lane = __builtin_ctz(solved);
+      if (events.solved) {
+        const int lane = __builtin_ctz(events.solved);
         answer.solved = 1;
         answer.error2 = state.error2[lane];
         for (int i = 0; i < N; ++i) answer.q[i] = state.q[i][lane];
         return;
       }
-      for (int l = 0; l < kernelLanes; ++l) {
-        if (++age[l] < task.attemptIterations) continue;
+      for (int done = events.done; done; done &= done - 1) {
+        const int l = __builtin_ctz(done);
         if (state.error2[l] < answer.error2) {  // of the step before: a start for the search of the closest pose
           answer.error2 = state.error2[l];
           for (int i = 0; i < N; ++i) answer.q[i] = state.q[i][l];
         }
         if (answer.attempts >= maxAttempts) return;
-        nextStart(l);
+        state.age[l] = 0.0;
+        randomStart<N>(C, randomSeed, state.q, l);
+        ++answer.attempts;
       }
     }
   }
@@ -428,11 +467,11 @@ struct Loops {
                     int seedsEach, int maxAttempts, std::uint64_t randomSeed, KernelAnswer* answers) {
     LaneState<N> state;
     __builtin_memset(&state, 0, sizeof state);
-    int problem[kernelLanes], age[kernelLanes] = {}, live = 0, next = 0;
+    int problem[kernelLanes], live = 0, next = 0, busy = 0;
     std::uint64_t random[kernelLanes] = {};
     const auto nextStart = [&](int lane) __attribute__((always_inline)) {
       KernelAnswer& answer = answers[problem[lane]];
-      age[lane] = 0;
+      state.age[lane] = 0.0;
       if (answer.attempts < seedsEach)
         for (int i = 0; i < N; ++i)
           state.q[i][lane] = seeds[(static_cast<long>(problem[lane]) * seedsEach + answer.attempts) * N + i];
@@ -442,7 +481,11 @@ struct Loops {
     };
     const auto nextProblem = [&](int lane) __attribute__((always_inline)) {
       problem[lane] = next < count ? next++ : -1;
-      if (problem[lane] < 0) return;
+      if (problem[lane] < 0) {
+        busy &= ~(1 << lane);
+        return;
+      }
+      busy |= 1 << lane;
       ++live;
       random[lane] = randomSeed + 0xd1342543de82ef95ULL * static_cast<std::uint64_t>(problem[lane] + 1);
       state.aim(goals[problem[lane]], lane);
@@ -453,14 +496,12 @@ struct Loops {
     };
     for (int l = 0; l < kernelLanes; ++l) nextProblem(l);
     while (live > 0) {
-      const int solved = iterateLanes<N, Prismatic>(C, task, state);
-      for (int l = 0; l < kernelLanes; ++l) {
-        if (problem[l] < 0) continue;
+      const LaneEvents events = iterateLanes<N, Prismatic>(C, task, state);
+      for (int done = events.done & busy; done; done &= done - 1) {
+        const int l = __builtin_ctz(done);
         KernelAnswer& answer = answers[problem[l]];
-        ++answer.iterations;
-        const bool isSolved = solved >> l & 1;
-        const bool spent = ++age[l] >= task.attemptIterations;
-        if (!isSolved && !spent) continue;
+        const bool isSolved = events.solved >> l & 1;
+        answer.iterations += static_cast<int>(state.age[l]);
         if (isSolved || state.error2[l] < answer.error2) {
           answer.solved = isSolved;
           answer.error2 = state.error2[l];
@@ -520,6 +561,30 @@ struct Loops {
     }
   }
 
+  static void turnSeeds(const ChainConstants& C, const KernelTarget& goal, const SeedCell& cell, int count, LaneStarts& starts) {
+    const double radius2 = goal.p[0] * goal.p[0] + goal.p[1] * goal.p[1];
+    const double perRadius = radius2 > 0.0 ? 1.0 / __builtin_sqrt(radius2) : 0.0;
+    const double c = radius2 > 0.0 ? goal.p[0] * perRadius : 1.0, s = goal.p[1] * perRadius;
+    const double x[3] = {c * goal.x[0] + s * goal.x[1], c * goal.x[1] - s * goal.x[0], goal.x[2]};
+    const double y[3] = {c * goal.y[0] + s * goal.y[1], c * goal.y[1] - s * goal.y[0], goal.y[2]};
+    starts.valid = 0;
+    for (int first = 0; first < kernelLanes; first += width) {
+      Lanes ex[3] = {}, ey[3] = {};
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < width; ++l) ex[k][l] = cell.x[k][first + l], ey[k][l] = cell.y[k][first + l];
+      const Lanes cosineRoll = ex[0] * x[0] + ex[1] * x[1] + ex[2] * x[2] + ey[0] * y[0] + ey[1] * y[1] + ey[2] * y[2];
+      const Lanes sineRoll = ex[0] * y[0] + ex[1] * y[1] + ex[2] * y[2] - ey[0] * x[0] - ey[1] * x[1] - ey[2] * x[2];
+      for (int i = 1; i < N - 1; ++i)
+        for (int l = 0; l < width; ++l) starts.q[i][first + l] = cell.q[i][first + l];
+      Lanes base{};
+      for (int l = 0; l < width; ++l) base[l] = cell.q[0][first + l];
+      const LaneMask spins = intoRange(base + roughAngle(fill<Lanes>(c), fill<Lanes>(s)), C.lower[0], C.upper[0], starts.q[0] + first);
+      const LaneMask rolls = intoRange(roughAngle(cosineRoll, sineRoll), C.lower[N - 1], C.upper[N - 1], starts.q[N - 1] + first);
+      starts.valid |= bits(spins & rolls) << first;
+    }
+    starts.valid &= (1 << count) - 1;
+  }
+
   static double error(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* q) {
     Target<double> target;
     broadcast(goal, target);
@@ -530,7 +595,7 @@ struct Loops {
     return dot(e, e) + dot(w, w);
   }
 
-  static constexpr SerialKernel table{&attempt, &race, &batch, &frameAndJacobian, &error};
+  static constexpr SerialKernel table{&attempt, &race, &batch, &frameAndJacobian, &turnSeeds, &error};
 };
 
 template <bool Prismatic>

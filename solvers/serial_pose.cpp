@@ -63,7 +63,7 @@ void exactHessian(const ChainJacobian& J, const TipError& error, bool position, 
 }
 
 double nearestWithin(double angle, double start, double lower, double upper) {
-  double turned = start + std::remainder(angle - start, 2.0 * M_PI);
+  double turned = angle - 2.0 * M_PI * std::nearbyint((angle - start) / (2.0 * M_PI));
   if (turned < lower) turned += 2.0 * M_PI * std::ceil((lower - turned) / (2.0 * M_PI));
   if (turned > upper) turned -= 2.0 * M_PI * std::ceil((turned - upper) / (2.0 * M_PI));
   return std::clamp(turned, lower, upper);
@@ -154,8 +154,21 @@ void SerialPoseSolver::toLimits(double* q, const double* start) const {
   }
 }
 
+/// Eight starts close to one whose own descent failed: the goal is near, and so should the answer be.
+void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const {
+  constexpr double most = 0.3;  // radians or chain lengths
+  std::uint64_t state = seed;
+  for (int i = 0; i < chain_.n; ++i)
+    for (int l = 0; l < kernelLanes; ++l) {
+      state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+      const double q = start[i] + most * (2.0 * static_cast<double>(state >> 11) * 0x1p-53 - 1.0);
+      starts.q[i][l] = std::clamp(q, scaled_.lower[i], scaled_.upper[i]);
+    }
+  starts.valid = (1 << kernelLanes) - 1;
+}
+
 SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector& wantedStart, const SerialPoseOptions& options) const {
-  const auto begin = Clock::now();
+  Clock::time_point begin;
   const int n = chain_.n;
   SerialPoseAnswer answer;
   ChainVector start = wantedStart;
@@ -189,26 +202,28 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
     if (found.solved) accept(found);
   }
   if (!(descend && found.solved) && options.restarts > 0) {
-    double seeds[kernelLanes * maxChainDofs];
-    int seedCount = 0;
-    if (table_ && goal.kind == GoalKind::Pose) seedCount = table_->lookUp(scaled_, prepared.target, kernelLanes, seeds);
-    if (!descend && seedCount < kernelLanes) {
-      for (int i = 0; i < n; ++i) seeds[seedCount * n + i] = kernelStart[i];
-      ++seedCount;
+    LaneStarts starts;
+    if (table_ && goal.kind == GoalKind::Pose) table_->lookUp(scaled_, *kernel_, prepared.target, starts);
+    if (descend) nudge(kernelStart, options.seed, starts);
+    else if (starts.valid != (1 << kernelLanes) - 1) {
+      const int lane = __builtin_ctz(~starts.valid);
+      for (int i = 0; i < n; ++i) starts.q[i][lane] = kernelStart[i];
+      starts.valid |= 1 << lane;
     }
     std::uint64_t seed = options.seed;
     int left = options.restarts;
     while (left > 0) {  // in portions, to look at the clock in between
       const int portion = std::min(left, 64);
-      kernel_->race(scaled_, prepared.task, prepared.target, seeds, seedCount, portion, seed, found);
+      kernel_->race(scaled_, prepared.task, prepared.target, starts, portion, seed, found);
       count(found);
       answer.counters.restarts += found.attempts;
       if (found.solved) {
         accept(found);
         break;
       }
+      if (left == options.restarts) begin = Clock::now();  // a portion takes microseconds: the clock is for those that need many
       left -= portion;
-      seedCount = 0;
+      starts.valid = 0;
       seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
       if (left > 0 && std::chrono::duration<double>(Clock::now() - begin).count() > options.maxSeconds) break;
     }
@@ -349,9 +364,9 @@ void SerialPoseSolver::solveBatch(std::span<const Isometry3d> worldFromTip, std:
   const int n = chain_.n, count = static_cast<int>(worldFromTip.size());
   if (answers.size() != worldFromTip.size() || starts.size() != worldFromTip.size() * static_cast<size_t>(n))
     throw std::invalid_argument("a batch needs one answer and n start angles for each of its targets");
-  constexpr int block = 256, most = 4;  // targets and their starts stay in the first-level cache
-  std::vector<KernelTarget> targets(block);
-  std::vector<double> seeds(static_cast<size_t>(block) * most * n);
+  constexpr int block = 4096, most = 4;
+  std::vector<KernelTarget> targets(std::min(block, count));
+  std::vector<double> seeds(targets.size() * most * n);
   TipGoal goal;
   const KernelTask task = prepare(goal, options).task;
   for (int first = 0; first < count; first += block) {
@@ -360,11 +375,17 @@ void SerialPoseSolver::solveBatch(std::span<const Isometry3d> worldFromTip, std:
       goal.target = worldFromTip[first + i].translation();
       goal.orientation = worldFromTip[first + i].linear();
       targets[i] = kernelTarget(goal);
-      double* rows = &seeds[static_cast<size_t>(i) * each * n];
-      int given = table_ ? table_->lookUp(scaled_, targets[i], most, rows) : 0;
-      for (; given < each; ++given)  // where the table is short: the caller's start
+      double* row = &seeds[static_cast<size_t>(i) * each * n];
+      int given = 0;
+      if (table_) {
+        LaneStarts looked;
+        table_->lookUp(scaled_, *kernel_, targets[i], looked);
+        for (int valid = looked.valid; valid && given < each; valid &= valid - 1, ++given, row += n)
+          for (int k = 0; k < n; ++k) row[k] = looked.q[k][__builtin_ctz(valid)];
+      }
+      for (; given < each; ++given, row += n)  // where the table is short: the caller's start
         for (int k = 0; k < n; ++k)
-          rows[given * n + k] = starts[static_cast<size_t>(first + i) * n + k] / (scaled_.revolute[k] != 0.0 ? 1.0 : chain_.length);
+          row[k] = starts[static_cast<size_t>(first + i) * n + k] / (scaled_.revolute[k] != 0.0 ? 1.0 : chain_.length);
     }
     kernel_->batch(scaled_, task, targets.data(), size, seeds.data(), each, 1 + options.restarts, options.seed + first, &answers[first]);
     for (int i = 0; i < size; ++i) toLimits(answers[first + i].q, &starts[static_cast<size_t>(first + i) * n]);

@@ -76,6 +76,7 @@ class SerialPoseSolver {
   struct Prepared;
   Prepared prepare(const TipGoal& goal, const SerialPoseOptions& options) const;
   KernelTarget kernelTarget(const TipGoal& goal) const;
+  void nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const;
   void toLimits(double* q, const double* start) const;
   SerialPoseAnswer closest(const TipGoal& goal, const ChainVector& start, const SerialPoseOptions& options) const;
 
