@@ -82,6 +82,12 @@ GELENK_INLINE void store(V v, double* to) {
   __builtin_memcpy(to, &v, sizeof v);
 }
 
+GELENK_INLINE Lanes widen(const float* from) {
+  double wide[width];
+  for (int l = 0; l < width; ++l) wide[l] = from[l];
+  return load<Lanes>(wide);
+}
+
 /// One bit a lane.
 GELENK_INLINE int bits(LaneMask mask) {
 #if defined(__AVX512DQ__)
@@ -569,15 +575,12 @@ struct Loops {
     const double y[3] = {c * goal.y[0] + s * goal.y[1], c * goal.y[1] - s * goal.y[0], goal.y[2]};
     starts.valid = 0;
     for (int first = 0; first < kernelLanes; first += width) {
-      Lanes ex[3] = {}, ey[3] = {};
-      for (int k = 0; k < 3; ++k)
-        for (int l = 0; l < width; ++l) ex[k][l] = cell.x[k][first + l], ey[k][l] = cell.y[k][first + l];
+      Lanes ex[3], ey[3];
+      for (int k = 0; k < 3; ++k) ex[k] = widen(cell.x[k] + first), ey[k] = widen(cell.y[k] + first);
       const Lanes cosineRoll = ex[0] * x[0] + ex[1] * x[1] + ex[2] * x[2] + ey[0] * y[0] + ey[1] * y[1] + ey[2] * y[2];
       const Lanes sineRoll = ex[0] * y[0] + ex[1] * y[1] + ex[2] * y[2] - ey[0] * x[0] - ey[1] * x[1] - ey[2] * x[2];
-      for (int i = 1; i < N - 1; ++i)
-        for (int l = 0; l < width; ++l) starts.q[i][first + l] = cell.q[i][first + l];
-      Lanes base{};
-      for (int l = 0; l < width; ++l) base[l] = cell.q[0][first + l];
+      for (int i = 1; i < N - 1; ++i) store(widen(cell.q[i] + first), starts.q[i] + first);
+      const Lanes base = widen(cell.q[0] + first);
       const LaneMask spins = intoRange(base + roughAngle(fill<Lanes>(c), fill<Lanes>(s)), C.lower[0], C.upper[0], starts.q[0] + first);
       const LaneMask rolls = intoRange(roughAngle(cosineRoll, sineRoll), C.lower[N - 1], C.upper[N - 1], starts.q[N - 1] + first);
       starts.valid |= bits(spins & rolls) << first;

@@ -10,6 +10,7 @@
 #include "solvers/quasi_newton.h"
 #include "solvers/kdl_peer.h"
 #include "solvers/serial_pose.h"
+#include "solvers/spherical_wrist.h"
 #include "solvers/step_rules.h"
 #include "solvers/task_priority.h"
 #include "solvers/two_link.h"
@@ -45,6 +46,7 @@ constexpr std::array catalogue{
     SolverEntry{"newton", "Newton, full steps", "Lecture 10.1.4, n = m and n > m", &makeNewton},
     SolverEntry{"newton-quotient", "Newton, difference quotients", "Lecture 10.1.4, derivative", &makeNewtonDifferenceQuotient},
     SolverEntry{"two-link", "Two-link closed form", "Lecture 10.1.3, analytic solution", &makeTwoLink},
+    SolverEntry{"spherical-wrist", "Closed form of six-joint arms", "Pieper 1968; Hawkins 2013", &makeSphericalWrist},
 #ifdef GELENK_HAS_KDL
     SolverEntry{"kdl-nr", "Orocos KDL: Newton-Raphson", "Orocos KDL, ChainIkSolverPos_NR", &makeKdlNewton},
     SolverEntry{"kdl-nr-jl", "Orocos KDL: Newton-Raphson with limits, damped", "Orocos KDL, ChainIkSolverPos_NR_JL", &makeKdlNewtonWithLimits},
