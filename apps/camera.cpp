@@ -149,7 +149,7 @@ Camera frameBox(Camera camera, const Viewport& viewport, const Eigen::AlignedBox
   for (int corner = 0; corner < 8; ++corner) {
     const Vector3d c = axes.transpose() * (box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - camera.target);
     const double half = std::max(std::abs(c.y()), std::abs(c.x()) / viewport.aspect()) / room;
-    needed = std::max(needed, half / slope + (camera.orthographic ? 0.0 : c.z()));
+    needed = std::max(needed, camera.orthographic ? std::max(half / slope, 1.01 * c.z()) : half / slope + c.z());
   }
   camera.distance = needed;
   return camera;

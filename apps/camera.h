@@ -70,7 +70,7 @@ Camera zoomTo(Camera camera, const Viewport& viewport, const Eigen::Vector2d& pi
 /// Looks from a standard direction; target, distance and projection stay.
 Camera lookFrom(Camera camera, StandardView view);
 /// Moves target and distance so that the box fills the picture, with a margin (0.1: a tenth of the picture on each side).
-/// An empty box gives a camera at the origin.
-Camera frameBox(Camera camera, const Viewport& viewport, const Eigen::AlignedBox3d& box, double margin = 0.08);
+/// The whole box lies before the eye, so an orthographic camera may show a very deep box smaller. An empty box gives a camera at the origin.
+Camera frameBox(Camera camera, const Viewport& viewport, const Eigen::AlignedBox3d& box, double margin = 0.05);
 
 }  // namespace gelenk

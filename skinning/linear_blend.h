@@ -5,7 +5,8 @@
 namespace gelenk {
 
 /// Skinned positions and unit normals on the CPU, in double precision: the reference for the shader.
-/// Normals are blended with the same matrices; as all of them are rotations no inverse transpose is needed.
+/// Normals go with the cofactors of the blended matrix (det M M^-T): a blend of rotations shrinks across the bend, and only so
+/// does the normal stay perpendicular to the surface that the same matrix gives. Zero where the blend is singular.
 struct SkinnedVertices {
   std::vector<Eigen::Vector3d> positions;
   std::vector<Eigen::Vector3d> normals;

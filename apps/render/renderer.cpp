@@ -62,9 +62,9 @@ Palette palette(Theme theme) {
             .keyPower = 0.80f, .fillPower = 0.16f, .skyPower = 0.24f, .bouncePower = 0.10f, .rimPower = 0.22f,
             .backgroundTop = {0.105f, 0.115f, 0.135f}, .backgroundBottom = {0.20f, 0.215f, 0.24f},
             .ground = {0.235f, 0.25f, 0.275f, 0.9f}, .grid = {0.42f, 0.45f, 0.49f, 0.55f}};
-  return {.key = {1.00f, 0.95f, 0.87f}, .fill = {0.84f, 0.90f, 1.00f}, .sky = {0.80f, 0.88f, 1.00f},
+  return {.key = {1.00f, 0.95f, 0.87f}, .fill = {0.84f, 0.90f, 1.00f}, .sky = {0.84f, 0.90f, 1.00f},
           .bounce = {0.95f, 0.90f, 0.85f}, .rim = {0.92f, 0.96f, 1.00f},
-          .keyPower = 0.78f, .fillPower = 0.18f, .skyPower = 0.34f, .bouncePower = 0.20f, .rimPower = 0.16f,
+          .keyPower = 0.98f, .fillPower = 0.16f, .skyPower = 0.32f, .bouncePower = 0.17f, .rimPower = 0.20f,
           .backgroundTop = {0.80f, 0.835f, 0.87f}, .backgroundBottom = {0.925f, 0.93f, 0.935f},
           .ground = {0.945f, 0.945f, 0.94f, 0.9f}, .grid = {0.62f, 0.65f, 0.68f, 0.55f}};
 }
@@ -202,8 +202,7 @@ bool isLayered(const BodyInstance& body) { return body.mesh->hasLayers() && !bod
 
 struct Renderer::State {
   const bool software = isSoftwareRenderer();
-  const int shadowPixels = software ? 1024 : 2048;
-  const int patchPixels = software ? 256 : 512;
+  int shadowPixels = 0, patchPixels = 0;  ///< set by prepareMaps
   int samples = software ? 0 : 4;
   int supersampling = 1;
 
@@ -213,12 +212,8 @@ struct Renderer::State {
   GlVertexArray noVertices = GlVertexArray::create();
   std::vector<PoseGl> poses;
 
-  GlTexture shadowMap = mapTexture(GL_DEPTH_COMPONENT24, shadowPixels, GL_DEPTH_COMPONENT, GL_LINEAR);
-  GlTexture contact = mapTexture(GL_R8, patchPixels, GL_RED, GL_LINEAR);
-  GlTexture groundLight = mapTexture(GL_RG8, patchPixels, GL_RG, GL_LINEAR);
-  GlFramebuffer shadowBuffer = framebufferOf(shadowMap, GL_DEPTH_ATTACHMENT, "the shadow");
-  GlFramebuffer contactBuffer = framebufferOf(contact, GL_COLOR_ATTACHMENT0, "the contact shadow");
-  GlFramebuffer groundLightBuffer = framebufferOf(groundLight, GL_COLOR_ATTACHMENT0, "the ground's light");
+  GlTexture shadowMap, contact, noisyGroundLight, groundLight;
+  GlFramebuffer shadowBuffer, contactBuffer, noisyGroundLightBuffer, groundLightBuffer;
   GLuint comparing = 0, plain = 0;  ///< sampler objects: the shadow map with and without comparison
 
   RenderTarget large, resolved, small;
@@ -227,6 +222,7 @@ struct Renderer::State {
   ~State();
   const ShaderProgram& program(const std::string& name, const ProgramText& text);
   const ShaderProgram& bodyProgram(const std::string& name, const BodyInstance& body, bool wireframe = false);
+  void prepareMaps();
   void prepareTargets(const Viewport& viewport);
   void drawShadowMap(const RenderScene& scene, const Lighting& light);
   void drawGroundLight(const RenderScene& scene, const Lighting& light);
@@ -270,6 +266,7 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
   made.bindSampler("shadowMap", ShadowMapUnit);
   made.bindSampler("shadowDepth", ShadowDepthUnit);
   made.bindSampler("contact", ContactUnit);
+  made.bindSampler("source", ContactUnit);
   made.bindSampler("groundLight", GroundLightUnit);
   return programs.emplace(name, std::move(made)).first->second;
 }
@@ -285,6 +282,22 @@ const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const
                                         .geometry = wireframe ? "surface.geom" : "",
                                         .fragment = fragment,
                                         .defines = defines});
+}
+
+/// Resolution of the light: fine for still pictures (supersampling) and on hardware, coarse where every texel costs.
+void Renderer::State::prepareMaps() {
+  const bool fine = !software || supersampling > 1;
+  if (shadowPixels == (fine ? 2048 : 1024)) return;
+  shadowPixels = fine ? 2048 : 1024;
+  patchPixels = fine ? 768 : 256;
+  shadowMap = mapTexture(GL_DEPTH_COMPONENT24, shadowPixels, GL_DEPTH_COMPONENT, GL_LINEAR);
+  contact = mapTexture(GL_R8, patchPixels, GL_RED, GL_LINEAR);
+  noisyGroundLight = mapTexture(GL_RG8, patchPixels, GL_RG, GL_LINEAR);
+  groundLight = mapTexture(GL_RG8, patchPixels, GL_RG, GL_LINEAR);
+  shadowBuffer = framebufferOf(shadowMap, GL_DEPTH_ATTACHMENT, "the shadow");
+  contactBuffer = framebufferOf(contact, GL_COLOR_ATTACHMENT0, "the contact shadow");
+  noisyGroundLightBuffer = framebufferOf(noisyGroundLight, GL_COLOR_ATTACHMENT0, "the ground's light");
+  groundLightBuffer = framebufferOf(groundLight, GL_COLOR_ATTACHMENT0, "the ground's light");
 }
 
 void Renderer::State::prepareTargets(const Viewport& viewport) {
@@ -339,12 +352,18 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
   glDisable(GL_BLEND);
   bindTexture(ContactUnit, contact);
 
-  glBindFramebuffer(GL_FRAMEBUFFER, groundLightBuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, noisyGroundLightBuffer);
   const ShaderProgram& shade = program(
       "ground_light", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "ground_light.frag"});
   shade.use();
   glUniform1f(shade.uniform("depthRange"), static_cast<float>(light.shadowDepth));
+  glUniform1i(shade.uniform("taps"), shadowPixels > 1024 ? 32 : 12);
   glBindVertexArray(noVertices);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, groundLightBuffer);
+  program("blur", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "blur.frag"}).use();
+  bindTexture(ContactUnit, noisyGroundLight);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   bindTexture(GroundLightUnit, groundLight);
 }
@@ -354,7 +373,7 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
   const ShaderProgram& surface = bodyProgram("surface", body, body.wireframe);
   const bool throughSkin = scene.xray && body.tint.a >= 1.0f;
   surface.use();
-  glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b, throughSkin ? 0.62f : body.tint.a);
+  glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b, throughSkin ? 0.90f : body.tint.a);
   glUniform1f(surface.uniform("vertexColourShare"), body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? 1.0f : 0.0f);
   poses[index].bind();
@@ -432,6 +451,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   glDisable(GL_CULL_FACE);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LEQUAL);
+  gl.prepareMaps();
   gl.prepareTargets(viewport);
   gl.poses.resize(std::max(gl.poses.size(), scene.bodies.size()));
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) gl.poses[i].upload(*scene.bodies[i].pose);

@@ -20,7 +20,7 @@ enum class SurfaceColour {
 struct BodyInstance {
   const SkinnedMeshGl* mesh = nullptr;
   const SkinPose* pose = nullptr;
-  Colour tint = {0.80f, 0.76f, 0.71f, 1.0f};  ///< alpha < 1: a ghost, drawn after the solid bodies, without a shadow
+  Colour tint = {0.88f, 0.83f, 0.77f, 1.0f};  ///< alpha < 1: a ghost, drawn after the solid bodies, without a shadow
   SurfaceColour surface = SurfaceColour::Clay;
   bool wireframe = false;                     ///< the triangles' edges over the surface
 };

@@ -25,7 +25,7 @@ void addReach(Overlay& overlay, const Eigen::Vector3d& reached, const Eigen::Vec
 
 inline constexpr Colour handleColour = {0.95f, 0.55f, 0.13f};
 inline constexpr Colour pinColour = {0.16f, 0.47f, 0.71f};
-inline constexpr Colour boneColour = {0.93f, 0.90f, 0.82f};
+inline constexpr Colour boneColour = {0.33f, 0.46f, 0.60f};
 inline constexpr Colour accentColour = {0.99f, 0.62f, 0.18f};
 
 }  // namespace gelenk

@@ -225,42 +225,61 @@ void SkinnedMeshGl::drawPoints(bool layered) const {
   glBindVertexArray(0);
 }
 
-ReadBackVertices skinOnGpu(const SkinnedMeshGl& mesh, const SkinPose& pose) {
-  const bool layered = mesh.hasLayers() && !pose.layers.empty();
-  const std::string defines = std::string(mesh.storage() == PoseStorage::TextureBuffer ? "POSE_IN_TEXTURE " : "") + (layered ? layerDefines(pose) : "");
-  const ShaderProgram program({.folder = skinningShaders(),
-                               .vertex = "read_back.vert",
-                               .defines = defines,
-                               .captured = {"posedPosition", "posedNormal"}});
-  program.bindBlock("Pose", PoseGl::blockBinding);
-  program.bindBlock("Layers", SkinnedMeshGl::layerBinding);
-  program.bindSampler("poseRows", PoseGl::textureUnit);
-  PoseGl poseGl;
-  poseGl.upload(pose);
-  poseGl.bind();
+FeedbackSkinning::FeedbackSkinning(const SkinnedMeshGl& mesh, const SkinPose& kind)
+    : mesh_(&mesh), layered_(mesh.hasLayers() && !kind.layers.empty()), captured_(GlBuffer::create()), unseen_(1, 1) {
+  const std::string defines =
+      std::string(mesh.storage() == PoseStorage::TextureBuffer ? "POSE_IN_TEXTURE " : "") + (layered_ ? layerDefines(kind) : "");
+  program_ = ShaderProgram({.folder = skinningShaders(),
+                            .vertex = "read_back.vert",
+                            .defines = defines,
+                            .captured = {"posedPosition", "posedNormal"}});
+  program_.bindBlock("Pose", PoseGl::blockBinding);
+  program_.bindBlock("Layers", SkinnedMeshGl::layerBinding);
+  program_.bindSampler("poseRows", PoseGl::textureUnit);
+  glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, captured_);
+  glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, 6 * static_cast<GLsizeiptr>(sizeof(float)) * mesh.vertexCount(), nullptr,
+               GL_STREAM_READ);
+  glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, 0);
+  glUseProgram(0);
+}
 
-  const std::size_t count = mesh.vertexCount();
-  std::vector<float> captured(6 * count);
-  const GlBuffer buffer = GlBuffer::create();
-  glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
-  glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, captured.size() * sizeof(float), nullptr, GL_STREAM_READ);
-  program.use();
+void FeedbackSkinning::run(const SkinPose& pose) {
+  pose_.upload(pose);
+  pose_.bind();
+  program_.use();
+  glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured_);
+  GLint before = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, unseen_.framebuffer());
   glEnable(GL_RASTERIZER_DISCARD);
   glBeginTransformFeedback(GL_POINTS);
-  mesh.drawPoints(layered);
+  mesh_->drawPoints(layered_);
   glEndTransformFeedback();
   glDisable(GL_RASTERIZER_DISCARD);
-  glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.size() * sizeof(float), captured.data());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(before));
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
   glUseProgram(0);
+}
 
+ReadBackVertices FeedbackSkinning::read() const {
+  const std::size_t count = mesh_->vertexCount();
+  std::vector<float> numbers(6 * count);
+  glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, captured_);
+  glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(numbers.size() * sizeof(float)), numbers.data());
+  glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, 0);
   ReadBackVertices result;
   for (std::size_t v = 0; v < count; ++v) {
-    const float* at = &captured[6 * v];
+    const float* at = &numbers[6 * v];
     result.positions.push_back({at[0], at[1], at[2]});
     result.normals.push_back({at[3], at[4], at[5]});
   }
   return result;
+}
+
+ReadBackVertices skinOnGpu(const SkinnedMeshGl& mesh, const SkinPose& pose) {
+  FeedbackSkinning skinning(mesh, pose);
+  skinning.run(pose);
+  return skinning.read();
 }
 
 std::vector<float> jointWeights(const Skin& skin, int joint) {

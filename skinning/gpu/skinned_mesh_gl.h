@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "skinning/gpu/gl_handle.h"
+#include "skinning/gpu/render_target.h"
 #include "skinning/gpu/skin_pose.h"
+#include "skinning/gpu/shader_program.h"
 #include "skinning/linear_blend.h"
 
 namespace gelenk {
@@ -77,6 +79,22 @@ class SkinnedMeshGl {
 /// The shader's own result, read back by transform feedback: for tests and benchmarks, not for drawing.
 struct ReadBackVertices {
   std::vector<std::array<float, 3>> positions, normals;
+};
+/// Skins every vertex of a mesh into a buffer by transform feedback. The mesh must outlive it.
+class FeedbackSkinning {
+ public:
+  /// kind: any pose of the kind that will be run, with or without muscle layers.
+  FeedbackSkinning(const SkinnedMeshGl& mesh, const SkinPose& kind);
+  void run(const SkinPose& pose);
+  ReadBackVertices read() const;
+
+ private:
+  const SkinnedMeshGl* mesh_;
+  bool layered_;
+  ShaderProgram program_;
+  PoseGl pose_;
+  GlBuffer captured_;
+  RenderTarget unseen_;  ///< drawing needs a complete framebuffer, even where nothing is rasterised
 };
 ReadBackVertices skinOnGpu(const SkinnedMeshGl& mesh, const SkinPose& pose);
 

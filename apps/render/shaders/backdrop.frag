@@ -38,7 +38,7 @@ void main() {
     float lines = max(0.45 * gridLines(cells, width), gridLines(0.1 * cells, 1.2 * width));
     shade = mix(shade, gridColour.rgb, gridColour.a * lines * fade);
   }
-  vec3 ambient = skyLight.rgb + 0.35 * fillLight.rgb;
+  vec3 ambient = 1.35 * skyLight.rgb + 0.5 * fillLight.rgb;
   vec3 lit = keyLight.rgb * max(dot(keyDirection.xyz, up.xyz), 0.0);
   vec3 darkening = (ambient * mix(0.35, 1.0, light.g) + lit * light.r * mix(0.8, 1.0, light.g)) / (ambient + lit);
   colour.rgb = shade * mix(vec3(1.0), darkening, step(0.0, ha));

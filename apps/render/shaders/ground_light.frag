@@ -7,8 +7,11 @@ uniform sampler2DShadow shadowMap;
 uniform sampler2D shadowDepth;   // the same map, without comparison
 uniform sampler2D contact;
 uniform float depthRange;        // world length of the shadow map's depth
+uniform int taps;
 
-// A sunflower of points in the unit disc, turned by a hash of the texel.
+const float lightSize = 0.075;   // tangent of the light's half angle
+
+// A sunflower of points in the unit disc.
 vec2 spiral(int i, int n, float turn) {
   float angle = 2.39996323 * float(i) + turn;
   return sqrt((float(i) + 0.5) / float(n)) * vec2(cos(angle), sin(angle));
@@ -20,26 +23,27 @@ void main() {
   vec4 at = shadowFromWorld * vec4(position, 1.0);
   float texelWorld = keyDirection.w;
   float texel = 1.0 / float(textureSize(shadowMap, 0).x);
+  // Each texel turns the pattern by another angle (interleaved gradient noise); the blur afterwards averages over 4 x 4 of them.
+  float turn = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
 
-  const float lightSize = 0.085;   // tangent of the light's half angle
-  float searchTexels = clamp(0.12 * fillDirection.w * lightSize / texelWorld * 2.5, 2.0, 40.0);
+  float searchTexels = clamp(0.35 * fillDirection.w * lightSize / texelWorld, 3.0, 48.0);
   float sum = 0.0, count = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    float depth = texture(shadowDepth, at.xy + texel * searchTexels * spiral(i, 8, 0.0)).r;
+  for (int i = 0; i < taps / 2; ++i) {
+    float depth = texture(shadowDepth, at.xy + texel * searchTexels * spiral(i, taps / 2, turn)).r;
     float blocks = step(depth, at.z);
     sum += blocks * (at.z - depth);
     count += blocks;
   }
   float visible = 1.0;
   if (count > 0.0) {
-    float radius = clamp(sum / count * depthRange * lightSize / texelWorld, 1.5, 48.0);
+    float radius = clamp(sum / count * depthRange * lightSize / texelWorld, 1.5, 64.0);
     visible = 0.0;
-    for (int i = 0; i < 16; ++i) visible += texture(shadowMap, vec3(at.xy + texel * radius * spiral(i, 16, 0.0), at.z));
-    visible *= 0.0625;
+    for (int i = 0; i < taps; ++i) visible += texture(shadowMap, vec3(at.xy + texel * radius * spiral(i, taps, turn), at.z));
+    visible /= float(taps);
   }
 
   float near = 0.0;
-  float spread = 0.018 * fillDirection.w / groundPatch.z * 0.5;
-  for (int i = 0; i < 12; ++i) near += texture(contact, 0.5 + 0.5 * ndc + spread * spiral(i, 12, 0.5)).r;
-  light = vec2(visible, 1.0 - near / 12.0);
+  float spread = 0.5 * 0.02 * fillDirection.w / groundPatch.z;
+  for (int i = 0; i < taps; ++i) near += texture(contact, 0.5 + 0.5 * ndc + spread * spiral(i, taps, turn)).r;
+  light = vec2(visible, 1.0 - near / float(taps));
 }

@@ -63,6 +63,6 @@ void main() {
 
   float below = step(heightOverGround(worldPosition), 0.0) * step(0.0, heightOverGround(eye.xyz)) * step(0.5, pictureSize.z);
   shaded = mix(shaded, groundColour.rgb, 0.7 * below);
-  float alpha = mix(tint.a, tint.a * mix(0.45, 1.0, away * away), seeThrough);
+  float alpha = mix(tint.a, tint.a * mix(0.55, 1.0, away * away), seeThrough);
   colour = vec4(shaded, alpha);
 }

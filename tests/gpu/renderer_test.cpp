@@ -1,0 +1,244 @@
+#include "apps/render/renderer.h"
+
+#include "apps/image.h"
+#include "apps/render/model_view.h"
+#include "apps/render/posed_bounds.h"
+#include "apps/render/signs.h"
+#include "skinning/gpu/render_target.h"
+#include "tests/gpu/gl_fixture.h"
+#include "tests/gpu/test_bodies.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+using testing::Arm;
+using testing::GlTest;
+
+const Viewport viewport{320, 200};
+
+/// A box of 0.4 x 1 x 0.4 m on the ground, seen from the front and a little above.
+class RendererTest : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    body_ = testing::box({0.4, 1.0, 0.4});
+    mesh_.emplace(body_.skin);
+    pose_ = poseSkin(body_.skin, restFrames(body_.skeleton));
+    scene_.bodies = {{.mesh = &*mesh_, .pose = &pose_}};
+    scene_.bounds = PosedBounds(body_.skin)(pose_);
+    camera_ = {.target = {0.2, 0.4, 0}, .distance = 5.0, .azimuth = 0.0, .elevation = 0.5};
+    renderer_.emplace();
+    target_.emplace(viewport.width, viewport.height);
+  }
+  void TearDown() override {
+    target_.reset();
+    renderer_.reset();
+    mesh_.reset();
+    GlTest::TearDown();
+  }
+
+  Image draw() {
+    renderer_->draw(scene_, camera_, viewport, target_->framebuffer());
+    return {viewport.width, viewport.height, target_->readPixels()};
+  }
+  Eigen::Vector3i at(const Image& image, const Eigen::Vector2d& pixel) const {
+    const std::uint8_t* p = image.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
+    return {p[0], p[1], p[2]};
+  }
+  Eigen::Vector3i at(const Image& image, const Vector3d& world) const { return at(image, project(camera_, viewport, world).pixel); }
+
+  Arm body_;
+  std::optional<SkinnedMeshGl> mesh_;
+  SkinPose pose_;
+  RenderScene scene_;
+  Camera camera_;
+  std::optional<Renderer> renderer_;
+  std::optional<RenderTarget> target_;
+};
+
+int differingPixels(const Image& a, const Image& b, int threshold = 8) {
+  int count = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); i += 4)
+    count += std::abs(a.pixels[i] - b.pixels[i]) + std::abs(a.pixels[i + 1] - b.pixels[i + 1]) +
+                 std::abs(a.pixels[i + 2] - b.pixels[i + 2]) > threshold;
+  return count;
+}
+
+// The key light comes from the left, above and before: a ground point behind and to the right lies in the shadow.
+const Vector3d inShadow(0.45, 0.0, -0.35), inLight(-0.9, 0.0, 0.4);
+
+TEST_F(RendererTest, ABodyDarkensTheGroundBehindItAndOnlyThere) {
+  const Image with = draw();
+  scene_.shadows = false;
+  const Image without = draw();
+  EXPECT_LT(at(with, inShadow).sum(), 0.85 * at(without, inShadow).sum());
+  EXPECT_NEAR(at(with, inLight).sum(), at(without, inLight).sum(), 3);  // one step of rounding a channel
+}
+
+TEST_F(RendererTest, AGhostCastsNoShadowAndLetsTheGroundThrough) {
+  const Image solid = draw();
+  scene_.bodies[0].tint.a = 0.3f;
+  const Image ghost = draw();
+  EXPECT_GT(at(ghost, inShadow).sum(), at(solid, inShadow).sum());
+  scene_.bodies.clear();
+  const Image empty = draw();
+  const Vector3d onBody(0.0, 0.5, 0.2);
+  const auto distance = [&](const Image& a, const Image& b) { return (at(a, onBody) - at(b, onBody)).cast<double>().norm(); };
+  EXPECT_LT(distance(ghost, empty), distance(solid, empty));
+  EXPECT_GT(distance(ghost, empty), 0.0);
+}
+
+TEST_F(RendererTest, BackgroundCornersFollowTheGradientOfTheTheme) {
+  scene_.ground.visible = false;
+  scene_.bodies.clear();
+  for (const Theme theme : {Theme::Light, Theme::Dark}) {
+    scene_.theme = theme;
+    const Image image = draw();
+    const Eigen::Vector2d upper(0, 0), upperRight(319, 0), lower(0, 199);
+    EXPECT_EQ(at(image, upper), at(image, upperRight));
+    EXPECT_GT(at(image, lower).sum(), at(image, upper).sum() + 20);
+    EXPECT_EQ(at(image, upper).sum() > 384, theme == Theme::Light);
+  }
+}
+
+TEST_F(RendererTest, ColoursArriveAsTheyWerePicked) {
+  // Through linear light, the sRGB target and the copy: 8-bit rounding alone is left.
+  scene_.overlayOnTop.triangle({-9, -9, 0}, {9, -9, 0}, {0, 18, 0}, {0.2f, 0.5f, 0.8f});
+  for (const int n : {1, 2}) {
+    renderer_->setSupersampling(n);
+    const Eigen::Vector3i colour = at(draw(), Vector3d(0.2, 0.4, 0));
+    EXPECT_NEAR(colour[0], 51, 1);
+    EXPECT_NEAR(colour[1], 128, 1);
+    EXPECT_NEAR(colour[2], 204, 1);
+  }
+}
+
+TEST_F(RendererTest, AnOverlayIsHiddenByTheBodyUnlessItLiesOnTopOrTheBodyIsTransparent) {
+  const Vector3d within(0.0, 0.5, 0.0);
+  const Image plain = draw();
+  scene_.overlay.point(within, {1, 0, 0}, 12);
+  EXPECT_EQ(differingPixels(plain, draw()), 0);
+  scene_.xray = true;
+  const Image through = draw();
+  EXPECT_GT(at(through, within)[0], at(through, Vector3d(0.12, 0.5, 0.0))[0] + 10);
+  scene_.xray = false;
+  std::swap(scene_.overlay, scene_.overlayOnTop);
+  const Eigen::Vector3i colour = at(draw(), within);
+  EXPECT_GT(colour[0], 250);
+  EXPECT_LT(colour[1], 5);
+}
+
+TEST_F(RendererTest, LinesAndMarksHaveTheirWidthInPixels) {
+  scene_.ground.visible = false;
+  scene_.bodies.clear();
+  const Image plain = draw();
+  scene_.overlay.line({-5, 0.4, 0}, {5, 0.4, 0}, {1, 0, 0}, 4);
+  const Image lined = draw();
+  int rows = 0;
+  for (int y = 0; y < viewport.height; ++y) rows += at(lined, Eigen::Vector2d(160, y)) != at(plain, Eigen::Vector2d(160, y));
+  EXPECT_GE(rows, 4);
+  EXPECT_LE(rows, 6);  // its edges are smoothed
+  scene_.overlay.clear();
+  scene_.overlay.point({0.2, 0.4, 0}, {0, 0, 1}, 20);
+  const int covered = differingPixels(plain, draw(), 0);
+  EXPECT_NEAR(covered, 314, 40);  // pi 10^2, and the smoothed rim
+}
+
+TEST_F(RendererTest, LinesThroughTheEyeAndBehindItDoNoHarm) {
+  const Vector3d eye = camera_.eye(), forward = camera_.target - eye;
+  scene_.overlay.line(eye - forward, eye + forward, {1, 0, 0}, 3);
+  scene_.overlay.line(eye - forward, eye - 2.0 * forward, {1, 0, 0}, 3);
+  scene_.overlay.line(camera_.target, camera_.target, {1, 0, 0}, 3);
+  draw();
+}
+
+TEST_F(RendererTest, EveryViewModeDrawsAnotherPicture) {
+  const Image clay = draw();
+  scene_.bodies[0].wireframe = true;
+  EXPECT_GT(differingPixels(clay, draw()), 30);
+  scene_.bodies[0].wireframe = false;
+  mesh_->setColours(viridisColours(std::vector<float>(mesh_->vertexCount(), 1.0f)));
+  scene_.bodies[0].surface = SurfaceColour::Vertex;
+  const Eigen::Vector3i yellow = at(draw(), Vector3d(0.0, 0.5, 0.2));
+  EXPECT_GT(yellow[0], 2 * yellow[2]);
+  EXPECT_GT(yellow[1], 2 * yellow[2]);
+}
+
+TEST_F(RendererTest, PlanarScenesInHundredsOfUnitsGetTheirShadowToo) {
+  const Arm arm = testing::arm(3, 150.0, 20.0);
+  const SkinnedMeshGl mesh(arm.skin);
+  const SkinPose pose = poseSkin(arm.skin, restFrames(arm.skeleton));
+  scene_.bodies = {{.mesh = &mesh, .pose = &pose}};
+  scene_.bounds = PosedBounds(arm.skin)(pose);
+  scene_.ground.height = -22.0;
+  camera_ = frameBox(lookFrom({.up = Vector3d::UnitZ(), .orthographic = true}, StandardView::Top), viewport, scene_.bounds);
+  const Image with = draw();
+  scene_.shadows = false;
+  const int shadowed = differingPixels(with, draw(), 20);
+  EXPECT_GT(shadowed, 500);
+  EXPECT_LT(shadowed, viewport.width * viewport.height / 3);
+}
+
+TEST_F(RendererTest, DrawsBodiesOfBothPoseStoragesWithMultisamplingAndAtAnySize) {
+  const Arm many = testing::arm(400, 0.004, 0.05, 1, 8);
+  const SkinnedMeshGl mesh(many.skin);
+  const SkinPose pose = poseSkin(many.skin, restFrames(many.skeleton));
+  scene_.bodies.push_back({.mesh = &mesh, .pose = &pose});
+  scene_.bodies.push_back({.mesh = &mesh, .pose = &pose, .tint = {0.2f, 0.4f, 0.9f, 0.4f}});
+  renderer_->setSamples(4);
+  draw();
+  renderer_->setSupersampling(2);
+  draw();
+  RenderTarget tiny(1, 1);
+  renderer_->draw(scene_, camera_, {1, 1}, tiny.framebuffer());
+}
+
+TEST_F(RendererTest, AnEmptySceneIsAPictureToo) {
+  scene_ = {};
+  draw();
+}
+
+TEST_F(RendererTest, LeavesTheStateThatAnInterfaceDrawnAfterwardsExpects) {
+  draw();
+  GLint framebuffer = 0, program = 0, array = 0, texture = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  glGetIntegerv(GL_CURRENT_PROGRAM, &program);
+  glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &array);
+  glGetIntegerv(GL_TEXTURE_BINDING_2D, &texture);
+  EXPECT_EQ(static_cast<GLuint>(framebuffer), target_->framebuffer());
+  EXPECT_EQ(program, 0);
+  EXPECT_EQ(array, 0);
+  EXPECT_EQ(texture, 0);
+  for (const GLenum state : {GL_DEPTH_TEST, GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_FRAMEBUFFER_SRGB})
+    EXPECT_FALSE(glIsEnabled(state)) << std::hex << state;
+}
+
+TEST(PosedBounds, HoldsEveryVertexOfABentArmNearly) {
+  const Arm arm = testing::arm(4, 0.3, 0.05);
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Frames frames = forwardKinematics(arm.skeleton, testing::bent(arm.skeleton, random, 1.0));
+    const Eigen::AlignedBox3d estimate = PosedBounds(arm.skin)(poseSkin(arm.skin, frames));
+    Eigen::AlignedBox3d exact;
+    for (const Vector3d& p : linearBlendSkin(arm.skin, frames).positions) exact.extend(p);
+    // Vertices that two joints share lie between what the two boxes say: off by the radius at most.
+    EXPECT_LE((estimate.min() - exact.min()).cwiseAbs().maxCoeff(), 0.1) << "seed 6, trial " << trial;
+    EXPECT_LE((estimate.max() - exact.max()).cwiseAbs().maxCoeff(), 0.1) << "seed 6, trial " << trial;
+  }
+}
+
+TEST(Viridis, RisesInLuminanceFromEndToEnd) {
+  double before = -1.0;
+  for (int i = 0; i <= 100; ++i) {
+    const double luminance = Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f).dot(linearLight(viridis(0.01f * static_cast<float>(i))));
+    EXPECT_GT(luminance, before) << i;
+    before = luminance;
+  }
+  EXPECT_EQ(viridis(-1.0f).r, viridis(0.0f).r);
+  EXPECT_EQ(viridis(NAN).r, viridis(0.0f).r);
+  EXPECT_EQ(viridis(2.0f).r, viridis(1.0f).r);
+}
+
+}  // namespace
+}  // namespace gelenk
