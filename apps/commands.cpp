@@ -6,6 +6,7 @@ void addCompareCommand(CLI::App& app);
 void addConvertCommand(CLI::App& app);
 void addFkCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
+void addLectureCommand(CLI::App& app);
 void addMusclesCommand(CLI::App& app);
 void addSolveCommand(CLI::App& app);
 
@@ -14,6 +15,7 @@ void addCommands(CLI::App& app) {
   addConvertCommand(app);
   addFkCommand(app);
   addInfoCommand(app);
+  addLectureCommand(app);
   addMusclesCommand(app);
   addSolveCommand(app);
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 #include "apps/model_files.h"
 #include "kinematics/mannequin.h"
 #include "kinematics/robots.h"
+#include "skinning/body_around.h"
 #include "skinning/io/skin_cache.h"
 #include "skinning/mannequin_body.h"
 
@@ -42,6 +44,19 @@ const std::vector<BuiltIn>& builtIns() {
 }
 
 }  // namespace
+
+Model withBody(Model model) {
+  if (model.skin) return model;
+  std::string name = "body-" + model.name;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '-';
+  try {
+    model.skin = cachedSkin(cacheFolder(), name, bodySkinKey(model.skeleton), [&] { return bodySkin(model.skeleton); });
+  } catch (const std::exception& error) {
+    model.notes.push_back(fmt::format("no body around the bones: {}", error.what()));
+  }
+  return model;
+}
 
 std::vector<std::string> builtInModels() {
   std::vector<std::string> names;

@@ -25,6 +25,10 @@ struct Model {
 /// Throws std::invalid_argument listing the names, or ParseError.
 Model openModel(const std::string& nameOrFile);
 
+/// The model with a rounded body around its bones (skinning/body_around.h) where it has none; for everything that shows it. Taken from the
+/// cache when the same skeleton was shown before. A skeleton around which no body can be made stays bare, and a note says why.
+Model withBody(Model model);
+
 /// Names of the built-in models.
 std::vector<std::string> builtInModels();
 

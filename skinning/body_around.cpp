@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "skinning/bone_heat.h"
+#include "skinning/io/skin_cache.h"
 
 namespace gelenk {
 
@@ -152,6 +153,19 @@ Skin bodySkin(const Skeleton& skeleton, const BodyAroundOptions& options) {
   const Frames rest = restFrames(skeleton);
   const SparseWeights weights = boneHeatWeights(mesh, bonesOf(skeleton, rest));
   return bindSkin(std::move(mesh), rest, fourLargest(weights, skeleton.jointCount()));
+}
+
+std::uint64_t bodySkinKey(const Skeleton& skeleton) {
+  constexpr double methodVersion = 1.0;
+  std::vector<double> facts{methodVersion};
+  const Frames rest = restFrames(skeleton);
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    for (const double entry : rest[i].matrix().reshaped()) facts.push_back(entry);
+    facts.insert(facts.end(), {static_cast<double>(skeleton.parent(i)), skeleton.joint(i).ball ? 1.0 : 0.0});
+    for (const AxisDof& dof : skeleton.joint(i).axes)
+      facts.insert(facts.end(), {static_cast<double>(dof.kind), dof.axis.x(), dof.axis.y(), dof.axis.z()});
+  }
+  return checksum({reinterpret_cast<const char*>(facts.data()), facts.size() * sizeof(double)});
 }
 
 }  // namespace gelenk

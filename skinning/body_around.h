@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "skinning/body_shape.h"
 #include "skinning/polygonise.h"
 #include "skinning/skin.h"
@@ -21,5 +23,8 @@ Mesh bodyAround(const Skeleton& skeleton, const BodyAroundOptions& options = {})
 
 /// The mesh bound to the skeleton by heat weights.
 Skin bodySkin(const Skeleton& skeleton, const BodyAroundOptions& options = {});
+
+/// A fingerprint of all that bodySkin (with default options) depends on: the rest pose, which joints move, the version of the method.
+std::uint64_t bodySkinKey(const Skeleton& skeleton);
 
 }  // namespace gelenk

@@ -88,6 +88,9 @@ bool findInVolume(const FfdPlane* planes, const Vector3d& x, PlaneHit& best) {
   return found;
 }
 
+/// Vertices with less weight than this do not widen the section rectangle: the little that they follow the limb is extrapolated.
+constexpr double mainlyOnLimb = 0.3;
+
 struct LimbShare {
   int limb = -1;
   double weight = 0.0;
@@ -213,7 +216,7 @@ MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFra
     }
     body.vertices[v] = vertex;
     const LimbShape& shape = body.limbs[share.limb].shape;
-    if (vertex.volume >= 0)
+    if (vertex.volume >= 0 && vertex.weight >= mainlyOnLimb)
       sections[share.limb].extend(
           Vector2d(shape.sectionLower + vertex.uvw.head<2>().cwiseProduct(shape.sectionUpper - shape.sectionLower)));
   }

@@ -52,7 +52,8 @@ struct MuscleSkin {
 };
 
 /// Binds each vertex by solving the rest lattice (built by the same seam rule from the rest frames) for its parameters, so that the
-/// rest pose is reproduced exactly however the rig rests. Enlarges each limb's section rectangle to contain its vertices.
+/// rest pose is reproduced exactly however the rig rests. Fits each limb's section rectangle to the vertices that are mainly
+/// on the limb.
 MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFrames);
 
 /// Pose of every limb. muscles: one list of states a limb, or empty.

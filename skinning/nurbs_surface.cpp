@@ -88,7 +88,7 @@ int knotSpan(const std::vector<double>& knots, int degree, int count, double u) 
   return static_cast<int>(std::upper_bound(knots.begin() + degree, knots.begin() + count, u) - knots.begin()) - 1;
 }
 
-SurfacePoint evaluate(const NurbsSurface& s, double u, double v) {
+NurbsPoint evaluate(const NurbsSurface& s, double u, double v) {
   u = std::clamp(u, s.lowerU(), s.upperU());
   v = std::clamp(v, s.lowerV(), s.upperV());
   const int spanU = knotSpan(s.knotsU, s.degreeU, s.countU, u), spanV = knotSpan(s.knotsV, s.degreeV, s.countV, v);
@@ -125,7 +125,7 @@ Mesh tessellate(const NurbsSurface& surface, int stepsU, int stepsV) {
     for (int j = 0; j <= stepsV; ++j) {
       const double u = surface.lowerU() + (surface.upperU() - surface.lowerU()) * i / stepsU;
       const double v = surface.lowerV() + (surface.upperV() - surface.lowerV()) * j / stepsV;
-      const SurfacePoint at = evaluate(surface, u, v);
+      const NurbsPoint at = evaluate(surface, u, v);
       const auto [entry, isNew] = known.try_emplace(key(at.position), static_cast<int>(mesh.positions.size()));
       vertex[i * (stepsV + 1) + j] = entry->second;
       const Vector3d normal = at.du.cross(at.dv);

@@ -26,11 +26,11 @@ struct NurbsSurface {
 /// Throws std::invalid_argument that says which count, knot or weight is wrong and what was expected.
 void validate(const NurbsSurface& surface);
 
-struct SurfacePoint {
+struct NurbsPoint {
   Eigen::Vector3d position, du, dv;  ///< and the first partial derivatives
 };
 /// u, v are clamped to the domain.
-SurfacePoint evaluate(const NurbsSurface& surface, double u, double v);
+NurbsPoint evaluate(const NurbsSurface& surface, double u, double v);
 
 /// A triangle mesh on a regular grid of stepsU x stepsV cells with the surface's own normals. Grid points that coincide (a surface
 /// closed on itself, a pole) become one vertex; triangles that collapse are dropped. Counter-clockwise along du x dv.

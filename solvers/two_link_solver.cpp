@@ -19,8 +19,17 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+/// An elbow or a knee: it turns about its first axis; axes after that one (the forearm's twist) are held.
 bool isHinge(const Joint& joint) {
-  return !joint.ball && joint.axes.size() == 1 && joint.axes[0].kind == AxisDof::Kind::Rotation;
+  if (joint.ball || joint.axes.empty() || joint.axes[0].kind != AxisDof::Kind::Rotation) return false;
+  return joint.axes.size() == 1 || joint.axes[0].upper - joint.axes[0].lower > 1.5;
+}
+
+/// The first axis of the joint in the world.
+Vector3d hingeAxis(const Skeleton& skeleton, const Frames& frames, int i) {
+  const Joint& joint = skeleton.joint(i);
+  const Vector3d inParent = joint.parentFromZero.linear() * joint.axes[0].axis;
+  return joint.parent < 0 ? inParent : Vector3d(frames[joint.parent].linear() * inParent);
 }
 
 /// Three rotations about coordinate axes: the Euler order, where that is one.
@@ -42,33 +51,41 @@ struct Chain {
   bool turnsHand = false;  ///< a pose goal: its ball joint is turned last, so the joint's origin is led
 };
 
-std::optional<Chain> chainAbove(const Skeleton& skeleton, const Goal& goal, const Frames& frames) {
-  Chain chain{.turnsHand = goal.kind == GoalKind::Pose};
-  int from = goal.joint;
-  if (chain.turnsHand) {
-    if (!skeleton.joint(goal.joint).ball || !skeleton.joint(goal.joint).axes.empty()) return std::nullopt;
-    from = skeleton.parent(goal.joint);
-  }
-  const Vector3d end = chain.turnsHand ? frames[goal.joint].translation() : Vector3d(frames[goal.joint] * goal.pointInJoint);
-  const auto movesEnd = [&](int i) { return (frames[i].translation() - end).norm() > 1e-9; };
-  for (int i = from; i >= 0 && chain.elbow < 0; i = skeleton.parent(i))
-    if (isHinge(skeleton.joint(i)) && movesEnd(i)) chain.elbow = i;
-  for (int i = from; i >= 0 && chain.elbow < 0; i = skeleton.parent(i))
-    if (skeleton.joint(i).ball && skeleton.joint(i).axes.empty() && movesEnd(i)) chain.elbow = i;
-  if (chain.elbow < 0) return std::nullopt;
+/// The joint nearest above the elbow that can aim it; in the plane a hinge parallel to the elbow's.
+std::optional<Chain> shoulderAbove(const Skeleton& skeleton, const Frames& frames, Chain chain) {
   const bool hinge = isHinge(skeleton.joint(chain.elbow));
-  const Vector3d elbowAxis = hinge ? Vector3d(frames[chain.elbow].linear() * skeleton.joint(chain.elbow).axes[0].axis) : Vector3d::Zero();
   for (int i = skeleton.parent(chain.elbow); i >= 0; i = skeleton.parent(i)) {
     const Joint& joint = skeleton.joint(i);
-    if (canAim(joint)) {
-      chain.shoulder = i;
-      return chain;
+    chain.shoulder = i;
+    if (canAim(joint)) return chain;
+    chain.inPlane = hinge && joint.axes.size() == 1 && isHinge(joint) &&
+                    std::abs(hingeAxis(skeleton, frames, i).dot(hingeAxis(skeleton, frames, chain.elbow))) > 1.0 - 1e-9;
+    if (chain.inPlane) return chain;
+  }
+  return std::nullopt;
+}
+
+/// Of all pairs above the goal the one whose shorter link is longest: the arm rather than the finger. Hinges come before balls.
+std::optional<Chain> chainAbove(const Skeleton& skeleton, const Goal& goal, const Frames& frames) {
+  const bool turnsHand = goal.kind == GoalKind::Pose;
+  const Joint& hand = skeleton.joint(goal.joint);
+  if (turnsHand && (!hand.ball || !hand.axes.empty())) return std::nullopt;
+  const Vector3d end = turnsHand ? frames[goal.joint].translation() : Vector3d(frames[goal.joint] * goal.pointInJoint);
+  for (const bool balls : {false, true}) {
+    std::optional<Chain> best;
+    double longest = 1e-9;
+    for (int i = turnsHand ? hand.parent : goal.joint; i >= 0; i = skeleton.parent(i)) {
+      const Joint& joint = skeleton.joint(i);
+      if (balls ? !joint.ball || !joint.axes.empty() : !isHinge(joint)) continue;
+      const std::optional<Chain> chain = shoulderAbove(skeleton, frames, {.elbow = i, .turnsHand = turnsHand});
+      if (!chain) continue;
+      const Vector3d elbow = frames[i].translation();
+      const double shorter = std::min((end - elbow).norm(), (elbow - frames[chain->shoulder].translation()).norm());
+      if (shorter <= longest * (1.0 + 1e-9)) continue;
+      longest = shorter;
+      best = chain;
     }
-    if (hinge && isHinge(joint) && std::abs((frames[i].linear() * joint.axes[0].axis).dot(elbowAxis)) > 1.0 - 1e-9) {
-      chain.shoulder = i;
-      chain.inPlane = true;
-      return chain;
-    }
+    if (best) return best;
   }
   return std::nullopt;
 }
@@ -200,7 +217,7 @@ class TwoLinkSolver final : public IkSolver {
     VectorXd q = at.q();
     const int index = skeleton.qIndex(chain.elbow);
     if (isHinge(joint)) {
-      const Vector3d axis = elbow.linear() * joint.axes[0].axis;
+      const Vector3d axis = hingeAxis(skeleton, at.frames(), chain.elbow);
       if (chain.inPlane) distance = (target - shoulder - axis * axis.dot(target - shoulder)).norm();
       const Quaterniond upright = rotationBetween(axis, Vector3d::UnitZ());
       Vector3d p = upright * (shoulder - elbow.translation()), c = upright * (end - elbow.translation());

@@ -52,7 +52,7 @@ Viewport parseSize(const Request& request) {
 Model openInput(const Request& request, const ModelReference& reference) {
   const std::string& skeleton = request.skeleton.empty() ? reference.skeletonFile : request.skeleton;
   const std::string& weights = request.weights.empty() ? reference.weightsFile : request.weights;
-  if (skeleton.empty()) return openModel(reference.nameOrFile);
+  if (skeleton.empty()) return withBody(openModel(reference.nameOrFile));
   return openBody(reference.nameOrFile, skeleton, weights.empty() ? std::nullopt : std::optional(weights));
 }
 

@@ -65,6 +65,10 @@ void recordPlots(Sandbox::State& s) {
 SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.mesh || !(s.show.skin || s.show.wireframe)) return nullptr;
+  if (s.muscles) {
+    poseSkin(s.muscles->body(), sandbox.shownFrames(), sandbox.limbPoses(), s.pose);
+    return s.layeredMesh.get();
+  }
   if (!s.deformer) return s.mesh.get();
   const Skin& skin = *s.session->model().skin;
   if (!s.deformedMesh) s.deformedMesh = std::make_unique<SkinnedMeshGl>(skin);
@@ -147,7 +151,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
 Sandbox::~Sandbox() = default;
 
 Model Sandbox::readModel(const std::string& name, const std::string& skeletonFile, const std::string& weightsFile) {
-  if (skeletonFile.empty()) return gelenk::openModel(name);
+  if (skeletonFile.empty()) return withBody(gelenk::openModel(name));
   return openBody(name, skeletonFile, weightsFile.empty() ? std::nullopt : std::optional(weightsFile));
 }
 
@@ -163,6 +167,8 @@ void Sandbox::openModel(Model model, const ModelReference& reference) {
   s.reference = reference;
   s.deformer = {};
   s.deformedMesh.reset();
+  s.muscles.reset();
+  s.layeredMesh.reset();
   s.ghosts.clear();
   s.ghostMeshes.clear();
   s.shownFrames.reset();
@@ -173,7 +179,7 @@ void Sandbox::openModel(Model model, const ModelReference& reference) {
   s.selectedGoal.reset();
   s.plots = {};
   s.limitGlow.assign(s.session->skeleton().jointCount(), 0.0);
-  s.surfaceIsCurrent = false;
+  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
   s.bounds = boxOf(*s.session, shownFrames(), surface());
   s.size = std::max(s.bounds.diagonal().norm(), 1e-9);
   const Eigen::Vector3d up = s.session->model().up;
@@ -261,7 +267,7 @@ void Sandbox::frame(const Input& input, double dt) {
   s.scene.overlay.clear();
   s.scene.overlayOnTop.clear();
   s.shownFrames.reset();
-  s.surfaceIsCurrent = false;
+  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
 
   s.gui.setLook(s.theme, s.scale);
   s.gui.beginFrame(input, dt);
@@ -271,7 +277,7 @@ void Sandbox::frame(const Input& input, double dt) {
   for (const auto& panel : s.panels) panel->step(*this, dt);
   if (!s.shownFrames) s.session->step();
   recordPlots(s);
-  s.surfaceIsCurrent = false;
+  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
   s.bounds = boundsOfFrame(*this);
 
   drawShell(*this);
@@ -308,14 +314,17 @@ double Sandbox::time() const { return state_->time; }
 
 void Sandbox::showFrames(Frames worldFromJoint) {
   state_->shownFrames = std::move(worldFromJoint);
-  state_->surfaceIsCurrent = false;
+  state_->surfaceIsCurrent = state_->limbPosesAreCurrent = false;
 }
 const Frames& Sandbox::shownFrames() const { return state_->shownFrames ? *state_->shownFrames : state_->session->frames(); }
 
 const SkinnedVertices& Sandbox::surface() const {
   State& s = *state_;
   if (!s.surfaceIsCurrent && s.session->model().skin) {
-    linearBlendSkin(*s.session->model().skin, shownFrames(), s.surface);
+    if (s.muscles)
+      skinWithMuscles(s.muscles->body(), shownFrames(), limbPoses(), s.surface);
+    else
+      linearBlendSkin(*s.session->model().skin, shownFrames(), s.surface);
     if (s.deformer) s.deformer(shownFrames(), s.surface);
   } else if (!s.session->model().skin) {
     s.surface = {};
@@ -327,7 +336,19 @@ const SkinnedVertices& Sandbox::surface() const {
 std::vector<Ghost>& Sandbox::ghosts() { return state_->ghosts; }
 void Sandbox::setDeformer(SkinDeformer deformer) {
   state_->deformer = std::move(deformer);
-  state_->surfaceIsCurrent = false;
+  state_->surfaceIsCurrent = state_->limbPosesAreCurrent = false;
+}
+void Sandbox::setMuscles(std::shared_ptr<const MuscleRig> muscles) {
+  State& s = *state_;
+  s.layeredMesh = muscles ? std::make_unique<SkinnedMeshGl>(muscles->body()) : nullptr;
+  s.muscles = std::move(muscles);
+  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
+}
+const std::vector<LimbPose>& Sandbox::limbPoses() const {
+  State& s = *state_;
+  if (!s.limbPosesAreCurrent) s.limbPoses = s.muscles ? s.muscles->pose(shownFrames()) : std::vector<LimbPose>{};
+  s.limbPosesAreCurrent = true;
+  return s.limbPoses;
 }
 Overlay& Sandbox::overlay() { return state_->scene.overlayOnTop; }
 Overlay& Sandbox::overlayInScene() { return state_->scene.overlay; }

@@ -13,6 +13,7 @@
 #include "apps/sandbox/panel.h"
 #include "apps/scene.h"
 #include "apps/session.h"
+#include "skinning/muscle_control.h"
 
 namespace gelenk {
 
@@ -80,6 +81,11 @@ class Sandbox {
 
   std::vector<Ghost>& ghosts();         ///< emptied at the beginning of every frame
   void setDeformer(SkinDeformer deformer);  ///< empty: plain linear blend skinning on the GPU
+  /// Muscle layers on the model's limbs: the skin is drawn, in the vertex shader, and picked with them. nullptr: without. To be called
+  /// again when the rig's binding has changed; controls may change at any time.
+  void setMuscles(std::shared_ptr<const MuscleRig> muscles);
+  /// The limbs of this frame; empty without muscle layers.
+  const std::vector<LimbPose>& limbPoses() const;
   Overlay& overlay();                   ///< lines, dots, bones, fills over the view, this frame (apps/render/renderer.h)
   Overlay& overlayInScene();            ///< the same, hidden by bodies in front
   /// Text at a world point, this frame; colour sRGB 0..1.

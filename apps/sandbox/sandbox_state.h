@@ -82,6 +82,10 @@ struct Sandbox::State {
   bool surfaceIsCurrent = false;
   SkinDeformer deformer;
   std::unique_ptr<SkinnedMeshGl> deformedMesh;  ///< takes the shape that the deformer gives
+  std::shared_ptr<const MuscleRig> muscles;
+  std::unique_ptr<SkinnedMeshGl> layeredMesh;   ///< the body with its muscle layers
+  std::vector<LimbPose> limbPoses;
+  bool limbPosesAreCurrent = false;
   std::unique_ptr<PosedBounds> posedBounds;
   std::optional<std::vector<Eigen::Vector3f>> vertexColours;
 

@@ -368,8 +368,8 @@ std::string hardnessPlot(const Group& group) {
                          solvers[m], m);
   }
   return preamble() + blocks +
-         fmt::format("unset key\nset palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
-                     "set xlabel 'log_1_0 of sigma_{{min}}'\nset ylabel 'limit margin'\nset multiplot layout {},{} margins 0.07,0.9,0.13,0.92 spacing 0.08,0.16\n",
+         fmt::format("unset key\nset colorbox user origin 0.92,0.2 size 0.014,0.6\nset palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
+                     "set xlabel 'log_{{10}} {{/Symbol s}}_{{min}}' offset 0,0.4\nset ylabel 'limit margin' offset 1.5,0\nset multiplot layout {},{} margins 0.07,0.89,0.13,0.92 spacing 0.07,0.2\n",
                      panels > 3 ? 2 : 1, std::min<std::size_t>(panels, 3)) +
          plots + "unset multiplot\n";
 }

@@ -15,6 +15,14 @@ namespace {
 
 using Eigen::Vector3d;
 
+#if defined(__SANITIZE_ADDRESS__)
+constexpr int trees = 2;
+#elif defined(__has_feature)
+constexpr int trees = __has_feature(address_sanitizer) ? 2 : 6;
+#else
+constexpr int trees = 6;
+#endif
+
 /// Closed, manifold, one piece, and every joint of a bone inside.
 void expectBody(const Skeleton& skeleton, const Mesh& mesh, const std::string& what) {
   const MeshTopology facts = topology(mesh);
@@ -63,7 +71,7 @@ TEST(BodyAround, SoDoesTheFigureAndItsFingersStayApart) {
 }
 
 TEST(BodyAround, SoDoRandomTrees) {
-  for (const int seed : {1, 2, 3, 4, 5, 6}) {
+  for (int seed = 1; seed <= trees; ++seed) {
     std::mt19937_64 random(seed);
     const Skeleton tree = testing::randomSkeleton(random, 3 + 4 * seed);
     expectBody(tree, bodyAround(tree), "seed " + std::to_string(seed));

@@ -29,7 +29,7 @@ NurbsSurface cylinder() {
 TEST(Nurbs, RationalCircleIsExact) {
   const NurbsSurface s = cylinder();
   for (double v = 0.0; v <= 4.0; v += 0.037) {
-    const SurfacePoint at = evaluate(s, 0.3, v);
+    const NurbsPoint at = evaluate(s, 0.3, v);
     EXPECT_NEAR(at.position.head<2>().norm(), 2.0, 1e-14);
     EXPECT_NEAR(at.position.z(), 2.1, 1e-14);
     EXPECT_NEAR(at.dv.head<2>().dot(at.position.head<2>()), 0.0, 1e-12);
@@ -45,7 +45,7 @@ TEST(Nurbs, DerivativesMatchCentralDifferences) {
   constexpr double h = 1e-6;
   for (double u = 0.1; u < 1.0; u += 0.17)
     for (double v = 0.13; v < 4.0; v += 0.31) {  // never on a double knot, where the surface has a corner
-      const SurfacePoint at = evaluate(s, u, v);
+      const NurbsPoint at = evaluate(s, u, v);
       EXPECT_LE((at.du - (evaluate(s, u + h, v).position - evaluate(s, u - h, v).position) / (2 * h)).norm(), 1e-8);
       EXPECT_LE((at.dv - (evaluate(s, u, v + h).position - evaluate(s, u, v - h).position) / (2 * h)).norm(), 1e-7);
     }

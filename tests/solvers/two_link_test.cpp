@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "kinematics/forward_kinematics.h"
+#include "kinematics/mannequin.h"
 #include "kinematics/planar_chain.h"
 #include "solvers/judge.h"
 #include "tests/kinematics/random_skeleton.h"
@@ -308,6 +309,31 @@ TEST(TwoLinkSolver, ATargetThatCrossesThePoleDoesNotFlipTheElbow) {
   }
   std::printf("  elbow step / target step across the pole: %.2f\n", worst);
   EXPECT_LE(worst, 5.0);
+}
+
+TEST(TwoLinkSolver, BendsTheFiguresArmsAndLegsTogether) {
+  const Skeleton figure = mannequin();
+  const auto solver = makeTwoLink();
+  std::mt19937_64 random(10);
+  const Frames rest = restFrames(figure);
+  int withinLimits = 0;
+  constexpr int trials = 500;
+  for (int i = 0; i < trials; ++i) {
+    IkProblem problem{.skeleton = &figure, .start = figure.rest()};
+    for (const char* name : {"hand_l", "hand_r", "foot_l", "foot_r"}) {
+      const int joint = figure.jointIndex(name);
+      // Towards the hip or shoulder: always within reach of the bent limb.
+      problem.goals.push_back({.name = name, .joint = joint,
+                               .target = rest[joint].translation() + Vector3d(0, 0.06, 0.02) + 0.04 * testing::randomUnit(random)});
+    }
+    ASSERT_EQ(solver->whyUnsupported(problem), "");
+    const IkReport report = solver->solve(problem, {}, TraceLevel::Off);
+    const Judgement verdict = judge(problem, report.q);
+    EXPECT_LE(verdict.limitViolation, 1e-12);
+    EXPECT_EQ(report.why == Stop::Converged, verdict.solved);
+    withinLimits += verdict.solved;
+  }
+  EXPECT_GE(withinLimits, trials * 9 / 10);  // the others would need the shoulder outside its limits
 }
 
 TEST(TwoLinkSolver, SaysWhyItCannotHelp) {

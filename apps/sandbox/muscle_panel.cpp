@@ -1,0 +1,330 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/muscle_report.h"
+#include "apps/muscle_scene.h"
+#include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/sandbox_state.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double degree = M_PI / 180.0;
+
+/// A slider over a double; true when moved.
+bool slider(const char* label, double& value, double lower, double upper, const char* format, const char* explanation) {
+  float shown = static_cast<float>(value);
+  ImGui::SetNextItemWidth(0.55f * ImGui::GetContentRegionAvail().x);
+  const bool moved = ImGui::SliderFloat(label, &shown, static_cast<float>(lower), static_cast<float>(upper), format);
+  tooltip(explanation);
+  if (moved) value = shown;
+  return moved;
+}
+
+/// The 4 x 4 control points of a plane.
+std::array<Vector3d, 16> controlPoints(const LimbPose& limb, int plane) {
+  std::array<Vector3d, 16> points;
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) {
+      points[4 * j + i] = limb.planes[plane].point(i / 3.0, j / 3.0);
+      if (!limb.displacement.empty()) points[4 * j + i] += limb.displacement[plane][4 * j + i];
+    }
+  return points;
+}
+
+/// Chadwick's muscle layers (lecture 10.3): lattices drawn, planes shaped, muscle curves, LBS beside FFD.
+class MusclePanel final : public Panel {
+ public:
+  std::string name() const override { return "Muscles"; }
+  bool hasInspector() const override { return true; }
+
+  void modelChanged(Sandbox& sandbox) override {
+    rig_.reset();
+    limbs_.clear();
+    settings_ = {};
+    const Model& model = sandbox.session().model();
+    if (!model.skin) return;
+    limbs_ = standardLimbs(model.skeleton, restFrames(model.skeleton));
+    for (const Limb& limb : limbs_)
+      settings_.limbs.emplace_back(limb.name, LimbSettings{.control = defaultMuscleControl(limb)});
+    shownLimb_ = 0;
+    selectedPlane_ = 2;
+    selectedLink_ = 0;
+  }
+
+  void drawInspector(Sandbox& sandbox) override {
+    Sandbox::State& s = sandbox.state();
+    if (limbs_.empty()) {
+      ImGui::TextWrapped("%s", sandbox.session().model().skin
+                                   ? "No limb of a known name (upperarm_l, lowerarm_l, hand_l, ...) was found in this model."
+                                   : "This model has no body to deform.");
+      return;
+    }
+    if (ImGui::Checkbox("Muscle layers", &settings_.enabled)) rebind(sandbox);
+    tooltip("Free-form deformation volumes between skeleton and skin (Chadwick 1989). Each link carries two tri-cubic Bezier "
+            "volumes; a limb acts as one bone in the skinning sum: x' = Σ w T x + W F(u, v, w).");
+    if (!settings_.enabled) {
+      ImGui::TextColored(s.colours().textDim, "Off: plain linear blend skinning.");
+      return;
+    }
+    ImGui::Checkbox("Lattice", &settings_.lattice);
+    tooltip("The control planes of the chosen limb: seven a link, 4 x 4 points each. Teal: connecting planes, amber: inner planes.");
+    ImGui::SameLine();
+    ImGui::Checkbox("LBS beside", &settings_.split);
+    tooltip("Split view: the same pose with linear blend skinning alone, to the left.");
+
+    heading(s, "LIMB");
+    limbChoice();
+    LimbSettings& limb = settings_.limbs[shownLimb_].second;
+    measures(sandbox);
+
+    heading(s, "MUSCLES");
+    bool changed = slider("Activation", limb.control.activation, 0.0, 1.0, "%.2f", "Contraction without motion, 0 to 1: swells flexor and extensor.");
+    if (ImGui::Checkbox("Keep volume", &limb.control.keepVolume)) changed = true;
+    tooltip("Scales planes 2 and 4 by a common s so that the limb encloses its rest volume (quadratic in s).");
+    linkChoice();
+    MuscleCurve& curve = limb.control.curves[selectedLink_];
+    changed |= slider("Flexor", curve.flexor, -0.5, 1.0, "%.2f", "Bulge k of the inside at full bend, dimensionless: S = diag(1 + k, 1 + k/4), offset k r.");
+    changed |= slider("Extensor", curve.extensor, -0.5, 1.0, "%.2f", "Bulge of the outside: grows with activation, slackens with the bend.");
+    changed |= slider("Near joint", curve.nearJoint, 0.0, 1.0, "%.2f", "Share of the bulge at the plane nearer the joint: the belly sits away from it.");
+    changed |= slider("Tendon", curve.tendon, 0.0, 0.6, "%.2f", "Share by which the plane nearer the joint thins at full bend.");
+    double fullBend = curve.fullBend / degree;
+    if (slider("Full bend", fullBend, 30.0, 180.0, "%.0f°", "Total bend (straight = 0) at which the muscle is fully contracted, degrees.")) {
+      curve.fullBend = fullBend * degree;
+      changed = true;
+    }
+    curvePlot(s, curve);
+
+    heading(s, "PLANE");
+    changed |= planeEditor(limb);
+
+    heading(s, "JOINT");
+    bool proportions = slider("Gap", limb.jointGap, 0.05, 0.30, "%.2f L", "Distance of the connecting planes from the joint, of the shorter link. Larger: rounder, like a hose.");
+    proportions |= slider("Wedge", limb.wedge, 0.0, 0.45, "%.2f", "Adaptation: the connecting planes turn by (1/2 - wedge) θ against their bones.");
+    if (proportions) rebind(sandbox);
+    if (ImGui::Button("Reset limb")) {
+      limb = LimbSettings{.control = defaultMuscleControl(limbs_[shownLimb_])};
+      rebind(sandbox);
+    }
+    tooltip("Default proportions and muscles of this limb.");
+    ImGui::SameLine();
+    if (ImGui::Button("Mirror")) mirrorLimb(sandbox);
+    tooltip("Copies this limb's settings to the same limb of the other side.");
+    if (changed) applyControls();
+  }
+
+  void overlay(Sandbox& sandbox) override {
+    if (!rig_) return;
+    const std::vector<LimbPose>& limbs = sandbox.limbPoses();
+    if (settings_.lattice && shownLimb_ < static_cast<int>(limbs.size())) drawLattice(sandbox, limbs[shownLimb_]);
+    if (settings_.split) {
+      Frames beside = sandbox.shownFrames();
+      const Vector3d up = sandbox.session().model().up;
+      const Vector3d shift = sideways(sandbox.camera(), up) * -0.55 * sandbox.state().size;
+      for (Eigen::Isometry3d& frame : beside) frame.pretranslate(shift);
+      sandbox.label(beside[0].translation() + 0.55 * sandbox.state().size * up, "LBS", {0.35f, 0.35f, 0.35f, 1.0f});
+      sandbox.label(sandbox.shownFrames()[0].translation() + 0.55 * sandbox.state().size * up, "FFD", {0.0f, 0.45f, 0.7f, 1.0f});
+      sandbox.ghosts().push_back({.worldFromJoint = beside, .tint = {0.80f, 0.76f, 0.71f}, .opacity = 1.0f});
+    }
+  }
+
+  std::string save() const override { return limbs_.empty() ? "" : muscleSettingsText(settings_); }
+  void load(Sandbox& sandbox, const std::string& json) override {
+    settings_ = parseMuscleSettings(json, limbs_);
+    for (const Limb& limb : limbs_)  // limbs that the scene does not mention keep their defaults
+      if (std::none_of(settings_.limbs.begin(), settings_.limbs.end(), [&](const auto& entry) { return entry.first == limb.name; }))
+        settings_.limbs.emplace_back(limb.name, LimbSettings{.control = defaultMuscleControl(limb)});
+    std::sort(settings_.limbs.begin(), settings_.limbs.end(), [&](const auto& a, const auto& b) { return indexOf(a.first) < indexOf(b.first); });
+    rebind(sandbox);
+  }
+
+ private:
+  static void heading(const Sandbox::State& s, const char* words) {
+    ImGui::Dummy({0, 4 * s.scale});
+    ImGui::PushFont(s.gui.fonts().small);
+    ImGui::TextColored(s.colours().textDim, "%s", words);
+    ImGui::PopFont();
+  }
+
+  static Vector3d sideways(const Camera& camera, const Vector3d& up) {
+    const Vector3d forward = camera.target - camera.eye();
+    const Vector3d right = forward.cross(up);
+    return right.norm() > 1e-9 ? Vector3d(right.normalized()) : Vector3d::UnitX();
+  }
+
+  int indexOf(const std::string& limb) const {
+    return static_cast<int>(std::find_if(limbs_.begin(), limbs_.end(), [&](const Limb& l) { return l.name == limb; }) - limbs_.begin());
+  }
+
+  /// Binds anew: after switching on, and whenever proportions change, because the rest lattice does.
+  void rebind(Sandbox& sandbox) {
+    rig_.reset();
+    if (settings_.enabled) {
+      const Model& model = sandbox.session().model();
+      const Frames rest = restFrames(model.skeleton);
+      std::vector<Limb> limbs = limbs_;
+      try {
+        for (std::size_t l = 0; l < limbs.size(); ++l) applyProportions(limbs[l], settings_.limbs[l].second);
+        rig_ = std::make_shared<MuscleRig>(bindMuscles(*model.skin, limbs, rest), rest);
+      } catch (const std::invalid_argument& error) {
+        sandbox.say(error.what(), true);
+        settings_.enabled = false;
+      }
+      applyControls();
+    }
+    sandbox.setMuscles(rig_);
+  }
+
+  void applyControls() {
+    if (!rig_) return;
+    for (std::size_t l = 0; l < settings_.limbs.size(); ++l) rig_->controls()[l] = settings_.limbs[l].second.control;
+  }
+
+  void limbChoice() {
+    ImGui::SetNextItemWidth(-1);
+    if (!ImGui::BeginCombo("##limb", limbs_[shownLimb_].name.c_str())) return;
+    for (int l = 0; l < static_cast<int>(limbs_.size()); ++l)
+      if (ImGui::Selectable(limbs_[l].name.c_str(), l == shownLimb_)) shownLimb_ = l;
+    ImGui::EndCombo();
+    selectedLink_ = std::min<int>(selectedLink_, static_cast<int>(limbs_[shownLimb_].shape.links.size()) - 1);
+  }
+
+  void linkChoice() {
+    for (int i = 0; i < static_cast<int>(limbs_[shownLimb_].shape.links.size()); ++i) {
+      if (i > 0) ImGui::SameLine();
+      if (ImGui::RadioButton(fmt::format("Link {}", i + 1).c_str(), selectedLink_ == i)) selectedLink_ = i;
+      tooltip("The link whose muscle is shown: 1 is the upper one.");
+    }
+  }
+
+  void measures(Sandbox& sandbox) {
+    if (!rig_) return;
+    const Frames& frames = sandbox.shownFrames();
+    const LimbFrames limb = limbFrames(rig_->body().limbs[shownLimb_], frames);
+    if (limb.rotations.size() > 1) {
+      const JointBend bend = jointBend(limb, 1);
+      ImGui::Text("Bend %.1f°   twist %.1f°", bend.bend / degree, bend.twist / degree);
+      tooltip("Total bend of the joint between the links (straight = 0) and its twist about the bone, degrees.");
+    }
+    const double volume = limbVolume(rig_->body(), rig_->surface(shownLimb_), frames, sandbox.limbPoses()[shownLimb_]);
+    ImGui::Text("Volume %.4f of rest", volume / rig_->restVolume(shownLimb_));
+    tooltip("Volume that the limb's surface encloses, relative to the rest pose.");
+  }
+
+  /// Scale of planes 2 and 4 against the joint's bend.
+  void curvePlot(const Sandbox::State& s, const MuscleCurve& curve) const {
+    const Limb& limb = limbs_[shownLimb_];
+    if (limb.bendAtRest.empty()) return;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x, height = 64 * s.scale;
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    draw->AddRectFilled(at, {at.x + width, at.y + height}, colour32(s.colours().plotBackground), 4 * s.scale);
+    const double rest = limb.bendAtRest[0];
+    const auto fraction = [&](double theta) {
+      const double whole = 1.0 - std::cos(curve.fullBend - rest);
+      return whole > 1e-9 ? std::clamp((1.0 - std::cos(theta - rest)) / whole, 0.0, 1.5) : 0.0;
+    };
+    const auto curveOf = [&](double k, const ImVec4& colour) {
+      std::vector<ImVec2> points;
+      for (int i = 0; i <= 48; ++i) {
+        const double theta = M_PI * i / 48.0, scale = 1.0 + k * fraction(theta);
+        points.push_back({at.x + width * static_cast<float>(i) / 48.0f,
+                          at.y + height * static_cast<float>(std::clamp(0.75 - 0.75 * (scale - 1.0), 0.04, 0.96))});
+      }
+      draw->AddPolyline(points.data(), static_cast<int>(points.size()), colour32(colour), 0, 1.6f * s.scale);
+    };
+    curveOf(curve.flexor, s.colours().accent);
+    curveOf(curve.nearJoint * curve.flexor, s.colours().held);
+    curveOf(-curve.extensor, s.colours().textDim);
+    ImGui::Dummy({width, height});
+    tooltip("Scale of the planes against the bend, 0 to 180 degrees: blue the belly, amber the plane nearer the joint, grey the outside.");
+  }
+
+  bool planeEditor(LimbSettings& limb) {
+    for (const int plane : {2, 4}) {
+      if (plane == 4) ImGui::SameLine();
+      if (ImGui::RadioButton(fmt::format("Plane {}", plane).c_str(), selectedPlane_ == plane)) selectedPlane_ = plane;
+      tooltip("The free inner planes 2 and 4; plane 3 stays their middle, so the seam stays smooth.");
+    }
+    MuscleState& state = limb.control.sculpted[selectedLink_];
+    MusclePlane& plane = selectedPlane_ == 2 ? state.plane2 : state.plane4;
+    double angle = std::atan2(plane.stretch(1, 0) - plane.stretch(0, 1), plane.stretch(0, 0) + plane.stretch(1, 1));
+    const Eigen::Matrix2d S = Eigen::Rotation2Dd(-angle).toRotationMatrix() * plane.stretch;  // polar: rotation times symmetric
+    double across = S(0, 0), sideways = S(1, 1), shear = 0.5 * (S(0, 1) + S(1, 0)), turned = angle / degree;
+    double x = 1000.0 * plane.offset.x(), y = 1000.0 * plane.offset.y();
+    bool changed = slider("Scale x", across, 0.3, 2.0, "%.2f", "Stretch towards the inside of the bend.");
+    changed |= slider("Scale y", sideways, 0.3, 2.0, "%.2f", "Stretch along the bend axis.");
+    changed |= slider("Shear", shear, -0.5, 0.5, "%.2f", "Off-diagonal entry of the symmetric stretch.");
+    changed |= slider("Rotate", turned, -60.0, 60.0, "%.0f°", "Turn about the bone, degrees.");
+    changed |= slider("Offset x", x, -60.0, 60.0, "%.1f mm", "Shift towards the inside of the bend.");
+    changed |= slider("Offset y", y, -60.0, 60.0, "%.1f mm", "Shift along the bend axis.");
+    if (changed) {
+      Eigen::Matrix2d stretch;
+      stretch << across, shear, shear, sideways;
+      plane.stretch = Eigen::Rotation2Dd(turned * degree).toRotationMatrix() * stretch;
+      plane.offset = Eigen::Vector2d(x, y) / 1000.0;
+    }
+    return changed;
+  }
+
+  void mirrorLimb(Sandbox& sandbox) {
+    std::string other = limbs_[shownLimb_].name;
+    if (other.starts_with("left"))
+      other.replace(0, 4, "right");
+    else if (other.starts_with("right"))
+      other.replace(0, 5, "left");
+    const int target = indexOf(other);
+    if (target >= static_cast<int>(limbs_.size()) || target == shownLimb_) return;
+    LimbSettings copy = settings_.limbs[shownLimb_].second;
+    for (MuscleState& state : copy.control.sculpted)
+      for (MusclePlane* plane : {&state.plane2, &state.plane4}) {  // the mirrored section has its y reversed
+        plane->stretch(0, 1) = -plane->stretch(0, 1);
+        plane->stretch(1, 0) = -plane->stretch(1, 0);
+        plane->offset.y() = -plane->offset.y();
+      }
+    settings_.limbs[target].second = copy;
+    rebind(sandbox);
+    sandbox.say("Copied to the " + other);
+  }
+
+  void drawLattice(Sandbox& sandbox, const LimbPose& limb) const {
+    const Palette& colours = sandbox.state().colours();
+    const auto colourOf = [&](int plane) {
+      const bool inner = plane % 6 >= 2 && plane % 6 <= 4;
+      const ImVec4& c = inner ? colours.held : colours.pinned;
+      const bool selected = plane == 6 * selectedLink_ + selectedPlane_;
+      return Colour{c.x, c.y, c.z, selected ? 1.0f : 0.55f};
+    };
+    std::array<Vector3d, 16> before{};
+    for (int p = 0; p < static_cast<int>(limb.planes.size()); ++p) {
+      const std::array<Vector3d, 16> points = controlPoints(limb, p);
+      const Colour colour = colourOf(p);
+      const float width = p == 6 * selectedLink_ + selectedPlane_ ? 2.5f : 1.2f;
+      for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i) {
+          const Vector3d& at = points[4 * j + i];
+          const bool rim = i == 0 || j == 0 || i == 3 || j == 3;
+          if (i < 3) sandbox.overlay().line(at, points[4 * j + i + 1], colour, j == 0 || j == 3 ? width : 0.6f * width);
+          if (j < 3) sandbox.overlay().line(at, points[4 * (j + 1) + i], colour, i == 0 || i == 3 ? width : 0.6f * width);
+          if (p > 0 && rim) sandbox.overlay().line(before[4 * j + i], at, {colour.r, colour.g, colour.b, 0.25f}, 0.8f);
+          if (rim) sandbox.overlay().point(at, colour, 4.0f);
+        }
+      before = points;
+    }
+  }
+
+  std::vector<Limb> limbs_;
+  MuscleSettings settings_;
+  std::shared_ptr<MuscleRig> rig_;
+  int shownLimb_ = 0, selectedLink_ = 0, selectedPlane_ = 2;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> makeMusclePanel() { return std::make_unique<MusclePanel>(); }
+
+}  // namespace gelenk

@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "apps/lecture/example.h"
+#include "apps/lecture/leg_animation.h"
+#include "kinematics/configuration.h"
+#include "kinematics/forward_kinematics.h"
+#include "kinematics/mannequin.h"
+
+namespace gelenk {
+namespace {
+
+struct NamedCheck {
+  std::string id;
+  LectureCheck check;
+};
+
+std::vector<NamedCheck> allChecks() {
+  std::vector<NamedCheck> checks;
+  for (const LectureTopic& topic : lectureTopics())
+    for (const LectureCheck& check : topic.checks) checks.push_back({check.id, check});
+  return checks;
+}
+
+void PrintTo(const NamedCheck& check, std::ostream* out) { *out << check.id; }
+
+class Lecture : public ::testing::TestWithParam<NamedCheck> {};
+
+TEST_P(Lecture, AgreesToThePrintedDigit) {
+  const LectureVerdict verdict = evaluate(GetParam().check);
+  std::string computed;
+  for (const double value : verdict.computed) computed += " " + std::to_string(value);
+  EXPECT_TRUE(verdict.ok) << GetParam().check.what << ": computed" << computed << ", off by " << verdict.difference;
+}
+
+INSTANTIATE_TEST_SUITE_P(Slides, Lecture, ::testing::ValuesIn(allChecks()), [](const auto& info) {
+  std::string name = info.param.id;
+  for (char& c : name)
+    if (c == '-') c = '_';
+  return name;
+});
+
+TEST(LectureList, HasUniqueNamesSectionsAndOneToleranceAValueOrOneForAll) {
+  std::set<std::string> ids;
+  for (const LectureTopic& topic : lectureTopics()) {
+    EXPECT_TRUE(ids.insert(topic.id).second) << topic.id;
+    EXPECT_FALSE(topic.steps().empty());
+    for (const LectureCheck& check : topic.checks) {
+      EXPECT_TRUE(ids.insert(check.id).second) << check.id;
+      EXPECT_FALSE(check.section.empty());
+      EXPECT_TRUE(check.tolerance.size() == 1 || check.tolerance.size() == check.printed.size()) << check.id;
+      EXPECT_EQ(&findLectureTopic(check.id), &topic);
+    }
+  }
+  EXPECT_THROW(findLectureTopic("no-such-example"), std::invalid_argument);
+}
+
+TEST(LectureList, AValueOffByMoreThanHalfADigitIsNoticed) {
+  LectureCheck check{.id = "probe", .section = "none", .what = "", .printed = {0.295}, .tolerance = {5e-4}, .compute = [] { return std::vector{0.2955}; }};
+  EXPECT_TRUE(evaluate(check).ok);  // half a digit is allowed
+  check.compute = [] { return std::vector{0.29551}; };
+  EXPECT_FALSE(evaluate(check).ok);
+  check.compute = [] { return std::vector{std::nan("")}; };
+  EXPECT_FALSE(evaluate(check).ok);
+  check.compute = [] { return std::vector<double>{}; };
+  EXPECT_FALSE(evaluate(check).ok);
+}
+
+TEST(LegAnimation, KeysAreMetAndTheCurveIsContinuousAroundTheCycle) {
+  const LegKeys keys = lectureLegKeys();
+  for (const auto* curve : {&keys.hip, &keys.knee, &keys.foot}) {
+    for (const LegKey& key : *curve) EXPECT_NEAR(keyedAngle(*curve, key.phase), key.phase < 1.0 ? key.degrees : curve->front().degrees, 1e-9);
+    EXPECT_NEAR(keyedAngle(*curve, 1.0 - 1e-9), keyedAngle(*curve, 0.0), 1e-5);
+  }
+}
+
+TEST(LegAnimation, PinnedFeetKeepTheLimitsAndTheRestOfTheBody) {
+  const Skeleton figure = mannequin();
+  const LegAnimation keyed = keyframedLegs(figure, lectureLegKeys(), 1);
+  const LegAnimation pinned = pinFeet(figure, keyed);
+  ASSERT_EQ(keyed.q.size(), pinned.q.size());
+  const int head = figure.jointIndex("head");
+  for (std::size_t f = 0; f < keyed.q.size(); ++f) {
+    EXPECT_LE(limitViolation(figure, pinned.q[f]), 1e-12);
+    EXPECT_LE((forwardKinematics(figure, keyed.q[f])[head].matrix() - forwardKinematics(figure, pinned.q[f])[head].matrix()).norm(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace gelenk
