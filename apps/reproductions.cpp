@@ -25,15 +25,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// What an experiment found: a table, what was published, and what differs between the two.
-struct Findings {
-  std::string setting;
-  std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows = {};
-  std::string published = {};
-  std::string differs = {};
-};
-
 struct Experiment {
   Reproduction entry;
   Findings (*run)();
@@ -392,27 +383,37 @@ std::span<const Reproduction> reproductions() {
   return entries;
 }
 
-void reproduce(const std::string& name, const std::string& folder, const ReportStyle& style) {
+namespace {
+
+const Experiment& experiment(const std::string& name) {
   std::string known;
-  for (const Experiment& experiment : experiments) {
-    known += (known.empty() ? "" : ", ") + std::string(experiment.entry.name);
-    if (experiment.entry.name != name) continue;
-    if (!folder.empty() && std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
-      throw std::runtime_error(folder + " is a file, not a folder for results");
-    const Findings findings = experiment.run();
-    fmt::print("{}\n{}\n\n", experiment.entry.title, findings.setting);
-    printTable(findings);
-    fmt::print("\npublished: {}\nwhat differs: {}\n", findings.published, findings.differs);
-    if (folder.empty()) return;
-    std::filesystem::create_directories(folder);
-    const std::string machine = machineFacts();
-    nlohmann::ordered_json out{{"experiment", name}, {"program", "gelenk " + style.version}, {"machine", machine}, {"setting", findings.setting},
-                               {"columns", findings.columns}, {"rows", findings.rows}, {"published", findings.published}, {"differs", findings.differs}};
-    writeFile(folder + '/' + name + ".json", out.dump(2) + "\n");
-    writeFile(folder + '/' + name + ".md", markdown(experiment, findings) + "\n" + machine);
-    return;
+  for (const Experiment& one : experiments) {
+    if (one.entry.name == name) return one;
+    known += (known.empty() ? "" : ", ") + std::string(one.entry.name);
   }
   throw std::invalid_argument("no experiment is called '" + name + "'; there are: " + known);
+}
+
+}  // namespace
+
+Findings runExperiment(const std::string& name) { return experiment(name).run(); }
+
+void reproduce(const std::string& name, const std::string& folder, const ReportStyle& style) {
+  const Experiment& one = experiment(name);
+  if (!folder.empty() && std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+    throw std::runtime_error(folder + " is a file, not a folder for results");
+  const Findings findings = one.run();
+  fmt::print("{}\n{}\n\n", one.entry.title, findings.setting);
+  printTable(findings);
+  fmt::print("\npublished: {}\nwhat differs: {}\n", findings.published, findings.differs);
+  if (folder.empty()) return;
+  std::filesystem::create_directories(folder);
+  const std::string machine = machineFacts();
+  const nlohmann::ordered_json out{{"experiment", name}, {"program", "gelenk " + style.version}, {"machine", machine},
+                                   {"setting", findings.setting}, {"columns", findings.columns}, {"rows", findings.rows},
+                                   {"published", findings.published}, {"differs", findings.differs}};
+  writeFile(folder + '/' + name + ".json", out.dump(2) + "\n");
+  writeFile(folder + '/' + name + ".md", markdown(one, findings) + "\n" + machine);
 }
 
 }  // namespace gelenk

@@ -10,6 +10,7 @@ std::unique_ptr<Panel> makeSolvePanel();  ///< solver, result of the frame, goal
 std::unique_ptr<Panel> makeModelPanel();  ///< joint tree, sliders with limits
 std::unique_ptr<Panel> makeSkinPanel();   ///< what is drawn, weights
 std::unique_ptr<Panel> makeMusclePanel();  ///< Chadwick's layers: planes, curves, split view
+std::unique_ptr<Panel> makeLabPanel();    ///< up to four solvers as ghosts on the same goals; reproductions
 std::unique_ptr<Panel> makePlotsPanel();  ///< bottom strip: residual, error, joint angles
 
 }  // namespace gelenk

@@ -9,6 +9,7 @@ std::vector<std::unique_ptr<Panel>> makePanels() {
   panels.push_back(makeSkinPanel());
   panels.push_back(makeMusclePanel());
   panels.push_back(makePlotsPanel());
+  panels.push_back(makeLabPanel());
   return panels;
 }
 

@@ -1,0 +1,312 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <future>
+#include <nlohmann/json.hpp>
+
+#include "apps/reproductions.h"
+#include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/plots.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/solver_colour.h"
+#include "kinematics/configuration.h"
+#include "solvers/judge.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::VectorXd;
+
+/// One solver that follows the same goals with a pose of its own.
+struct Runner {
+  std::string solver;
+  std::unique_ptr<FrameSolver> method;
+  VectorXd q, begin;  ///< now, and when the comparison began
+  IkReport report;
+  std::string unsupported;
+  double error = 0.0, seconds = 0.0, displacement = 0.0;
+  std::deque<double> errors;  ///< metres, newest last
+  Eigen::Vector3f colour = Eigen::Vector3f::Zero();
+};
+
+/// Up to four solvers side by side as ghosts on one set of goals.
+class LabPanel final : public Panel {
+ public:
+  static constexpr std::size_t mostSolvers = 4, history = 240;
+
+  std::string name() const override { return "Lab"; }
+  bool hasInspector() const override { return true; }
+  bool hasBottomStrip() const override { return true; }
+
+  void modelChanged(Sandbox&) override { runners_.clear(); }
+
+  void overlay(Sandbox& sandbox) override {
+    if (!on_) return;
+    const IkProblem problem = sandbox.session().problem();
+    if (runners_.size() != chosen_.size()) build(sandbox);
+    if (problem.goals.empty()) return follow(sandbox);
+    for (Runner& runner : runners_) solve(runner, problem);
+    for (const Runner& runner : runners_) drawGhost(sandbox, runner);
+  }
+
+  void drawMenu(Sandbox& sandbox) override {
+    if (ImGui::BeginMenu("Lab")) {
+      if (ImGui::MenuItem("Compare solvers", nullptr, on_)) {
+        on_ = !on_;
+        runners_.clear();
+        if (on_) {
+          sandbox.showInspector(name());
+          sandbox.showBottomStrip(name());
+        }
+      }
+      ImGui::Separator();
+      preset(sandbox, "Damping: pseudo-inverse, DLS, SDLS, Sugihara", {"pseudo-inverse", "dls", "sdls", "lm-sugihara"});
+      preset(sandbox, "Order: Gauss-Newton, exact Hessian, Halley, L-BFGS", {"lm-gain-ratio", "exact-hessian", "halley", "l-bfgs"});
+      preset(sandbox, "Limits: pseudo-inverse, QP, task priority, Ceres", {"pseudo-inverse", "qp", "task-priority", "ceres-lm"});
+      ImGui::Separator();
+      if (ImGui::BeginMenu("Reproduce")) {
+        for (const Reproduction& entry : reproductions())
+          if (ImGui::MenuItem(std::string(entry.title).c_str(), nullptr, false, !running_.valid())) reproduce(sandbox, std::string(entry.name));
+        ImGui::EndMenu();
+      }
+      ImGui::EndMenu();
+    }
+    findingsWindow(sandbox);
+  }
+
+  void drawInspector(Sandbox& sandbox) override {
+    Sandbox::State& s = sandbox.state();
+    bool on = on_;
+    if (ImGui::Checkbox("Compare on the same goals", &on)) {
+      on_ = on;
+      runners_.clear();
+    }
+    tooltip("Every chosen solver follows the goals with a pose of its own, 20 iterations a frame from where it ended; it shows as a tinted ghost.");
+    std::optional<std::size_t> removed;
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      ImGui::PushID(static_cast<int>(i));
+      chip(toImVec4(colourOf(i)), s.scale);
+      ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 30 * s.scale);
+      if (ImGui::BeginCombo("##solver", chosen_[i].c_str(), ImGuiComboFlags_HeightLarge)) {
+        for (const std::string& solver : frameSolverNames())
+          if (ImGui::Selectable(solver.c_str(), solver == chosen_[i])) {
+            chosen_[i] = solver;
+            runners_.clear();
+          }
+        ImGui::EndCombo();
+      }
+      ImGui::SameLine(0, 4 * s.scale);
+      if (ImGui::SmallButton("x") && chosen_.size() > 1) removed = i;
+      tooltip("Leaves this solver out");
+      ImGui::PopID();
+    }
+    if (removed) {
+      chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(*removed));
+      runners_.clear();
+    }
+    if (chosen_.size() < mostSolvers && ImGui::Button("Add a solver")) {
+      chosen_.push_back("dls");
+      runners_.clear();
+    }
+    if (chosen_.size() < mostSolvers) ImGui::SameLine();
+    if (ImGui::Button("Start again")) runners_.clear();
+    tooltip("All solvers go back to the pose of the session; displacements count from there.");
+    if (on_) table(s);
+  }
+
+  void drawBottomStrip(Sandbox& sandbox) override {
+    Sandbox::State& s = sandbox.state();
+    const ImVec2 at = ImGui::GetCursorScreenPos(), available = ImGui::GetContentRegionAvail();
+    const float gap = 10 * s.scale, half = std::floor((available.x - gap) / 2.0f);
+    const ImVec2 size(half, available.y - 2 * s.scale);
+    std::vector<Curve> residuals, errors;
+    for (const Runner& runner : runners_) {
+      Curve residual{.values = {}, .colour = toImVec4(runner.colour), .width = 2.0f, .label = runner.solver, .dots = true};
+      for (const IterationRecord& record : runner.report.trace) residual.values.push_back(record.residual);
+      residuals.push_back(residual);
+      Curve error{.values = {runner.errors.begin(), runner.errors.end()}, .colour = toImVec4(runner.colour), .width = 1.8f, .label = runner.solver};
+      for (double& v : error.values) v *= 1e3;
+      errors.push_back(error);
+    }
+    drawPlot({.title = "Residual per iteration of this frame", .xLabel = "iteration", .logarithmic = true, .lowest = 1e-6, .highest = 1.0, .leastCount = 6},
+             residuals, at, size, s.colours(), s.gui.fonts(), s.scale);
+    drawPlot({.title = "Goal error, mm", .xLabel = "frame", .logarithmic = true, .lowest = 1e-3, .highest = 1e2, .leastCount = 60}, errors,
+             {at.x + half + gap, at.y}, size, s.colours(), s.gui.fonts(), s.scale);
+    ImGui::Dummy(available);
+  }
+
+  std::string save() const override { return nlohmann::json{{"compare", on_}, {"solvers", chosen_}}.dump(); }
+  void load(Sandbox&, const std::string& text) override {
+    const auto state = nlohmann::json::parse(text);
+    const auto solvers = state.at("solvers").get<std::vector<std::string>>();
+    const auto known = frameSolverNames();
+    for (const std::string& solver : solvers)
+      if (std::find(known.begin(), known.end(), solver) == known.end()) throw std::invalid_argument("no solver is called '" + solver + "'");
+    if (solvers.empty() || solvers.size() > mostSolvers) throw std::invalid_argument("the lab compares one to four solvers");
+    on_ = state.at("compare").get<bool>();
+    chosen_ = solvers;
+    runners_.clear();
+  }
+
+ private:
+  /// The solver's own colour; a second solver of the same colour is darkened.
+  Eigen::Vector3f colourOf(std::size_t i) const {
+    Eigen::Vector3f colour = solverColour(chosen_[i]);
+    for (std::size_t k = 0; k < i; ++k)
+      if (solverColour(chosen_[k]) == solverColour(chosen_[i])) colour *= 0.6f;
+    return colour;
+  }
+
+  static void chip(const ImVec4& colour, float scale) {
+    const float size = ImGui::GetFrameHeight();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + 6 * scale, at.y + 0.5f * size}, 5 * scale, colour32(colour));
+    ImGui::Dummy({12 * scale, size});
+    ImGui::SameLine(0, 4 * scale);
+  }
+
+  void build(Sandbox& sandbox) {
+    runners_.clear();
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      Runner runner{.solver = chosen_[i], .method = makeFrameSolver(chosen_[i], sandbox.session().skeleton())};
+      runner.q = runner.begin = sandbox.session().q();
+      runner.colour = colourOf(i);
+      runners_.push_back(std::move(runner));
+    }
+  }
+
+  /// Nothing to solve: everybody stands where the session stands.
+  void follow(Sandbox& sandbox) {
+    for (Runner& runner : runners_) {
+      runner.q = runner.begin = sandbox.session().q();
+      runner.method->reset();
+      runner.displacement = 0.0;
+    }
+  }
+
+  static void solve(Runner& runner, IkProblem problem) {
+    problem.start = runner.q;
+    if (runner.solver != "hybrid") runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
+    const auto before = std::chrono::steady_clock::now();
+    runner.report = runner.method->frame(problem);
+    runner.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    runner.q = runner.report.q;
+    runner.displacement = difference(*problem.skeleton, runner.begin, runner.q).norm();
+    runner.error = 0.0;
+    for (const GoalError& goal : judge(problem, runner.q).goals) runner.error = std::max(runner.error, goal.position);
+    runner.errors.push_back(runner.error);
+    if (runner.errors.size() > history) runner.errors.pop_front();
+  }
+
+  /// Only where it differs from what is drawn already.
+  static void drawGhost(Sandbox& sandbox, const Runner& runner) {
+    const Session& session = sandbox.session();
+    if (!runner.unsupported.empty()) return;
+    if (difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3) return;
+    sandbox.ghosts().push_back({.worldFromJoint = forwardKinematics(session.skeleton(), runner.q), .tint = runner.colour, .opacity = 0.42f, .label = runner.solver});
+  }
+
+  void table(const Sandbox::State& s) const {
+    if (!ImGui::BeginTable("##lab", 5, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) return;
+    ImGui::TableSetupColumn("solver", ImGuiTableColumnFlags_WidthStretch);
+    for (const char* title : {"mm", "it.", "µs", "rad"}) ImGui::TableSetupColumn(title);
+    ImGui::TableHeadersRow();
+    ImGui::PushFont(s.gui.fonts().small);
+    for (const Runner& runner : runners_) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextColored(toImVec4(runner.colour), "%s", runner.solver.c_str());
+      tooltip(runner.unsupported.empty() ? (std::string("This frame ended: ") + toString(runner.report.why)).c_str() : runner.unsupported.c_str());
+      const auto cell = [&](const std::string& text, const char* meaning) {
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(runner.unsupported.empty() ? text.c_str() : "–");
+        tooltip(meaning);
+      };
+      cell(fmt::format("{:.3g}", 1e3 * runner.error), "Largest distance of a goal's point from its target, millimetres, by forward kinematics.");
+      cell(std::to_string(runner.report.counters.iterations), "Iterations in this frame.");
+      cell(fmt::format("{:.0f}", 1e6 * runner.seconds), "Time of this frame's solve, microseconds.");
+      cell(fmt::format("{:.2f}", runner.displacement), "Joint displacement since the comparison began, |difference(start, now)|: radians, metres for translations.");
+    }
+    ImGui::PopFont();
+    ImGui::EndTable();
+  }
+
+  void preset(Sandbox& sandbox, const char* label, const std::vector<std::string>& solvers) {
+    if (!ImGui::MenuItem(label)) return;
+    chosen_ = solvers;
+    on_ = true;
+    runners_.clear();
+    sandbox.showInspector(name());
+    sandbox.showBottomStrip(name());
+  }
+
+  // ---- experiments from the literature
+
+  void reproduce(Sandbox& sandbox, const std::string& experiment) {
+    experiment_ = experiment;
+    findings_.reset();
+    windowOpen_ = true;
+    running_ = std::async(std::launch::async, [experiment] { return runExperiment(experiment); });
+    sandbox.say("Running " + experiment + " ...");
+  }
+
+  void findingsWindow(Sandbox& sandbox) {
+    if (running_.valid() && running_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+      try {
+        findings_ = running_.get();
+      } catch (const std::exception& error) {
+        sandbox.say(error.what(), true);
+        windowOpen_ = false;
+      }
+    }
+    if (!windowOpen_) return;
+    const float scale = sandbox.scale();
+    ImGui::SetNextWindowSize({760 * scale, 0}, ImGuiCond_Appearing);
+    ImGui::SetNextWindowPos({60 * scale, 70 * scale}, ImGuiCond_Appearing);
+    if (ImGui::Begin(fmt::format("Reproduce: {}###reproduce", experiment_).c_str(), &windowOpen_, ImGuiWindowFlags_NoCollapse)) {
+      if (!findings_)
+        ImGui::TextUnformatted("Running ...");
+      else
+        findingsTable(*findings_);
+    }
+    ImGui::End();
+  }
+
+  static void findingsTable(const Findings& findings) {
+    ImGui::TextWrapped("%s.", findings.setting.c_str());
+    ImGui::Spacing();
+    if (ImGui::BeginTable("##findings", static_cast<int>(findings.columns.size()), ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) {
+      for (const std::string& column : findings.columns) ImGui::TableSetupColumn(column.c_str());
+      ImGui::TableHeadersRow();
+      for (const auto& row : findings.rows) {
+        ImGui::TableNextRow();
+        for (const std::string& cell : row) {
+          ImGui::TableNextColumn();
+          ImGui::TextUnformatted(cell.c_str());
+        }
+      }
+      ImGui::EndTable();
+    }
+    ImGui::Spacing();
+    ImGui::TextWrapped("Published: %s.", findings.published.c_str());
+    ImGui::TextWrapped("What differs: %s.", findings.differs.c_str());
+  }
+
+  bool on_ = false;
+  std::vector<std::string> chosen_{"pseudo-inverse", "dls", "sdls", "exact-hessian"};
+  std::vector<Runner> runners_;
+  std::string experiment_;
+  bool windowOpen_ = false;
+  std::future<Findings> running_;
+  std::optional<Findings> findings_;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> makeLabPanel() { return std::make_unique<LabPanel>(); }
+
+}  // namespace gelenk
