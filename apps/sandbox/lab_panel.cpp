@@ -1,3 +1,4 @@
+#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,6 +30,7 @@ struct Runner {
   IkReport report;
   std::string unsupported;
   double error = 0.0, seconds = 0.0, displacement = 0.0;
+  std::vector<double> residuals;  ///< of the last frame that iterated
   std::deque<double> errors;  ///< metres, newest last
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();
 };
@@ -50,19 +52,18 @@ class LabPanel final : public Panel {
     if (runners_.size() != chosen_.size()) build(sandbox);
     if (problem.goals.empty()) return follow(sandbox);
     for (Runner& runner : runners_) solve(runner, problem);
-    for (const Runner& runner : runners_) drawGhost(sandbox, runner);
+    for (std::size_t i = 0; i < runners_.size(); ++i) drawGhost(sandbox, runners_[i], i);
+  }
+
+  bool keyPressed(Sandbox& sandbox, int key, int) override {
+    if (key != GLFW_KEY_L) return false;
+    toggle(sandbox);
+    return true;
   }
 
   void drawMenu(Sandbox& sandbox) override {
     if (ImGui::BeginMenu("Lab")) {
-      if (ImGui::MenuItem("Compare solvers", nullptr, on_)) {
-        on_ = !on_;
-        runners_.clear();
-        if (on_) {
-          sandbox.showInspector(name());
-          sandbox.showBottomStrip(name());
-        }
-      }
+      if (ImGui::MenuItem("Compare solvers", "L", on_)) toggle(sandbox);
       ImGui::Separator();
       preset(sandbox, "Damping: pseudo-inverse, DLS, SDLS, Sugihara", {"pseudo-inverse", "dls", "sdls", "lm-sugihara"});
       preset(sandbox, "Order: Gauss-Newton, exact Hessian, Halley, L-BFGS", {"lm-gain-ratio", "exact-hessian", "halley", "l-bfgs"});
@@ -86,6 +87,8 @@ class LabPanel final : public Panel {
       runners_.clear();
     }
     tooltip("Every chosen solver follows the goals with a pose of its own, 20 iterations a frame from where it ended; it shows as a tinted ghost.");
+    ImGui::Checkbox("Stand side by side", &apart_);
+    tooltip("Every solver's pose beside the model instead of through it.");
     std::optional<std::size_t> removed;
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
@@ -125,21 +128,20 @@ class LabPanel final : public Panel {
     const ImVec2 size(half, available.y - 2 * s.scale);
     std::vector<Curve> residuals, errors;
     for (const Runner& runner : runners_) {
-      Curve residual{.values = {}, .colour = toImVec4(runner.colour), .width = 2.0f, .label = runner.solver, .dots = true};
-      for (const IterationRecord& record : runner.report.trace) residual.values.push_back(record.residual);
+      Curve residual{.values = runner.residuals, .colour = toImVec4(runner.colour), .width = 2.0f, .label = runner.solver, .dots = true};
       residuals.push_back(residual);
       Curve error{.values = {runner.errors.begin(), runner.errors.end()}, .colour = toImVec4(runner.colour), .width = 1.8f, .label = runner.solver};
       for (double& v : error.values) v *= 1e3;
       errors.push_back(error);
     }
-    drawPlot({.title = "Residual per iteration of this frame", .xLabel = "iteration", .logarithmic = true, .lowest = 1e-6, .highest = 1.0, .leastCount = 6},
+    drawPlot({.title = "Residual per iteration", .xLabel = "iteration", .logarithmic = true, .lowest = 1e-6, .highest = 1.0, .leastCount = 6},
              residuals, at, size, s.colours(), s.gui.fonts(), s.scale);
     drawPlot({.title = "Goal error, mm", .xLabel = "frame", .logarithmic = true, .lowest = 1e-3, .highest = 1e2, .leastCount = 60}, errors,
              {at.x + half + gap, at.y}, size, s.colours(), s.gui.fonts(), s.scale);
     ImGui::Dummy(available);
   }
 
-  std::string save() const override { return nlohmann::json{{"compare", on_}, {"solvers", chosen_}}.dump(); }
+  std::string save() const override { return nlohmann::json{{"compare", on_}, {"side_by_side", apart_}, {"solvers", chosen_}}.dump(); }
   void load(Sandbox&, const std::string& text) override {
     const auto state = nlohmann::json::parse(text);
     const auto solvers = state.at("solvers").get<std::vector<std::string>>();
@@ -148,6 +150,7 @@ class LabPanel final : public Panel {
       if (std::find(known.begin(), known.end(), solver) == known.end()) throw std::invalid_argument("no solver is called '" + solver + "'");
     if (solvers.empty() || solvers.size() > mostSolvers) throw std::invalid_argument("the lab compares one to four solvers");
     on_ = state.at("compare").get<bool>();
+    apart_ = state.at("side_by_side").get<bool>();
     chosen_ = solvers;
     runners_.clear();
   }
@@ -172,11 +175,20 @@ class LabPanel final : public Panel {
   void build(Sandbox& sandbox) {
     runners_.clear();
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
-      Runner runner{.solver = chosen_[i], .method = makeFrameSolver(chosen_[i], sandbox.session().skeleton())};
+      Runner& runner = runners_.emplace_back();
+      runner.solver = chosen_[i];
+      runner.method = makeFrameSolver(chosen_[i], sandbox.session().skeleton());
       runner.q = runner.begin = sandbox.session().q();
       runner.colour = colourOf(i);
-      runners_.push_back(std::move(runner));
     }
+  }
+
+  void toggle(Sandbox& sandbox) {
+    on_ = !on_;
+    runners_.clear();
+    if (!on_) return;
+    sandbox.showInspector(name());
+    sandbox.showBottomStrip(name());
   }
 
   /// Nothing to solve: everybody stands where the session stands.
@@ -198,16 +210,31 @@ class LabPanel final : public Panel {
     runner.displacement = difference(*problem.skeleton, runner.begin, runner.q).norm();
     runner.error = 0.0;
     for (const GoalError& goal : judge(problem, runner.q).goals) runner.error = std::max(runner.error, goal.position);
+    if (runner.report.counters.iterations > 0) {
+      runner.residuals.clear();
+      for (const IterationRecord& record : runner.report.trace) runner.residuals.push_back(record.residual);
+    }
     runner.errors.push_back(runner.error);
     if (runner.errors.size() > history) runner.errors.pop_front();
   }
 
-  /// Only where it differs from what is drawn already.
-  static void drawGhost(Sandbox& sandbox, const Runner& runner) {
+  /// In place, only where it differs from what is drawn already; apart, always, with its name.
+  void drawGhost(Sandbox& sandbox, const Runner& runner, std::size_t number) const {
     const Session& session = sandbox.session();
     if (!runner.unsupported.empty()) return;
-    if (difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3) return;
-    sandbox.ghosts().push_back({.worldFromJoint = forwardKinematics(session.skeleton(), runner.q), .tint = runner.colour, .opacity = 0.42f, .label = runner.solver});
+    if (!apart_ && difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3) return;
+    Frames frames = forwardKinematics(session.skeleton(), runner.q);
+    if (apart_) {
+      const Sandbox::State& s = sandbox.state();
+      const Eigen::Vector3d right = s.camera.axes().col(0);
+      const double side = number % 2 == 0 ? -1.0 : 1.0;
+      const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.45 * s.size * right;
+      for (Eigen::Isometry3d& frame : frames) frame.translation() += offset;
+      const Eigen::Vector3f c = runner.colour;
+      sandbox.label(frames[session.problem().goals.front().joint].translation(), fmt::format("{}  {:.1f} mm", runner.solver, 1e3 * runner.error),
+                    {c.x(), c.y(), c.z(), 1.0f});
+    }
+    sandbox.ghosts().push_back({.worldFromJoint = std::move(frames), .tint = runner.colour, .opacity = apart_ ? 0.9f : 0.55f, .label = runner.solver});
   }
 
   void table(const Sandbox::State& s) const {
@@ -226,7 +253,7 @@ class LabPanel final : public Panel {
         ImGui::TextUnformatted(runner.unsupported.empty() ? text.c_str() : "–");
         tooltip(meaning);
       };
-      cell(fmt::format("{:.3g}", 1e3 * runner.error), "Largest distance of a goal's point from its target, millimetres, by forward kinematics.");
+      cell(runner.error < 5e-7 ? std::string("< 0.001") : fmt::format("{:.3f}", 1e3 * runner.error), "Largest distance of a goal's point from its target, millimetres, by forward kinematics.");
       cell(std::to_string(runner.report.counters.iterations), "Iterations in this frame.");
       cell(fmt::format("{:.0f}", 1e6 * runner.seconds), "Time of this frame's solve, microseconds.");
       cell(fmt::format("{:.2f}", runner.displacement), "Joint displacement since the comparison began, |difference(start, now)|: radians, metres for translations.");
@@ -238,10 +265,8 @@ class LabPanel final : public Panel {
   void preset(Sandbox& sandbox, const char* label, const std::vector<std::string>& solvers) {
     if (!ImGui::MenuItem(label)) return;
     chosen_ = solvers;
-    on_ = true;
-    runners_.clear();
-    sandbox.showInspector(name());
-    sandbox.showBottomStrip(name());
+    on_ = false;
+    toggle(sandbox);
   }
 
   // ---- experiments from the literature
@@ -296,7 +321,7 @@ class LabPanel final : public Panel {
     ImGui::TextWrapped("What differs: %s.", findings.differs.c_str());
   }
 
-  bool on_ = false;
+  bool on_ = false, apart_ = false;
   std::vector<std::string> chosen_{"pseudo-inverse", "dls", "sdls", "exact-hessian"};
   std::vector<Runner> runners_;
   std::string experiment_;
