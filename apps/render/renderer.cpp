@@ -66,7 +66,7 @@ Palette palette(Theme theme) {
           .bounce = {0.95f, 0.90f, 0.85f}, .rim = {0.92f, 0.96f, 1.00f},
           .keyPower = 0.98f, .fillPower = 0.16f, .skyPower = 0.32f, .bouncePower = 0.17f, .rimPower = 0.20f,
           .backgroundTop = {0.80f, 0.835f, 0.87f}, .backgroundBottom = {0.925f, 0.93f, 0.935f},
-          .ground = {0.945f, 0.945f, 0.94f, 0.9f}, .grid = {0.62f, 0.65f, 0.68f, 0.55f}};
+          .ground = {0.945f, 0.945f, 0.94f, 0.9f}, .grid = {0.58f, 0.61f, 0.65f, 0.70f}};
 }
 
 /// Where light comes from and what it falls on, in world coordinates.

@@ -8,10 +8,15 @@ using Eigen::Vector3d;
 
 void addBones(Overlay& overlay, const Skeleton& skeleton, const Frames& worldFromJoint, double size, const Colour& colour,
               int selected) {
-  for (int j = 0; j < skeleton.jointCount(); ++j) {
+  // A root that moves freely is a place in the world and no part of the body: no bone leads from it.
+  const auto& rootAxes = skeleton.joint(0).axes;
+  const bool freeRoot = std::count_if(rootAxes.begin(), rootAxes.end(), [](const AxisDof& dof) {
+                          return dof.kind == AxisDof::Kind::Translation;
+                        }) == 3;
+  for (int j = freeRoot ? 1 : 0; j < skeleton.jointCount(); ++j) {
     const Vector3d at = worldFromJoint[j].translation();
     const int parent = skeleton.parent(j);
-    if (parent >= 0) {
+    if (parent >= (freeRoot ? 1 : 0)) {
       const Vector3d from = worldFromJoint[parent].translation();
       const double length = (at - from).norm();
       const double thickness = std::clamp(0.07 * length, 0.002 * size, 0.009 * size);

@@ -9,7 +9,8 @@ namespace gelenk {
 
 // Signs of an articulated model, made from its frames. size: a typical length of the scene (the body's diagonal).
 
-/// Slim octahedral bones from each joint to its children; joints without a child end in a point. selected: drawn in the accent
+/// Slim octahedral bones from each joint to its children; joints without a child end in a point; a freely moving root is left
+/// out. selected: drawn in the accent
 /// colour with the bones that it carries; -1 for none.
 void addBones(Overlay& overlay, const Skeleton& skeleton, const Frames& worldFromJoint, double size, const Colour& colour,
               int selected = -1);
