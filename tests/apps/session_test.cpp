@@ -91,6 +91,15 @@ TEST(Session, OutOfReachTheArmIsStretchedTowardsTheTargetAndStill) {
   EXPECT_GT((wrist - shoulder).normalized().dot(toTarget), 0.98);
 }
 
+TEST(Session, OutOfReachInAnyDirectionThePoseComesToRest) {
+  for (const Vector3d& by : {Vector3d(2, 0, 0), Vector3d(0, 0, 3), Vector3d(-1.5, 0.45, 0.7), Vector3d(0, 2, 0), Vector3d(1, 0, -2)}) {
+    Session session(figure());
+    drag(session, *session.findGoal("hand_r"), by, 10);
+    stepFrames(session, 200);
+    EXPECT_LT(session.step().jointMotion, 1e-5) << by.transpose();
+  }
+}
+
 TEST(Session, PinnedFeetStayWhileThePelvisIsPushedDown) {
   Session session(figure());
   drag(session, *session.findGoal("pelvis"), {0.0, -0.04, 0.0}, 25);

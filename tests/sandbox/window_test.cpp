@@ -1,0 +1,146 @@
+// A real window under Xvfb, moved by a real mouse (xdotool). The program writes its status after every frame; the test waits
+// for frame numbers and facts in it, never for a time.
+#include <gtest/gtest.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "kinematics/configuration.h"
+#include "kinematics/io/text_file.h"
+#include "kinematics/mannequin.h"
+#include "tests/sandbox/program.h"
+
+namespace gelenk {
+namespace {
+
+using nlohmann::json;
+using testing::hasCommand;
+using testing::Program;
+using testing::runProgram;
+
+class RealWindow : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* command : {"Xvfb", "xdotool"})
+      if (!hasCommand(command)) GTEST_SKIP() << command << " is not installed";
+    folder_ = std::filesystem::temp_directory_path() / ("gelenk_window_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    xvfb_ = std::make_unique<Program>(std::vector<std::string>{"Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-noreset", "-nolisten", "tcp"});
+    display_ = "DISPLAY=:" + xvfb_->readLine();
+    ASSERT_GT(display_.size(), 9u) << "Xvfb did not start";
+    program_ = std::make_unique<Program>(
+        std::vector<std::string>{GELENK_PROGRAM, "sandbox", "figure", "--status", statusPath(), "--size", "900x640", "--scale", "1"},
+        std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
+    waitFor([](const json& s) { return s["frame"] >= 2; });
+  }
+  void TearDown() override {
+    program_.reset();
+    xvfb_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  std::string statusPath() const { return folder_ / "status.json"; }
+
+  /// The first status for which the condition holds; fails when the program ends or a minute passes.
+  template <typename Condition>
+  json waitFor(Condition condition) {
+    const time_t begin = time(nullptr);
+    while (time(nullptr) - begin < 60) {
+      if (std::filesystem::exists(statusPath())) {
+        const json status = json::parse(readFile(statusPath()));
+        if (condition(status)) return status;
+      }
+      if (!program_->running()) {
+        std::string output;
+        program_->wait(output);
+        throw std::runtime_error("the program ended: " + output);
+      }
+      const timespec pause{0, 2'000'000};
+      nanosleep(&pause, nullptr);
+    }
+    throw std::runtime_error("a minute passed without it");
+  }
+  json nextFrames(int count) {
+    const int now = waitFor([](const json&) { return true; })["frame"];
+    return waitFor([&](const json& s) { return s["frame"] >= now + count; });
+  }
+  static json goal(const json& status, const std::string& name) {
+    for (const json& g : status["goals"])
+      if (g["name"] == name) return g;
+    throw std::runtime_error("no goal " + name);
+  }
+  void mouse(std::vector<std::string> words) {
+    words.insert(words.begin(), "xdotool");
+    const auto finished = runProgram(words, {display_});
+    ASSERT_EQ(finished.status, 0) << finished.output;
+  }
+  static std::string whole(double x) { return std::to_string(std::lround(x)); }
+  void moveTo(double x, double y) { mouse({"mousemove", whole(x), whole(y)}); }
+
+  static Eigen::VectorXd configuration(const json& status) {
+    const std::vector<double> values = status["q"];
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  }
+
+  std::filesystem::path folder_;
+  std::string display_;
+  std::unique_ptr<Program> xvfb_, program_;
+};
+
+TEST_F(RealWindow, TheRightHandFollowsTheMouseAndIsStillWhereItCannot) {
+  const json start = goal(waitFor([](const json&) { return true; }), "hand_r");
+  const double x = start["pixel"][0], y = start["pixel"][1];
+  moveTo(x, y);
+  waitFor([&](const json& s) { return std::lround(s["mouse"][0].get<double>()) == std::lround(x); });
+  mouse({"mousedown", "1"});
+  waitFor([](const json& s) { return s["dragging"] == "hand_r"; });
+
+  // Within reach: up and a little outwards.
+  for (int i = 1; i <= 10; ++i) {
+    moveTo(x - 2.0 * i, y - 6.0 * i);
+    nextFrames(1);
+  }
+  json status = nextFrames(20);
+  const json reached = goal(status, "hand_r");
+  EXPECT_LT(reached["error"].get<double>(), 1e-3);
+  EXPECT_NEAR(reached["pixel"][0].get<double>(), x - 20.0, 1.0);
+  EXPECT_NEAR(reached["pixel"][1].get<double>(), y - 60.0, 1.0);
+
+  // Far outside: to the left edge of the window.
+  for (int i = 1; i <= 10; ++i) {
+    moveTo(x - 20.0 - (x - 30.0) * i / 10.0, y - 60.0);
+    nextFrames(1);
+  }
+  status = waitFor([](const json& s) { return s["mouse"][0] < 12.0; });
+  const int arrived = status["frame"];
+  status = waitFor([&](const json& s) { return s["frame"] >= arrived + 25; });
+  EXPECT_GT(goal(status, "hand_r")["error"].get<double>(), 0.05);
+  // Read two statuses at least one frame apart: motion a frame is at most their difference over the frames between.
+  const Skeleton skeleton = mannequin();
+  const auto motion = [&](int least) {
+    const json a = waitFor([&](const json& s) { return s["frame"] >= arrived + least; });
+    const json b = nextFrames(5);
+    EXPECT_LT(a["joint_motion"].get<double>(), least >= 200 ? 1e-5 : 1e-4) << a["frame"] << " " << goal(a, "hand_r");
+    return difference(skeleton, configuration(a), configuration(b)).lpNorm<Eigen::Infinity>() / (b["frame"].get<int>() - a["frame"].get<int>());
+  };
+  EXPECT_LT(motion(25), 1e-4);
+  EXPECT_LT(motion(200), 1e-5);
+
+  mouse({"mouseup", "1"});
+  status = waitFor([](const json& s) { return s["dragging"].is_null(); });
+  EXPECT_EQ(goal(status, "hand_r")["state"], "held");
+}
+
+TEST_F(RealWindow, AShortTapOfAKeyIsNotLost) {
+  const std::string before = waitFor([](const json&) { return true; })["solver"];
+  moveTo(300, 120);
+  mouse({"key", "Tab"});
+  const json status = waitFor([&](const json& s) { return s["solver"] != before; });
+  EXPECT_NE(status["solver"], before);
+}
+
+}  // namespace
+}  // namespace gelenk
