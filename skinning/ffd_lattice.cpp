@@ -5,16 +5,6 @@ namespace gelenk {
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-Vector4d bernstein(double t) {
-  const double s = 1.0 - t;
-  return {s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t};
-}
-
-Vector4d bernsteinDerivative(double t) {
-  const double s = 1.0 - t;
-  return {-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t};
-}
-
 namespace {
 
 using PointColumns = Eigen::Matrix<double, 3, 64>;
@@ -62,22 +52,6 @@ FfdLattice latticeOf(const std::array<FfdPlane, 4>& planes) {
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i) lattice.points[16 * k + 4 * j + i] = planes[k].point(i / 3.0, j / 3.0);
   return lattice;
-}
-
-FfdSample evaluateAffine(const FfdPlane* plane, const Vector3d& uvw) {
-  const Vector4d b = bernstein(uvw.z()), d = bernsteinDerivative(uvw.z());
-  Vector3d origin = b[0] * plane[0].origin, originW = d[0] * plane[0].origin;
-  Eigen::Matrix<double, 3, 2> axes = b[0] * plane[0].axes, axesW = d[0] * plane[0].axes;
-  for (int k = 1; k < 4; ++k) {
-    origin += b[k] * plane[k].origin;
-    originW += d[k] * plane[k].origin;
-    axes += b[k] * plane[k].axes;
-    axesW += d[k] * plane[k].axes;
-  }
-  FfdSample sample;
-  sample.position = origin + axes * uvw.head<2>();
-  sample.derivatives << axes, originW + axesW * uvw.head<2>();
-  return sample;
 }
 
 }  // namespace gelenk
