@@ -67,6 +67,8 @@ std::vector<std::string> builtInModels() {
 Model openModel(const std::string& nameOrFile) {
   for (const BuiltIn& entry : builtIns())
     if (entry.name == nameOrFile) return entry.make();
+  if (const auto chain = parsePlanarChain(nameOrFile)) return planarModel(*chain);
+  if (auto balls = parseBallChain(nameOrFile)) return *std::move(balls);
   if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);
   std::string known;
   for (const std::string& name : builtInModels()) known += (known.empty() ? "" : ", ") + name;

@@ -182,7 +182,7 @@ std::string shortestSteps() {
 }  // namespace
 
 LectureTopic newtonOneDimensionTopic() {
-  LectureTopic topic{.id = "newton-1d", .section = "10.1.4", .title = "One-dimensional Newton with the difference quotient", .steps = &oneDimensionSteps, .checks = {}};
+  LectureTopic topic{.id = "newton-1d", .section = "10.1.4", .title = "Newton in one dimension", .steps = &oneDimensionSteps, .checks = {}};
   const std::string section = "10.1.4, one-dimensional Newton method";
   topic.checks = {
       {.id = "newton-1d-zero", .section = section, .what = "one-link arm, l = 10, height 5: phi = 30 degrees", .printed = {30}, .tolerance = {1e-10},
@@ -203,7 +203,7 @@ LectureTopic newtonOneDimensionTopic() {
 }
 
 LectureTopic newtonSquareTopic() {
-  LectureTopic topic{.id = "newton-square", .section = "10.1.4, n = m", .title = "Newton in two dimensions, n = m", .steps = &squareSteps, .checks = {}};
+  LectureTopic topic{.id = "newton-square", .section = "10.1.4, n = m", .title = "Newton in several dimensions, n = m", .steps = &squareSteps, .checks = {}};
   topic.checks = {
       {.id = "newton-square-zero", .section = topic.section, .what = "two-link arm to (10, 0): phi = (-60, 120) degrees", .printed = {-60, 120}, .tolerance = {1e-9},
        .compute = [] { return std::vector{squareRun().steps.back().phi[0] / degree, squareRun().steps.back().phi[1] / degree}; }},

@@ -10,6 +10,7 @@ std::vector<std::unique_ptr<Panel>> makePanels() {
   panels.push_back(makeMusclePanel());
   panels.push_back(makePlotsPanel());
   panels.push_back(makeLabPanel());
+  panels.push_back(makeLecturePanel());
   return panels;
 }
 

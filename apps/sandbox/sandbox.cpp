@@ -142,9 +142,12 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   if (options.skeletonFile.empty() && endsWith(options.model, ".json")) {
     openScene(options.model);
   } else {
-    openModel(readModel(options.model, options.skeletonFile, options.weightsFile),
-              {options.model, options.skeletonFile, options.weightsFile});
+    const bool isLecture = options.model.starts_with("lecture:");  // an example of the lecture opens its own model
+    const std::string model = isLecture ? "planar" : options.model;
+    openModel(readModel(model, options.skeletonFile, options.weightsFile), {model, options.skeletonFile, options.weightsFile});
     s.session->setSolver(options.solver);
+    if (isLecture)
+      for (const auto& panel : s.panels) panel->openFile(*this, options.model);
   }
 }
 

@@ -120,7 +120,7 @@ void addSandboxCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("sandbox", "Open a model and drag it: the interactive window");
   auto arguments = std::make_shared<Arguments>();
   Arguments& a = *arguments;
-  command->add_option("model", a.sandbox.model, "Built-in model, model file, OBJ body or scene (.json)")->capture_default_str();
+  command->add_option("model", a.sandbox.model, "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")->capture_default_str();
   command->add_option("--skeleton", a.sandbox.skeletonFile, "Skeleton of an OBJ body");
   command->add_option("--weights", a.sandbox.weightsFile, "Weights of an OBJ body; heat weights where not given");
   command->add_option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");

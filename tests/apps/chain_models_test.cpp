@@ -32,6 +32,17 @@ TEST(ChainModels, ThePlanarArmIsTheLecturesAndMovesInTheXyPlane) {
   EXPECT_EQ(frames.back().translation().z(), 0.0);
 }
 
+TEST(ChainModels, AnyPlanarArmIsDescribedByItsNumbers) {
+  const auto chain = parsePlanarChain("planar:1,-2:4,6,2");
+  ASSERT_TRUE(chain);
+  EXPECT_EQ(chain->base, Eigen::Vector2d(1, -2));
+  EXPECT_EQ(chain->lengths, (std::vector<double>{4, 6, 2}));
+  EXPECT_FALSE(parsePlanarChain("planar"));
+  EXPECT_EQ(openModel("balls:1,0.5").skeleton.nv(), 6);
+  for (const char* bad : {"planar:", "planar:1:2", "planar:0,0:", "planar:0,0:1,x", "planar:0,0:1,-1", "planar:0,0:1:2", "balls:", "balls:1:2", "balls:0"})
+    EXPECT_THROW(openModel(bad), std::invalid_argument) << bad;
+}
+
 TEST(ChainModels, ATableWithoutExtentOpensWithoutABody) {
   const std::string path = (std::filesystem::temp_directory_path() / "gelenk_point.dh").string();
   writeFile(path, "dh modified\nrevolute 0 pi/2 0 0\nrevolute 0 0 0 0\n");

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/lecture/example.h"
+#include "apps/sandbox/sandbox.h"
+
+namespace gelenk {
+
+/// One example of the lecture as a scene: it opens its model, draws its values into the view and its controls into the inspector.
+/// Called by the Lecture panel alone.
+class LectureScene {
+ public:
+  virtual ~LectureScene() = default;
+
+  virtual void open(Sandbox& sandbox) = 0;                  ///< model, pose, goals, camera
+  virtual void step(Sandbox&, double /*seconds*/) {}        ///< before the frame's solve
+  virtual void overlay(Sandbox&) {}                         ///< marks over the view
+  virtual void drawInspector(Sandbox&) {}                   ///< values and controls
+  virtual bool hasPlot() const { return false; }
+  virtual void drawPlot(Sandbox&) {}                        ///< left of the derivation in the bottom strip
+  virtual bool changesModel() const { return false; }       ///< true while the scene itself opens another model
+  virtual std::string save() const { return {}; }           ///< one line of text; load gets what save returned
+  virtual void load(Sandbox&, const std::string&) {}
+};
+
+/// The scene of a topic of lectureTopics(). Throws std::invalid_argument for another id.
+std::unique_ptr<LectureScene> makeLectureScene(const std::string& topic);
+
+// In lecture_planar_scenes.cpp
+std::unique_ptr<LectureScene> makeForwardScene();
+std::unique_ptr<LectureScene> makeTwoLinkScene();
+std::unique_ptr<LectureScene> makeOneDimensionScene();
+enum class NewtonExample { Square, PseudoInverse, Shortest };
+std::unique_ptr<LectureScene> makeNewtonScene(NewtonExample example);
+// In lecture_space_scenes.cpp
+std::unique_ptr<LectureScene> makeRotationsScene();
+std::unique_ptr<LectureScene> makeDhScene();
+std::unique_ptr<LectureScene> makeLegScene();
+
+// Small things that the scenes share.
+
+/// Colours that mean the same in every scene.
+struct LectureColours {
+  Colour reachable, border, first, second, linear, truth, target, faint;
+};
+LectureColours lectureColours(Theme theme);
+
+/// "phi_1   34.38" as a row: name dim on the left, value on the right.
+void valueRow(Sandbox& sandbox, const std::string& name, const std::string& value);
+void headingRow(Sandbox& sandbox, const char* words);
+/// A matrix as aligned columns.
+void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd& m, const char* format);
+/// Moves the camera so that the box fills the view.
+void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box);
+/// Text in columns: runs of three or more blanks begin a cell at the same place in every line.
+void columnText(Sandbox& sandbox, const std::string& text);
+
+}  // namespace gelenk
