@@ -26,7 +26,7 @@ int problemCount() {
   return 40;
 #endif
 #endif
-  return 400;
+  return 200;
 }
 
 const Budget shortBudget{.maxIterations = 60, .maxSeconds = 1e9, .restarts = 1, .seed = 7};
