@@ -1,9 +1,12 @@
 #include <array>
 #include <stdexcept>
 
+#include "solvers/ball_chain.h"
+#include "solvers/ccd.h"
 #include "solvers/ceres_solver.h"
 #include "solvers/evolution.h"
 #include "solvers/hybrid_solver.h"
+#include "solvers/fabrik.h"
 #include "solvers/ik_solver.h"
 #include "solvers/newton.h"
 #include "solvers/qp.h"
@@ -46,6 +49,9 @@ constexpr std::array catalogue{
     SolverEntry{"newton", "Newton, full steps", "Lecture 10.1.4, n = m and n > m", &makeNewton},
     SolverEntry{"newton-quotient", "Newton, difference quotients", "Lecture 10.1.4, derivative", &makeNewtonDifferenceQuotient},
     SolverEntry{"two-link", "Two-link closed form", "Lecture 10.1.3, analytic solution", &makeTwoLink},
+    SolverEntry{"ccd", "Cyclic coordinate descent", "Wang, Chen 1991", &makeCcd},
+    SolverEntry{"fabrik", "Forward and backward reaching", "Aristidou, Lasenby 2011", &makeFabrik},
+    SolverEntry{"ball-chain", "LM for chains of balls, J never formed", "Chan, Lawrence 1988; this project", &makeBallChain},
     SolverEntry{"spherical-wrist", "Closed form of six-joint arms", "Pieper 1968; Hawkins 2013", &makeSphericalWrist},
 #ifdef GELENK_HAS_KDL
     SolverEntry{"kdl-nr", "Orocos KDL: Newton-Raphson", "Orocos KDL, ChainIkSolverPos_NR", &makeKdlNewton},
