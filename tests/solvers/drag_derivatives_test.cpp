@@ -29,9 +29,21 @@ struct Problem {
   HybridDescent descent;
   HybridDescent::Settings settings{.lambda = 0.3, .kappa = 0.2};
 
-  Problem(std::mt19937_64& random, int joints)
-      : skeleton(testing::randomSkeleton(random, joints)),
-        descent(skeleton, 0.7, postureStiffness(skeleton), randomWithinLimits(skeleton, random)) {
+  Problem(std::mt19937_64& random, int joints) : Problem(random, testing::randomSkeleton(random, joints)) {}
+
+ private:
+  /// A pose at most 1.3 rad in any ball from q: the squared angle of the posture term has a kink at a half turn.
+  static VectorXd near(const Skeleton& skeleton, const VectorXd& q, std::mt19937_64& random) {
+    VectorXd d(skeleton.nv());
+    for (double& entry : d) entry = 1.5 * (uniform01(random) - 0.5);
+    return projectToLimits(skeleton, integrate(skeleton, q, d));
+  }
+
+  Problem(std::mt19937_64& random, const Skeleton& made) : Problem(random, made, randomWithinLimits(made, random)) {}
+
+  Problem(std::mt19937_64& random, const Skeleton& made, const VectorXd& q)
+      : skeleton(made), descent(skeleton, 0.7, postureStiffness(skeleton), near(skeleton, q, random)) {
+    const int joints = skeleton.jointCount();
     std::vector<int> goals;
     for (int k = 0; k < 4; ++k) goals.push_back(static_cast<int>(random() % joints));
     descent.build(goals, Vector3d(0.3, -0.2, 0.1));
@@ -41,12 +53,14 @@ struct Problem {
                                   .weight = 0.1 + uniform01(random),
                                   .local = uniform01(random) * testing::randomUnit(random),
                                   .target = 2.0 * testing::randomUnit(random)});
-    descent.load(randomWithinLimits(skeleton, random));
+    descent.load(q);
     descent.anchor();
     VectorXd d(descent.tree().dofCount());
     for (double& entry : d) entry = 0.2 * (uniform01(random) - 0.5);
     descent.moveFreely(d.data());
   }
+
+ public:
   HybridDescent movedBy(const VectorXd& d) const {
     HybridDescent moved = descent;
     moved.moveFreely(d.data());

@@ -252,6 +252,7 @@ TEST(DragReference, PartlyUnreachableDragsEndInTheMinimumOfATwelveStartCeresSear
     // 4 cm: the bounded corrections of three targets and two feet shift a conflict; other minima lie farther off.
     same += apart <= 0.04;
     within += error <= 1.05 * best.error + 1e-3;
+    if (i % 10 == 9) std::fprintf(stderr, "%d of %d so far, same minimum %d, within 5 %% %d\n", i + 1, count, same, within);
     if (apart > 0.04) std::printf("target %d: drag error %.4f m, reference %.4f m, points %.4f m apart\n", i, error, best.error, apart);
   }
   std::printf("same minimum %d of %d, error within 5 %% on %d\n", same, count, within);
