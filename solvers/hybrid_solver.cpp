@@ -3,6 +3,7 @@
 #include "kinematics/configuration.h"
 #include "solvers/drag_solver.h"
 #include "solvers/evaluator.h"
+#include "solvers/judge.h"
 
 namespace gelenk {
 namespace {
@@ -31,6 +32,8 @@ class HybridSolver final : public IkSolver {
       squared += goal.weight * r.squaredNorm();
     }
     report.residual = std::sqrt(squared);
+    // the drag solver's own objective holds posture too: it may rest on a place that meets the goals
+    if (judge(problem, q).solved) report.why = Stop::Converged;
     return report;
   }
 };

@@ -506,9 +506,11 @@ void runComparison(const ComparisonPlan& plan, const LabModel& model, const std:
           const auto& frames = set.sequences.at(sequence);
           if (done.count({setName, name, sequence})) continue;
           if (!annotated) {
-            progress(finished, total, setName + ": references");
-            for (LabProblem& one : set.problems)
-              if (one.sequence % plan.shards == plan.shard - 1) annotate(*set.entry, one);
+            for (LabProblem& one : set.problems) {
+              if (one.sequence % plan.shards != plan.shard - 1) continue;
+              if (one.index % 50 == 0) progress(finished, total, setName + ": references, problem " + std::to_string(one.index));
+              annotate(*set.entry, one);
+            }
             annotated = true;
           }
           if (frames.front()->skeleton.get() != prepared) {
