@@ -251,6 +251,7 @@ void Session::togglePin(int goal) {
   if (dragged_ != goal) remember();
   const bool pin = goals_[goal].state != GoalState::Pinned && !(dragged_ == goal && afterDrag_ == GoalState::Pinned);
   if (dragged_ == goal) {
+    dragMoved_ = true;
     afterDrag_ = pin ? GoalState::Pinned : GoalState::Held;
   } else if (pin) {
     setState(goal, GoalState::Pinned);
@@ -287,15 +288,20 @@ void Session::beginDrag(int goal) {
   if (g.goal.kind == GoalKind::Pose) g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
   g.state = GoalState::Dragged;
   dragged_ = goal;
+  dragMoved_ = false;
 }
 
 void Session::moveDrag(const Eigen::Vector3d& target) {
-  if (dragged_ && target.allFinite()) goals_[*dragged_].goal.target = target;
+  if (!dragged_ || !target.allFinite()) return;
+  // A pixel's ray gives the start back only to rounding.
+  dragMoved_ = dragMoved_ || (target - goals_[*dragged_].goal.target).norm() > 1e-9 * (1.0 + target.norm());
+  goals_[*dragged_].goal.target = target;
 }
 
 void Session::rotateDrag(const Eigen::Quaterniond& worldRotation) {
   if (!dragged_ || goals_[*dragged_].goal.kind == GoalKind::Pole) return;
   Goal& goal = goals_[*dragged_].goal;
+  dragMoved_ = true;
   if (!hasOrientation(goal)) goal.orientation = Eigen::Quaterniond(frames_[goal.joint].linear()).normalized();
   setOrientation(*dragged_, worldRotation * goal.orientation);
 }
@@ -304,6 +310,11 @@ void Session::endDrag() {
   if (!dragged_) return;
   const int goal = *dragged_;
   dragged_.reset();
+  if (!dragMoved_ && goals_[goal].handle && !past_.empty()) {
+    goals_[goal] = past_.back().goals[goal];
+    past_.pop_back();
+    return;
+  }
   if (afterDrag_ == GoalState::Free)
     removeGoal(goal);
   else

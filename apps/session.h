@@ -140,6 +140,7 @@ class Session {
   std::vector<SceneGoal> goals_;
   std::optional<int> dragged_;
   GoalState afterDrag_ = GoalState::Held;
+  bool dragMoved_ = false;  ///< a press without a move is no edit
   std::vector<Snapshot> past_, future_;
   std::string solverName_;
   std::unique_ptr<FrameSolver> solver_;

@@ -209,13 +209,47 @@ void drawNotices(const Pen& pen, Sandbox& sandbox) {
   }
 }
 
+/// What the end of a planar chain can reach when its joints turn freely: the ring between the shortest and the longest reach.
+void addWorkspace(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  const Skeleton& skeleton = s.session->skeleton();
+  if (s.session->goals().empty()) return;
+  double sum = 0.0, longest = 0.0;
+  int base = -1;
+  for (int j = s.session->goals().front().goal.joint; j >= 0; j = skeleton.parent(j)) {
+    if (skeleton.joint(j).ball || skeleton.vCount(j) > 1) return;
+    if (skeleton.vCount(j) == 1) base = j;
+    bool moves = false;  // a joint above that turns carries this offset round
+    for (int a = skeleton.parent(j); a >= 0; a = skeleton.parent(a)) {
+      if (skeleton.vCount(a) == 1 && skeleton.joint(a).axes[0].kind != AxisDof::Kind::Rotation) return;
+      moves = moves || skeleton.vCount(a) == 1;
+    }
+    if (!moves) continue;
+    const double length = skeleton.joint(j).parentFromZero.translation().norm();
+    sum += length;
+    longest = std::max(longest, length);
+  }
+  if (base < 0 || sum <= 0.0) return;
+  const Vector3d centre = sandbox.shownFrames()[base].translation();
+  const double inner = std::max(0.0, 2.0 * longest - sum);
+  const Colour fill = toColour(s.colours().accent, 0.07f), line = toColour(s.colours().accent, 0.45f);
+  sandbox.overlayInScene().annulus(centre, Vector3d::UnitX(), Vector3d::UnitY(), inner, sum, fill);
+  sandbox.overlayInScene().arc(centre, Vector3d::UnitX(), Vector3d::UnitY(), sum, line);
+  if (inner > 0.0) sandbox.overlayInScene().arc(centre, Vector3d::UnitX(), Vector3d::UnitY(), inner, line);
+}
+
 }  // namespace
 
 void addSceneMarks(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (s.show.skeleton || !s.mesh)
     addBones(sandbox.overlay(), s.session->skeleton(), sandbox.shownFrames(), s.size, boneColour, s.selectedJoint.value_or(-1));
-  if (s.show.jointFrames) addJointFrames(sandbox.overlay(), sandbox.shownFrames(), s.size);
+  if (s.session->model().planar) addWorkspace(sandbox);
+  if (s.show.jointFrames) {
+    addJointFrames(sandbox.overlay(), sandbox.shownFrames(), s.size);
+    if (!s.shownFrames && s.session->skeleton().jointCount() <= 12)
+      addJointAxes(sandbox.overlay(), s.session->skeleton(), s.session->q(), sandbox.shownFrames(), s.size, toColour(s.colours().textDim));
+  }
   if (!s.shownFrames) addLimits(sandbox);
 }
 

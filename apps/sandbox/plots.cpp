@@ -88,7 +88,8 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
     const std::string label = fmt::format("{:g}", i);
     text(draw, fonts.small, {x - 0.5f * textWidth(fonts.small, label), area.high.y + 4 * scale}, palette.textDim, label);
   }
-  text(draw, fonts.small, {area.high.x - textWidth(fonts.small, look.xLabel), position.y + 6 * scale}, palette.textFaint, look.xLabel);
+  if (textWidth(fonts.small, look.title) + textWidth(fonts.small, look.xLabel) + 40 * scale < size.x)
+    text(draw, fonts.small, {area.high.x - textWidth(fonts.small, look.xLabel), position.y + 6 * scale}, palette.textFaint, look.xLabel);
 
   draw->PushClipRect({area.low.x - 4 * scale, area.low.y - 6 * scale}, {area.high.x + 6 * scale, area.high.y + 4 * scale}, true);
   std::vector<ImVec2> points;

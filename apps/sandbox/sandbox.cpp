@@ -301,8 +301,11 @@ void Sandbox::frame(const Input& input, double dt) {
     }
     s.screenshotPath.clear();
   }
-  const double milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  s.frameMilliseconds += 0.1 * (milliseconds - s.frameMilliseconds);
+  if (s.lastBegin) {
+    const double seconds = std::chrono::duration<double>(begin - *s.lastBegin).count();
+    s.secondsPerFrame += (s.secondsPerFrame > 0.0 ? 0.1 : 1.0) * (seconds - s.secondsPerFrame);
+  }
+  s.lastBegin = begin;
 }
 
 bool Sandbox::wantsToClose() const { return state_->closing; }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+
 #include "apps/pick.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
@@ -133,7 +135,8 @@ struct Sandbox::State {
 
   int frameNumber = 0;
   double time = 0.0;
-  double framesPerSecond = 0.0, frameMilliseconds = 0.0;  ///< measured, shown only
+  std::optional<std::chrono::steady_clock::time_point> lastBegin;
+  double secondsPerFrame = 0.0;  ///< measured from frame to frame, running mean, shown only
 
   Viewport viewport() const {
     return {std::max(1, static_cast<int>(layout.view.width)), std::max(1, static_cast<int>(layout.view.height))};

@@ -6,6 +6,7 @@
 
 #include "apps/model.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "kinematics/forward_kinematics.h"
 #include "skinning/gpu/offscreen_context.h"
 
 namespace gelenk {
@@ -183,7 +184,8 @@ void statusLine(Sandbox& sandbox) {
   const FrameSolve& solve = s.session->lastSolve();
   std::string facts = solve.ran ? fmt::format("{} it · {} · {:.0f} µs · ", solve.iterations, formatLength(solve.error), 1e6 * solve.seconds)
                                 : std::string("at rest · ");
-  facts += fmt::format("{} dof · {:.0f} fps", s.session->skeleton().nv(), s.framesPerSecond);
+  facts += fmt::format("{} dof", s.session->skeleton().nv());
+  if (s.secondsPerFrame > 0.0) facts += fmt::format(" · {:.0f} fps", 1.0 / s.secondsPerFrame);
   std::string renderer = sandbox.renderer();
   if (const auto at = renderer.find(" ("); at != std::string::npos) renderer.resize(at);
   facts = s.session->solver() + " · " + facts + " · " + renderer;
@@ -328,7 +330,9 @@ std::string formatLength(double metres) {
 std::string describeSolve(const Session& session) {
   const FrameSolve& solve = session.lastSolve();
   if (!solve.ran) return "nothing is held";
-  const double reachedWithin = 1e-3;
+  double reach = 1.0;  // a thousandth of a metre, or of the model where it is larger
+  for (int i = 0; i < session.skeleton().jointCount(); ++i) reach = std::max(reach, chainLength(session.skeleton(), i));
+  const double reachedWithin = 1e-3 * reach;
   if (solve.why == Stop::Unsupported) return "not for this solver: " + solve.unsupported;
   if (solve.why == Stop::Failure) return "numerical failure";
   if (solve.error < reachedWithin) return "reached, " + formatLength(solve.error);

@@ -95,10 +95,12 @@ class SolvePanel final : public Panel {
     const FrameSolve& solve = s.session->lastSolve();
     heading(sandbox, "THIS FRAME");
     const bool bad = solve.why == Stop::Failure || solve.why == Stop::Unsupported;
-    const ImVec4& colour = !solve.ran ? s.colours().textDim : bad ? s.colours().bad : solve.error < 1e-3 ? s.colours().good : s.colours().warning;
+    const std::string sentence = describeSolve(*s.session);
+    const bool reached = sentence.starts_with("reached");
+    const ImVec4& colour = !solve.ran ? s.colours().textDim : bad ? s.colours().bad : reached ? s.colours().good : s.colours().warning;
     ImGui::PushFont(s.gui.fonts().medium);
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextWrapped("%s", describeSolve(*s.session).c_str());
+    ImGui::TextWrapped("%s", sentence.c_str());
     ImGui::PopStyleColor();
     ImGui::PopFont();
     if (!ImGui::BeginTable("##facts", 2)) return;

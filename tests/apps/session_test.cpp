@@ -122,6 +122,17 @@ TEST(Session, AHandleStaysHeldAndOtherPointsLetGo) {
   EXPECT_EQ(session.goals().size(), count);
 }
 
+TEST(Session, APressWithoutAMoveIsNoEdit) {
+  Session session(figure());
+  const int hand = *session.findGoal("hand_l");
+  const bool couldUndo = session.canUndo();
+  session.beginDrag(hand);
+  stepFrames(session, 3);
+  session.endDrag();
+  EXPECT_EQ(session.goals()[hand].state, GoalState::Free);
+  EXPECT_EQ(session.canUndo(), couldUndo);
+}
+
 TEST(Session, PinningWhileDraggingKeepsThePoint) {
   Session session(figure());
   const int goal = session.addJointGoal(session.skeleton().jointIndex("lowerarm_r"));
@@ -219,8 +230,7 @@ TEST(Session, EverySolverOfTheCatalogueComesNearerOrSaysWhyNot) {
 TEST(Session, PoleTurnsTheElbowToItsSide) {
   Session session(figure());
   const int hand = *session.findGoal("hand_r");
-  session.beginDrag(hand);
-  stepFrames(session, 3);
+  drag(session, hand, {0.0, 0.02, 0.0}, 3);
   session.endDrag();
   const int pole = *session.findGoal("lowerarm_r_pole");
   const Vector3d elbowBefore = session.frames()[session.skeleton().jointIndex("lowerarm_r")].translation();

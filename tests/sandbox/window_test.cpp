@@ -44,11 +44,11 @@ class RealWindow : public ::testing::Test {
 
   std::string statusPath() const { return folder_ / "status.json"; }
 
-  /// The first status for which the condition holds; fails when the program ends or a minute passes.
+  /// The first status for which the condition holds; fails when the program ends or four minutes pass.
   template <typename Condition>
   json waitFor(Condition condition) {
     const time_t begin = time(nullptr);
-    while (time(nullptr) - begin < 60) {
+    while (time(nullptr) - begin < 240) {
       if (std::filesystem::exists(statusPath())) {
         const json status = json::parse(readFile(statusPath()));
         if (condition(status)) return status;
@@ -61,7 +61,7 @@ class RealWindow : public ::testing::Test {
       const timespec pause{0, 2'000'000};
       nanosleep(&pause, nullptr);
     }
-    throw std::runtime_error("a minute passed without it");
+    throw std::runtime_error("four minutes passed without it");
   }
   json nextFrames(int count) {
     const int now = waitFor([](const json&) { return true; })["frame"];
