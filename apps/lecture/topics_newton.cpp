@@ -99,7 +99,7 @@ std::string squareSteps() {
   for (const double phi2 : {0.1, 0.01, 0.001, 1e-4, 0.0}) {
     const NewtonRun straight = planarNewton(twoLinkArm(), Vector2d(0.3, phi2), slide::armTarget, 1e-12, 1);
     const NewtonStep& s = straight.steps[0];
-    out += fmt::format("  phi_2 = {:<7g} det = {:<10.3g} sigma_min = {:<10.3g} {}\n", phi2, s.D.determinant(), s.singularValues[1],
+    out += fmt::format("  phi_2 = {:<7g} |det| = {:<10.3g} sigma_min = {:<10.3g} {}\n", phi2, std::abs(s.D.determinant()), s.singularValues[1],
                        s.step.size() ? fmt::format("|step| = {:.4g} rad", s.step.norm()) : "no inverse: the method stops");
   }
   return out;
