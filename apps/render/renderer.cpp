@@ -1,8 +1,9 @@
 #include "apps/render/renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <optional>
 
@@ -21,29 +22,26 @@ namespace {
 constexpr GLuint frameBinding = 2;
 enum TextureUnit : GLint { ShadowMapUnit = 0, ShadowDepthUnit = 1, ContactUnit = 2, GroundLightUnit = 3 };
 
-using Float4 = std::array<float, 4>;
-using Float16 = std::array<float, 16>;
-
-/// Mirrors frame.glsl (std140: every member is a multiple of 16 bytes).
+/// Mirrors frame.glsl (std140: every member is a multiple of 16 bytes); GLM's types are laid out as GLSL's.
 struct FrameBlock {
-  Float16 clipFromWorld, worldFromClip, shadowFromWorld;
-  Float4 eye, towardsViewer, up, groundX, groundY, groundPatch, keyDirection, fillDirection;
-  Float4 keyLight, fillLight, skyLight, bounceLight, rimLight;
-  Float4 backgroundTop, backgroundBottom, groundColour, gridColour;
-  Float4 pictureSize;
+  glm::mat4 clipFromWorld, worldFromClip, shadowFromWorld;
+  glm::vec4 eye, towardsViewer, up, groundX, groundY, groundPatch, keyDirection, fillDirection;
+  glm::vec4 keyLight, fillLight, skyLight, bounceLight, rimLight;
+  glm::vec4 backgroundTop, backgroundBottom, groundColour, gridColour;
+  glm::vec4 pictureSize;
 };
 
-Float4 float4(const Vector3d& v, double w = 0.0) {
+glm::vec4 vec4(const Vector3d& v, double w = 0.0) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), static_cast<float>(w)};
 }
 
-Float16 float16(const Matrix4d& m) {
-  Float16 result;
-  Eigen::Map<Eigen::Matrix4f, Eigen::Unaligned>(result.data()) = m.cast<float>();
+glm::mat4 mat4(const Matrix4d& m) {
+  glm::mat4 result;
+  Eigen::Map<Eigen::Matrix4f, Eigen::Unaligned>(glm::value_ptr(result)) = m.cast<float>();
   return result;
 }
 
-Float4 linear(const Colour& colour, float scale = 1.0f) {
+glm::vec4 linear(const Colour& colour, float scale = 1.0f) {
   const Eigen::Vector3f light = scale * linearLight(colour);
   return {light.x(), light.y(), light.z(), colour.a};
 }
@@ -137,17 +135,17 @@ FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const View
   const DepthRange range = depthRange(camera, scene.bounds, 6.0 * light.size);
   const Matrix4d clipFromWorld = clipFromView(camera, viewport, range) * viewFromWorld(camera);
   const Palette colours = palette(scene.theme);
-  return {.clipFromWorld = float16(clipFromWorld),
-          .worldFromClip = float16(clipFromWorld.inverse()),
-          .shadowFromWorld = float16(light.shadowFromWorld),
-          .eye = float4(camera.eye(), camera.orthographic),
-          .towardsViewer = float4(axes.col(2), pixelScale),
-          .up = float4(light.up, light.groundHeight),
-          .groundX = float4(light.groundX, gridSpacing(light.size)),
-          .groundY = float4(light.groundY, 3.2 * light.size),
-          .groundPatch = float4({light.patchCentre.x(), light.patchCentre.y(), light.patchHalf}, shadows),
-          .keyDirection = float4(light.keyDirection, light.shadowTexel),
-          .fillDirection = float4(light.fillDirection, light.size),
+  return {.clipFromWorld = mat4(clipFromWorld),
+          .worldFromClip = mat4(clipFromWorld.inverse()),
+          .shadowFromWorld = mat4(light.shadowFromWorld),
+          .eye = vec4(camera.eye(), camera.orthographic),
+          .towardsViewer = vec4(axes.col(2), pixelScale),
+          .up = vec4(light.up, light.groundHeight),
+          .groundX = vec4(light.groundX, gridSpacing(light.size)),
+          .groundY = vec4(light.groundY, 3.2 * light.size),
+          .groundPatch = vec4({light.patchCentre.x(), light.patchCentre.y(), light.patchHalf}, shadows),
+          .keyDirection = vec4(light.keyDirection, light.shadowTexel),
+          .fillDirection = vec4(light.fillDirection, light.size),
           .keyLight = linear(colours.key, colours.keyPower),
           .fillLight = linear(colours.fill, colours.fillPower),
           .skyLight = linear(colours.sky, colours.skyPower),
@@ -320,12 +318,12 @@ void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& li
   glPolygonOffset(2.0f, 2.0f);
   Matrix4d clipFromShadow = 2.0 * Matrix4d::Identity();
   clipFromShadow.col(3) << -1.0, -1.0, -1.0, 1.0;
-  const Float16 matrix = float16(clipFromShadow * light.shadowFromWorld);
+  const glm::mat4 matrix = mat4(clipFromShadow * light.shadowFromWorld);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies[i].tint.a < 1.0f) continue;
     const ShaderProgram& depth = bodyProgram("depth", scene.bodies[i]);
     depth.use();
-    glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, matrix.data());
+    glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, glm::value_ptr(matrix));
     poses[i].bind();
     scene.bodies[i].mesh->drawTriangles(isLayered(scene.bodies[i]));
   }
