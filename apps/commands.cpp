@@ -7,6 +7,7 @@ void addConvertCommand(CLI::App& app);
 void addFkCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
 void addLectureCommand(CLI::App& app);
+void addMotionCommand(CLI::App& app);
 void addMusclesCommand(CLI::App& app);
 void addSolveCommand(CLI::App& app);
 
@@ -16,6 +17,7 @@ void addCommands(CLI::App& app) {
   addFkCommand(app);
   addInfoCommand(app);
   addLectureCommand(app);
+  addMotionCommand(app);
   addMusclesCommand(app);
   addSolveCommand(app);
 }

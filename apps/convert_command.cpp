@@ -37,18 +37,18 @@ double metres(const std::string& unit) {
 
 /// The pose that formats without motion get: the chosen frame, else the rest pose.
 Eigen::VectorXd poseOf(const Imported& imported, int frame) {
-  if (frame == 0) return imported.clip && imported.clip->frameCount() == 1 ? Eigen::VectorXd(imported.clip->q.col(0)) : imported.model.skeleton.rest();
-  const int count = imported.clip ? imported.clip->frameCount() : 0;
+  if (frame == 0) return imported.model.clip && imported.model.clip->frameCount() == 1 ? Eigen::VectorXd(imported.model.clip->q.col(0)) : imported.model.skeleton.rest();
+  const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;
   if (frame > count) throw std::invalid_argument(fmt::format("there are frames 1 to {}, {} was asked for", count, frame));
-  return imported.clip->q.col(frame - 1);
+  return imported.model.clip->q.col(frame - 1);
 }
 
 void write(const Imported& imported, FileKind kind, const Request& request) {
   const double unit = request.unitOut.empty() ? 1.0 : metres(request.unitOut);
   const Skeleton& skeleton = imported.model.skeleton;
   const auto clipOrPose = [&] {
-    if (imported.clip && request.frame == 0) return *imported.clip;
-    return MotionClip{.framesPerSecond = imported.clip ? imported.clip->framesPerSecond : 30.0, .q = poseOf(imported, request.frame)};
+    if (imported.model.clip && request.frame == 0) return *imported.model.clip;
+    return MotionClip{.framesPerSecond = imported.model.clip ? imported.model.clip->framesPerSecond : 30.0, .q = poseOf(imported, request.frame)};
   };
   const double asfUnit = request.unitOut.empty() ? asfMetresPerUnit(0.45) : unit;
   switch (kind) {
@@ -79,13 +79,13 @@ void write(const Imported& imported, FileKind kind, const Request& request) {
     case FileKind::Gltf: {
       if (!request.unitOut.empty()) throw std::invalid_argument("glTF is in metres by definition; leave --unit-out away");
       std::vector<GltfClip> clips;
-      if (imported.clip) clips.push_back({imported.model.name, *imported.clip});
+      if (imported.model.clip) clips.push_back({imported.model.name, *imported.model.clip});
       return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr, clips);
     }
     case FileKind::ObjMesh: {
       if (!imported.model.skin) throw std::invalid_argument("'" + request.in + "' has no body to write as OBJ");
       Mesh mesh = imported.model.skin->mesh;
-      if (imported.clip || request.frame > 0)
+      if (imported.model.clip || request.frame > 0)
         mesh.positions = linearBlendSkin(*imported.model.skin, forwardKinematics(skeleton, poseOf(imported, request.frame))).positions;
       for (auto& p : mesh.positions) p /= unit;
       return writeObj(request.out, mesh);
@@ -119,7 +119,7 @@ void run(const Request& request) {
   write(imported, *kind, request);
   for (const std::string& note : imported.model.notes) fmt::print(stderr, "note: {}\n", note);
   fmt::print("{}: {}, {} joints{}\n", request.out, describe(*kind), imported.model.skeleton.jointCount(),
-             imported.clip ? fmt::format(", {} frames at {:.6g} Hz read", imported.clip->frameCount(), imported.clip->framesPerSecond) : "");
+             imported.model.clip ? fmt::format(", {} frames at {:.6g} Hz read", imported.model.clip->frameCount(), imported.model.clip->framesPerSecond) : "");
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ json factsOf(const Request& request) {
   const Model& model = imported.model;
   if (model.skin) addMesh(model.skin->mesh, facts);
   addSkeleton(model.skeleton, facts);
-  if (imported.clip) addMotion(model.skeleton, *imported.clip, facts);
+  if (imported.model.clip) addMotion(model.skeleton, *imported.model.clip, facts);
   for (const std::string& note : model.notes) facts["notes"].push_back(note);
   return facts;
 }

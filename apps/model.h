@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "kinematics/motion_clip.h"
 #include "kinematics/skeleton.h"
 #include "skinning/skin.h"
 
@@ -16,6 +17,7 @@ struct Model {
   std::optional<Skin> skin = {};
   bool planar = false;                 ///< moves in the x-y plane: seen from above by default
   Eigen::Vector3d up = Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
+  std::optional<MotionClip> clip = {};  ///< a motion that came with it, for players; never clamped
   std::vector<std::string> handles = {};  ///< joints that get a drag handle; empty: the end-effectors
   std::vector<std::string> pins = {};     ///< handles that are pinned when the model is opened, such as the feet
   std::vector<std::string> notes = {};    ///< facts worth telling, such as the weight lost by keeping four influences

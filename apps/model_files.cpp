@@ -165,7 +165,7 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
     notes.push_back("fitted joints whose bone lies on no ASF bone: " + joined(transferred.unmatchedJoints));
   if (!files.amc.empty()) {
     const MotionClip clip = readAmc(files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
-    result.clip = withScaledRoot(transferred.skeleton, clip, transferred.heightRatio);
+    result.model.clip = withScaledRoot(transferred.skeleton, clip, transferred.heightRatio);
     notes.push_back(fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights", transferred.heightRatio));
   }
   return result;
@@ -185,13 +185,13 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       result.asf = readAsf(isMotion ? files.asf : path, options.metresPerUnit);
       model.skeleton = result.asf->skeleton;
       if (isMotion || !files.amc.empty())
-        result.clip = readAmc(isMotion ? path : files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
+        result.model.clip = readAmc(isMotion ? path : files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
       break;
     }
     case FileKind::Bvh: {
       BvhMotion bvh = readBvh(path, {.metresPerUnit = unit, .positions = options.bvhPositions});
       model.skeleton = std::move(bvh.skeleton);
-      result.clip = std::move(bvh.clip);
+      result.model.clip = std::move(bvh.clip);
       model.notes = bvh.notes;
       break;
     }
@@ -203,7 +203,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       for (auto& position : tutorial.positions) position *= unit;
       result.figure = toSkeleton(tutorial);
       model.skeleton = result.figure->skeleton;
-      if (isPose) result.clip = MotionClip{.framesPerSecond = 1.0, .q = configuration(*result.figure, readTutorialPose(path))};
+      if (isPose) result.model.clip = MotionClip{.framesPerSecond = 1.0, .q = configuration(*result.figure, readTutorialPose(path))};
       break;
     }
     case FileKind::Gltf: {
@@ -211,7 +211,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       model.skeleton = std::move(gltf.skeleton);
       model.skin = std::move(gltf.skin);
       model.notes = gltf.notes;
-      if (!gltf.clips.empty()) result.clip = gltf.clips.front().clip;
+      if (!gltf.clips.empty()) result.model.clip = gltf.clips.front().clip;
       if (options.metresPerUnit) throw std::invalid_argument("glTF is in metres by definition; another unit cannot be given");
       break;
     }
@@ -220,6 +220,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       model.skeleton = std::move(urdf.skeleton);
       model.skin = std::move(urdf.skin);
       model.notes = urdf.notes;
+      model.up = Eigen::Vector3d::UnitZ();
       break;
     }
     case FileKind::ObjMesh: {
@@ -234,6 +235,16 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
   return result;
 }
 
+/// The rest pose at the place of the motion's first frame: an ASF's own stands with its hips on the floor.
+void standWhereMotionBegins(Model& model) {
+  if (model.skin) return;  // bound where it stands
+  Eigen::VectorXd rest = model.skeleton.rest();
+  const Joint& root = model.skeleton.joint(0);
+  for (std::size_t k = 0; k < root.axes.size(); ++k)
+    if (root.axes[k].kind == AxisDof::Kind::Translation) rest[k] = model.clip->q(k, 0);
+  model.skeleton = Skeleton(model.skeleton.joints(), rest);
+}
+
 }  // namespace
 
 Imported importFiles(const std::string& nameOrFile, const Companions& companions, const ImportOptions& options) {
@@ -243,7 +254,9 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
   if (!kind && !std::filesystem::exists(nameOrFile)) return {.model = openModel(nameOrFile)};  // its message lists the names
   if (!kind) throw std::invalid_argument("cannot tell what '" + nameOrFile + "' holds; known extensions: " + knownExtensions());
   Imported result = importOne(nameOrFile, *kind, companions, options);
+  if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
   if (options.zUp) {
+    result.model.up = Eigen::Vector3d::UnitY();
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
     result.model = rotated(std::move(result.model), upright);
   }

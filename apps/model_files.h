@@ -51,10 +51,9 @@ struct Companions {
   std::string figure;             ///< of a tutorial pose
 };
 
-/// A model and, where the files hold one, a motion for it.
+/// A model, with its motion where the files hold one (model.clip), and what its formats know beyond it.
 struct Imported {
   Model model;
-  std::optional<MotionClip> clip = {};
   std::optional<AsfSkeleton> asf = {};         ///< bones and their ends, where the skeleton is an ASF's
   std::optional<TutorialFigure> figure = {};   ///< the order of joints in the file, where the skeleton is the tutorial's
 };

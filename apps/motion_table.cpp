@@ -44,15 +44,15 @@ void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& r
   if (request.unit > 0.0) options.metresPerUnit = request.unit;
   const Imported imported = importFiles(nameOrFile, {.skeleton = {}, .weights = {}, .asf = request.asf, .amc = request.amc, .mapping = {}, .figure = {}}, options);
   const Skeleton& skeleton = imported.model.skeleton;
-  const int count = imported.clip ? imported.clip->frameCount() : 0;
-  if (request.frame > 0 && !imported.clip) throw std::invalid_argument("'" + nameOrFile + "' has no motion: --frame needs one");
+  const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;
+  if (request.frame > 0 && !imported.model.clip) throw std::invalid_argument("'" + nameOrFile + "' has no motion: --frame needs one");
   if (request.frame > count) throw std::invalid_argument(fmt::format("the motion has frames 1 to {}, {} was asked for", count, request.frame));
   fmt::print("frame,{},start_x,start_y,start_z,end_x,end_y,end_z\n", imported.asf ? "bone" : "joint");
-  if (!imported.clip) return printFrame("rest", imported, restFrames(skeleton));
+  if (!imported.model.clip) return printFrame("rest", imported, restFrames(skeleton));
   Frames frames;
   for (int f = 0; f < count; ++f) {
     if (request.frame > 0 && f + 1 != request.frame) continue;
-    forwardKinematics(skeleton, imported.clip->q.col(f), frames);
+    forwardKinematics(skeleton, imported.model.clip->q.col(f), frames);
     printFrame(std::to_string(f + 1), imported, frames);
   }
 }

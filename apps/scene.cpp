@@ -223,6 +223,9 @@ ModelReference readReference(const Entry& root) {
   ModelReference reference{.nameOrFile = model.at("name").text()};
   if (const auto e = model.find("skeleton")) reference.skeletonFile = e->text();
   if (const auto e = model.find("weights")) reference.weightsFile = e->text();
+  if (const auto e = model.find("asf")) reference.asfFile = e->text();
+  if (const auto e = model.find("amc")) reference.amcFile = e->text();
+  if (const auto e = model.find("mapping")) reference.mappingFile = e->text();
   return reference;
 }
 
@@ -234,6 +237,9 @@ void saveScene(const std::string& path, const Scene& scene, const Skeleton& skel
   json model{{"name", scene.model.nameOrFile}};
   if (!scene.model.skeletonFile.empty()) model["skeleton"] = scene.model.skeletonFile;
   if (!scene.model.weightsFile.empty()) model["weights"] = scene.model.weightsFile;
+  if (!scene.model.asfFile.empty()) model["asf"] = scene.model.asfFile;
+  if (!scene.model.amcFile.empty()) model["amc"] = scene.model.amcFile;
+  if (!scene.model.mappingFile.empty()) model["mapping"] = scene.model.mappingFile;
   json goals = json::array();
   for (const SceneGoal& goal : scene.goals) goals.push_back(toJson(goal, skeleton));
   json options = json::object();

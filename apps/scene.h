@@ -16,6 +16,9 @@ struct ModelReference {
   std::string nameOrFile = "figure";
   std::string skeletonFile = {};
   std::string weightsFile = {};
+  std::string asfFile = {}, amcFile = {};  ///< ASF skeleton to lay an OBJ's fitted skeleton on, and its motion
+  std::string mappingFile = {};            ///< which bones lie on which joints; default: CMU's on Pinocchio's human
+  bool operator==(const ModelReference&) const = default;
 };
 
 /// What is drawn.

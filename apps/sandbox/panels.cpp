@@ -8,6 +8,7 @@ std::vector<std::unique_ptr<Panel>> makePanels() {
   panels.push_back(makeModelPanel());
   panels.push_back(makeSkinPanel());
   panels.push_back(makeMusclePanel());
+  panels.push_back(makeMotionPanel());
   panels.push_back(makePlotsPanel());
   panels.push_back(makeLabPanel());
   panels.push_back(makeLecturePanel());

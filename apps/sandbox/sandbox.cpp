@@ -143,8 +143,9 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
     openScene(options.model);
   } else {
     const bool isLecture = options.model.starts_with("lecture:");  // an example of the lecture opens its own model
-    const std::string model = isLecture ? "planar" : options.model;
-    openModel(readModel(model, options.skeletonFile, options.weightsFile), {model, options.skeletonFile, options.weightsFile});
+    const ModelReference reference{.nameOrFile = isLecture ? "planar" : options.model, .skeletonFile = options.skeletonFile, .weightsFile = options.weightsFile,
+                                   .asfFile = options.asfFile, .amcFile = options.amcFile, .mappingFile = options.mappingFile};
+    openModel(readModel(reference), reference);
     s.session->setSolver(options.solver);
     if (isLecture)
       for (const auto& panel : s.panels) panel->openFile(*this, options.model);
@@ -153,9 +154,10 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
 
 Sandbox::~Sandbox() = default;
 
-Model Sandbox::readModel(const std::string& name, const std::string& skeletonFile, const std::string& weightsFile) {
-  if (skeletonFile.empty()) return withBody(gelenk::openModel(name));
-  return openBody(name, skeletonFile, weightsFile.empty() ? std::nullopt : std::optional(weightsFile));
+Model Sandbox::readModel(const ModelReference& reference) {
+  return withBody(importFiles(reference.nameOrFile, {.skeleton = reference.skeletonFile, .weights = reference.weightsFile, .asf = reference.asfFile,
+                                                     .amc = reference.amcFile, .mapping = reference.mappingFile, .figure = {}})
+                      .model);
 }
 
 void Sandbox::openModel(Model model, const ModelReference& reference) {
@@ -196,9 +198,8 @@ void Sandbox::openModel(Model model, const ModelReference& reference) {
 void Sandbox::openScene(const std::string& path) {
   State& s = *state_;
   const ModelReference reference = readModelReference(path);
-  const bool sameModel = s.session && reference.nameOrFile == s.reference.nameOrFile &&
-                         reference.skeletonFile == s.reference.skeletonFile && reference.weightsFile == s.reference.weightsFile;
-  Model model = sameModel ? s.session->model() : readModel(reference.nameOrFile, reference.skeletonFile, reference.weightsFile);
+  const bool sameModel = s.session && reference == s.reference;
+  Model model = sameModel ? s.session->model() : readModel(reference);
   const Scene scene = loadScene(path, model.skeleton);
   Session trial(model);  // a scene that does not fit must leave what is open as it is
   trial.restore(scene);
@@ -221,9 +222,21 @@ bool Sandbox::open(const std::string& nameOrFile, const std::string& skeletonFil
     } else {
       bool taken = false;
       for (const auto& panel : state_->panels) taken = taken || (skeletonFile.empty() && panel->openFile(*this, nameOrFile));
-      if (!taken) openModel(readModel(nameOrFile, skeletonFile, weightsFile), {nameOrFile, skeletonFile, weightsFile});
+      const ModelReference reference{.nameOrFile = nameOrFile, .skeletonFile = skeletonFile, .weightsFile = weightsFile};
+      if (!taken) openModel(readModel(reference), reference);
     }
     say("Opened " + nameOrFile);
+    return true;
+  } catch (const std::exception& error) {
+    say(error.what(), true);
+    return false;
+  }
+}
+
+bool Sandbox::open(const ModelReference& reference) {
+  try {
+    openModel(readModel(reference), reference);
+    say("Opened " + reference.nameOrFile);
     return true;
   } catch (const std::exception& error) {
     say(error.what(), true);

@@ -33,6 +33,7 @@ using SkinDeformer = std::function<void(const Frames& worldFromJoint, SkinnedVer
 struct SandboxOptions {
   std::string model = "figure";
   std::string skeletonFile = {}, weightsFile = {};
+  std::string asfFile = {}, amcFile = {}, mappingFile = {};
   int width = 1280, height = 800;  ///< pixels
   double scale = 1.0;              ///< of type and spacing
   Theme theme = Theme::Light;
@@ -58,6 +59,7 @@ class Sandbox {
   const Session& session() const;
   /// A built-in name, a model file, a scene (.json), or a file that a panel takes. Failures are shown on screen and return false.
   bool open(const std::string& nameOrFile, const std::string& skeletonFile = {}, const std::string& weightsFile = {});
+  bool open(const ModelReference& reference);  ///< a model with all its files
   /// A model that the program made itself.
   void openModel(Model model, const ModelReference& reference);
   bool saveSceneTo(const std::string& path);
@@ -111,7 +113,7 @@ class Sandbox {
   State& state() { return *state_; }  ///< for the sandbox's own files
 
  private:
-  Model readModel(const std::string& name, const std::string& skeletonFile, const std::string& weightsFile);
+  Model readModel(const ModelReference& reference);
   void openScene(const std::string& path);
 
   std::unique_ptr<State> state_;

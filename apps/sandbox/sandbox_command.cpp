@@ -123,6 +123,9 @@ void addSandboxCommand(CLI::App& app) {
   command->add_option("model", a.sandbox.model, "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")->capture_default_str();
   command->add_option("--skeleton", a.sandbox.skeletonFile, "Skeleton of an OBJ body");
   command->add_option("--weights", a.sandbox.weightsFile, "Weights of an OBJ body; heat weights where not given");
+  command->add_option("--asf", a.sandbox.asfFile, "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
+  command->add_option("--amc", a.sandbox.amcFile, "Motion for the ASF skeleton");
+  command->add_option("--mapping", a.sandbox.mappingFile, "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command->add_option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
   command->add_flag("--offscreen", a.offscreen, "Without a window; deterministic");
   command->add_option("--frames", a.frames, "Stop after so many frames; offscreen: the replay's length by default")->check(CLI::PositiveNumber);
