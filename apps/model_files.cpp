@@ -171,6 +171,19 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
   return result;
 }
 
+/// The only .figure in the pose's folder.
+std::string figureBeside(const std::string& posePath) {
+  const auto folder = std::filesystem::path(posePath).parent_path();
+  std::string found;
+  int count = 0;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, error))
+    if (fileKind(entry.path().string()) == FileKind::TutorialSkeleton) found = entry.path().string(), ++count;
+  if (count != 1)
+    throw std::invalid_argument(fmt::format("'{}' needs the figure it belongs to: give it with --figure ({} lie beside it)", posePath, count));
+  return found;
+}
+
 Imported importOne(const std::string& path, FileKind kind, const Companions& files, const ImportOptions& options) {
   const double unit = options.metresPerUnit.value_or(1.0);
   Imported result{.model = {.name = stem(path), .skeleton = {}}};
@@ -198,8 +211,9 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
     case FileKind::TutorialSkeleton:
     case FileKind::TutorialPose: {
       const bool isPose = kind == FileKind::TutorialPose;
-      if (isPose && files.figure.empty()) throw std::invalid_argument("'" + path + "' needs the figure it belongs to: give it with --figure");
-      TutorialSkeleton tutorial = readTutorialSkeleton(isPose ? files.figure : path);
+      const std::string figurePath = !isPose ? path : !files.figure.empty() ? files.figure : figureBeside(path);
+      if (isPose && files.figure.empty()) model.notes.push_back("figure: " + figurePath);
+      TutorialSkeleton tutorial = readTutorialSkeleton(figurePath);
       for (auto& position : tutorial.positions) position *= unit;
       result.figure = toSkeleton(tutorial);
       model.skeleton = result.figure->skeleton;

@@ -34,6 +34,20 @@ void checkNesting(std::string_view text, const std::string& file) {
   }
 }
 
+/// The library reads beyond the end of a text whose last character is cut off, so only whole characters get there.
+void checkUtf8(std::string_view text, const std::string& file) {
+  int line = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    line += byte == '\n';
+    const std::size_t length = byte < 0x80 ? 1 : byte >= 0xc2 && byte < 0xe0 ? 2 : byte >= 0xe0 && byte < 0xf0 ? 3 : byte >= 0xf0 && byte < 0xf5 ? 4 : 0;
+    bool whole = byte != 0 && length > 0 && text.size() - i >= length;
+    for (std::size_t k = 1; whole && k < length; ++k) whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    if (!whole) throw ParseError(file, line, "text in UTF-8", "byte " + std::to_string(byte));
+    i += length;
+  }
+}
+
 struct Link {
   int line = 0;
   std::vector<const TiXmlElement*> visuals;
@@ -50,7 +64,7 @@ class Reader {
  public:
   Reader(std::string_view text, const std::string& file) : file_(file) {
     checkNesting(text, file);
-    if (text.find('\0') != std::string_view::npos) throw ParseError(file, 0, "XML text", "a zero byte");
+    checkUtf8(text, file);
     document_.Parse(std::string(text).c_str(), nullptr, TIXML_ENCODING_UTF8);
     if (document_.Error()) throw ParseError(file, std::max(0, document_.ErrorRow()), "well-formed XML", lowerFirst(document_.ErrorDesc()));
     if (!document_.RootElement()) throw ParseError(file, 0, "an element <robot>", "none");
