@@ -10,9 +10,7 @@ namespace gelenk {
 
 LectureColours lectureColours(Theme theme) {
   const bool dark = theme == Theme::Dark;
-  return {.reachable = dark ? Colour{0.35f, 0.55f, 0.80f, 0.16f} : Colour{0.15f, 0.42f, 0.72f, 0.10f},
-          .border = dark ? Colour{0.45f, 0.65f, 0.90f, 0.7f} : Colour{0.15f, 0.42f, 0.72f, 0.55f},
-          .first = {0.12f, 0.47f, 0.71f, 0.95f},
+  return {.first = {0.12f, 0.47f, 0.71f, 0.95f},
           .second = {0.84f, 0.45f, 0.07f, 0.95f},
           .linear = {0.80f, 0.20f, 0.35f, 1.0f},
           .truth = {0.10f, 0.55f, 0.40f, 1.0f},

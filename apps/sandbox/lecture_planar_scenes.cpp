@@ -45,7 +45,7 @@ std::string pair(const Vector2d& p, const char* format = "({:.5g}, {:.5g})") {
   return fmt::format(fmt::runtime(format), std::abs(p.x()) < 1e-12 ? 0.0 : p.x(), std::abs(p.y()) < 1e-12 ? 0.0 : p.y());
 }
 
-/// What all planar scenes share: the arm, its workspace, labels at its points.
+/// What all planar scenes share: the arm, labels at its points. The workspace is shaded by the view itself (marks.cpp).
 class PlanarScene : public LectureScene {
  protected:
   explicit PlanarScene(PlanarChain chain) : chain_(std::move(chain)) {}
@@ -56,15 +56,6 @@ class PlanarScene : public LectureScene {
     sandbox.options().shadow = false;
     const double r = 1.04 * reachOf(chain_);
     frameView(sandbox, Eigen::AlignedBox3d(inSpace(chain_.base) - Vector3d(r, r, 0), inSpace(chain_.base) + Vector3d(r, r, 0)));
-  }
-
-  void workspace(Sandbox& sandbox) const {
-    const LectureColours colours = lectureColours(sandbox.theme());
-    Overlay& below = sandbox.overlayInScene();
-    const Vector3d centre = inSpace(chain_.base);
-    below.annulus(centre, ex, ey, holeOf(chain_), reachOf(chain_), colours.reachable);
-    below.arc(centre, ex, ey, reachOf(chain_), colours.border, 1.5f);
-    if (holeOf(chain_) > 0.0) below.arc(centre, ex, ey, holeOf(chain_), colours.border, 1.5f);
   }
 
   /// The chain as thin links with dots at the joints.
@@ -108,7 +99,6 @@ class ForwardScene final : public PlanarScene {
     const VectorXd& phi = sandbox.session().q();
     const auto P = linkPoints(chain_, phi);
     const auto K = hierarchicalFrames(chain_, phi);
-    workspace(sandbox);
     double sum = 0.0;
     for (int i = 0; i < chain_.linkCount(); ++i) {  // the angle from the link before, and the frame K_i
       const double radius = 0.28 * chain_.lengths[i];
@@ -169,7 +159,6 @@ class TwoLinkScene final : public PlanarScene {
 
   void overlay(Sandbox& sandbox) override {
     const LectureColours colours = lectureColours(sandbox.theme());
-    workspace(sandbox);
     const TwoLinkSolution solution = solve(sandbox);
     const Colour branchColours[] = {colours.second, colours.first};
     for (int i = 0; i < solution.count; ++i) {
@@ -252,7 +241,6 @@ class OneDimensionScene final : public PlanarScene {
 
   void overlay(Sandbox& sandbox) override {
     const LectureColours colours = lectureColours(sandbox.theme());
-    workspace(sandbox);
     const double r = 1.1 * reachOf(chain_);
     sandbox.overlay().dashedLine({-r, target_, 0}, {r, target_, 0}, 0.3, colours.target, 2.0f);
     label(sandbox, {-r, target_ + 0.5, 0}, fmt::format("height X = {:g}", target_), colours.target);
@@ -391,7 +379,6 @@ class NewtonScene final : public PlanarScene {
 
   void overlay(Sandbox& sandbox) override {
     const LectureColours colours = lectureColours(sandbox.theme());
-    workspace(sandbox);
     Overlay& over = sandbox.overlay();
     const NewtonStep& now = run_.steps[at_];
     for (std::size_t i = 0; i < at_; ++i) {  // where it came from

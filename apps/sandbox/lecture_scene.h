@@ -44,7 +44,7 @@ std::unique_ptr<LectureScene> makeLegScene();
 
 /// Colours that mean the same in every scene.
 struct LectureColours {
-  Colour reachable, border, first, second, linear, truth, target, faint;
+  Colour first, second, linear, truth, target, faint;
 };
 LectureColours lectureColours(Theme theme);
 
