@@ -125,7 +125,7 @@ struct Sandbox::State {
 
   // panels
   std::vector<std::unique_ptr<Panel>> panels;
-  std::string inspectorTab, stripTab;          ///< to bring to the front, empty: as it is
+  std::string inspectorTab, stripTab;          ///< in front; empty: the first
   bool inspectorOpen = true, stripOpen = true, helpOpen = false, playing = false, closing = false;
   enum class Dialog { None, OpenFile, SaveScene } dialog = Dialog::None;
   char path[1024] = "";

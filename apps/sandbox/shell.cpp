@@ -115,25 +115,38 @@ void menuBar(Sandbox& sandbox) {
   ImGui::EndMainMenuBar();
 }
 
-/// Tabs that share the width; the one asked for comes to the front.
+/// Tabs in as many rows as they need, so that none is hidden; `current` is the one in front.
 template <typename Has, typename Draw>
-void tabs(Sandbox& sandbox, const char* id, std::string& wanted, Has has, Draw draw) {
+void tabs(Sandbox& sandbox, const char* id, std::string& current, Has has, Draw draw) {
   Sandbox::State& s = sandbox.state();
-  const std::string front = std::exchange(wanted, {});
-  if (!ImGui::BeginTabBar(id, ImGuiTabBarFlags_NoTooltip | ImGuiTabBarFlags_FittingPolicyScroll)) return;
+  Panel* front = nullptr;
+  for (const auto& panel : s.panels)
+    if (has(*panel) && (!front || panel->name() == current)) front = panel.get();
+  if (!front) return;
+  current = front->name();
+  const float gap = 2 * s.scale, right = ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x;
+  float x = ImGui::GetCursorPosX();
+  ImGui::PushID(id);
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {gap, 2 * s.scale});
   for (const auto& panel : s.panels) {
     if (!has(*panel)) continue;
-    const ImGuiTabItemFlags flags = front == panel->name() ? ImGuiTabItemFlags_SetSelected : 0;
-    if (ImGui::BeginTabItem(panel->name().c_str(), nullptr, flags)) {
-      ImGui::BeginChild("content", {0, 0}, false, ImGuiWindowFlags_None);
-      ImGui::PushItemWidth(-1.0f);
-      draw(*panel);
-      ImGui::PopItemWidth();
-      ImGui::EndChild();
-      ImGui::EndTabItem();
-    }
+    const std::string name = panel->name();
+    const float width = ImGui::CalcTextSize(name.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+    if (x + width <= right && x > ImGui::GetCursorStartPos().x) ImGui::SameLine(x);
+    if (x + width > right) x = ImGui::GetCursorPosX();
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(panel.get() == front ? ImGuiCol_TabActive : ImGuiCol_Tab));
+    if (ImGui::Button(name.c_str())) current = name;
+    ImGui::PopStyleColor();
+    x += width + gap;
   }
-  ImGui::EndTabBar();
+  ImGui::PopStyleVar();
+  ImGui::Separator();
+  ImGui::BeginChild(front->name().c_str(), {0, 0}, false, ImGuiWindowFlags_None);
+  ImGui::PushItemWidth(-1.0f);
+  draw(*front);
+  ImGui::PopItemWidth();
+  ImGui::EndChild();
+  ImGui::PopID();
 }
 
 void inspector(Sandbox& sandbox) {
