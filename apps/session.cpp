@@ -136,6 +136,16 @@ void Session::makeHandles() {
         goals_.push_back({.goal = {.kind = GoalKind::Pole, .name = name, .joint = *middle}, .handle = true});
 }
 
+void Session::setInfluences(std::vector<Influences> influences) {
+  if (!model_->skin || influences.size() != model_->skin->influences.size())
+    throw std::invalid_argument(fmt::format("{} rows of weights for a skin of {} vertices", influences.size(),
+                                            model_->skin ? model_->skin->influences.size() : 0));
+  Model bound = *model_;
+  bound.skin->influences = std::move(influences);
+  model_ = std::make_shared<const Model>(std::move(bound));
+  anchorSurfaceGoals();
+}
+
 std::optional<int> Session::findGoal(const std::string& name) const {
   for (std::size_t i = 0; i < goals_.size(); ++i)
     if (goals_[i].goal.name == name) return static_cast<int>(i);

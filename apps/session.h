@@ -54,6 +54,9 @@ class Session {
 
   const Model& model() const { return *model_; }
   const Skeleton& skeleton() const { return model_->skeleton; }
+  /// Binds the model's skin anew, one row a vertex: what was model() is replaced. Throws std::invalid_argument for a model without a
+  /// skin or another number of rows.
+  void setInfluences(std::vector<Influences> influences);
 
   // --- pose
   const Eigen::VectorXd& q() const { return q_; }

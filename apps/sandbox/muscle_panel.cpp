@@ -56,6 +56,10 @@ class MusclePanel final : public Panel {
     selectedLink_ = 0;
   }
 
+  void weightsChanged(Sandbox& sandbox) override {
+    if (settings_.enabled) rebind(sandbox);
+  }
+
   void drawInspector(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();
     if (limbs_.empty()) {

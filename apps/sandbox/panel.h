@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,6 +44,17 @@ class Panel {
 
   /// A key that the sandbox itself has no use for (GLFW key code); true when taken.
   virtual bool keyPressed(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
+
+  /// A tool that works on the view with the left mouse button, such as a brush: while true the sandbox shows and drags nothing under
+  /// the mouse, presses go to pressed(), and keys to keyPressed() first.
+  virtual bool takesMouse(const Sandbox&) const { return false; }
+  /// Window pixel. True: the moves up to the release are the tool's; false: they turn the camera.
+  virtual bool pressed(Sandbox&, const Eigen::Vector2d& /*pixel*/) { return false; }
+  virtual void moved(Sandbox&, const Eigen::Vector2d& /*pixel*/) {}
+  virtual void released(Sandbox&) {}
+
+  /// After Sandbox::setWeights: the skin is bound anew, its mesh and skeleton are as they were.
+  virtual void weightsChanged(Sandbox&) {}
 
   /// A dropped or opened file that is no model and no scene (.bvh, .amc, ...); true when taken. May throw ParseError.
   virtual bool openFile(Sandbox&, const std::string& /*path*/) { return false; }

@@ -369,6 +369,18 @@ const std::vector<LimbPose>& Sandbox::limbPoses() const {
   s.limbPosesAreCurrent = true;
   return s.limbPoses;
 }
+void Sandbox::setWeights(std::vector<Influences> influences, bool settled) {
+  State& s = *state_;
+  s.session->setInfluences(std::move(influences));
+  const Skin& skin = *s.session->model().skin;
+  s.mesh = std::make_unique<SkinnedMeshGl>(skin);
+  s.posedBounds = std::make_unique<PosedBounds>(skin);
+  s.deformedMesh.reset();
+  s.ghostMeshes.clear();  // they may show the skin that was
+  s.surfaceIsCurrent = false;
+  if (!settled) return;
+  for (const auto& panel : s.panels) panel->weightsChanged(*this);
+}
 Overlay& Sandbox::overlay() { return state_->scene.overlayOnTop; }
 Overlay& Sandbox::overlayInScene() { return state_->scene.overlay; }
 void Sandbox::label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour) {

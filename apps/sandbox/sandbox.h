@@ -65,6 +65,10 @@ class Sandbox {
   bool saveSceneTo(const std::string& path);
   Scene scene() const;
 
+  /// Binds the model's skin anew, in the session and on the GPU. settled: an edit is complete, and panels that build on the binding
+  /// (muscle layers) follow; until then they keep the one before. One row a vertex.
+  void setWeights(std::vector<Influences> influences, bool settled = true);
+
   // --- what panels use
   Camera& camera();
   ViewOptions& options();

@@ -31,7 +31,7 @@ struct Hover {
 
 /// The mouse between press and release.
 struct Gesture {
-  enum class Kind { None, PressedSkin, Drag, Orbit, Pan };
+  enum class Kind { None, PressedSkin, Drag, Orbit, Pan, Tool };
   Kind kind = Kind::None;
   int button = -1;
   Eigen::Vector2d press = Eigen::Vector2d::Zero();   ///< window pixels
@@ -42,6 +42,7 @@ struct Gesture {
   DragConstraint lock = DragConstraint::ViewPlane;   ///< chosen by X, Y, Z
   bool rotated = false;                              ///< Alt turned the goal since the last move
   Hover pressed;
+  Panel* tool = nullptr;                             ///< Tool: the panel that took the press
 };
 
 struct Notice {

@@ -108,6 +108,13 @@ void continueDrag(Sandbox::State& s) {
     s.session->moveDrag(s.gesture.start + (*target - s.gesture.start).cwiseMax(-10.0 * s.size).cwiseMin(10.0 * s.size));
 }
 
+/// The panel whose tool has the mouse; nullptr: dragging is on.
+Panel* toolOf(Sandbox& sandbox) {
+  for (const auto& panel : sandbox.state().panels)
+    if (panel->takesMouse(sandbox)) return panel.get();
+  return nullptr;
+}
+
 void press(Sandbox& sandbox, int button) {
   Sandbox::State& s = sandbox.state();
   if (s.gesture.kind != Gesture::Kind::None) return;
@@ -119,6 +126,9 @@ void press(Sandbox& sandbox, int button) {
     s.gesture.kind = Gesture::Kind::Pan;
   } else if (button == GLFW_MOUSE_BUTTON_MIDDLE) {
     s.gesture.kind = Gesture::Kind::Orbit;
+  } else if (Panel* tool = toolOf(sandbox)) {
+    s.gesture.kind = tool->pressed(sandbox, s.mouse) ? Gesture::Kind::Tool : Gesture::Kind::Orbit;
+    s.gesture.tool = tool;
   } else {
     s.gesture.pressed = hoverAt(sandbox, s.mouse);
     switch (s.gesture.pressed.kind) {
@@ -129,21 +139,25 @@ void press(Sandbox& sandbox, int button) {
   }
 }
 
-void release(Sandbox::State& s, int button) {
+void release(Sandbox& sandbox, int button) {
+  Sandbox::State& s = sandbox.state();
   if (s.gesture.kind == Gesture::Kind::None || button != s.gesture.button) return;
   if (s.gesture.kind == Gesture::Kind::Drag) {
     s.session->endDrag();
     if (s.selectedGoal && *s.selectedGoal >= static_cast<int>(s.session->goals().size())) s.selectedGoal.reset();
   } else if (s.gesture.kind == Gesture::Kind::PressedSkin) {
     s.selectedJoint = s.gesture.pressed.index;  // a click
-  } else if (s.gesture.kind == Gesture::Kind::Orbit && (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale) {
+  } else if (s.gesture.kind == Gesture::Kind::Tool) {
+    s.gesture.tool->released(sandbox);
+  } else if (s.gesture.kind == Gesture::Kind::Orbit && !s.gesture.tool && (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale) {
     s.selectedJoint.reset();
     s.selectedGoal.reset();
   }
   s.gesture = {};
 }
 
-void moveMouse(Sandbox::State& s) {
+void moveMouse(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
   const Vector2d moved = s.mouse - s.gesture.last;
   switch (s.gesture.kind) {
     case Gesture::Kind::PressedSkin:
@@ -161,6 +175,7 @@ void moveMouse(Sandbox::State& s) {
         s.camera = pan(s.camera, s.viewport(), moved);
       break;
     case Gesture::Kind::Pan: s.camera = pan(s.camera, s.viewport(), moved); break;
+    case Gesture::Kind::Tool: s.gesture.tool->moved(sandbox, s.mouse); break;
     default: break;
   }
   if (s.gesture.kind == Gesture::Kind::Drag) continueDrag(s);
@@ -278,8 +293,9 @@ bool plainKey(Sandbox& sandbox, int key) {
 
 void pressKey(Sandbox& sandbox, int key) {
   Sandbox::State& s = sandbox.state();
-  if (s.ctrl ? controlKey(sandbox, key) : plainKey(sandbox, key)) return;
   const int modifiers = (s.ctrl ? GLFW_MOD_CONTROL : 0) | (s.shift ? GLFW_MOD_SHIFT : 0) | (s.alt ? GLFW_MOD_ALT : 0);
+  if (Panel* tool = toolOf(sandbox); tool && tool->keyPressed(sandbox, key, modifiers)) return;
+  if (s.ctrl ? controlKey(sandbox, key) : plainKey(sandbox, key)) return;
   for (const auto& panel : s.panels)
     if (panel->keyPressed(sandbox, key, modifiers)) return;
 }
@@ -338,12 +354,12 @@ void handleViewInput(Sandbox& sandbox, const Input& input) {
     switch (event.kind) {
       case InputEvent::Kind::MouseMove:
         s.mouse = {event.x, event.y};
-        moveMouse(s);
+        moveMouse(sandbox);
         break;
       case InputEvent::Kind::MouseButton:
         if (event.down && s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse && !typing)
           press(sandbox, event.code);
-        if (!event.down) release(s, event.code);
+        if (!event.down) release(sandbox, event.code);
         break;
       case InputEvent::Kind::Wheel:
         if (s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse) {
@@ -360,7 +376,7 @@ void handleViewInput(Sandbox& sandbox, const Input& input) {
     }
   }
   if (s.gesture.kind == Gesture::Kind::Drag && s.session->dragged()) continueDrag(s);  // modifiers may have changed
-  const bool free = s.gesture.kind == Gesture::Kind::None && s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse;
+  const bool free = s.gesture.kind == Gesture::Kind::None && !toolOf(sandbox) && s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse;
   s.hover = free ? hoverAt(sandbox, s.mouse) : Hover{};
 }
 
