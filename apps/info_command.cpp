@@ -86,8 +86,8 @@ json factsOf(const Request& request) {
   json facts{{"file", request.file}, {"warnings", json::array()}, {"notes", json::array()}};
   const auto kind = fileKind(request.file);
   facts["format"] = kind ? describe(*kind) : "model";
-  if (kind == FileKind::ObjMesh && request.companions.skeleton.empty()) {
-    addMesh(readObj(request.file), facts);
+  if ((kind == FileKind::ObjMesh || kind == FileKind::Nurbs) && request.companions.skeleton.empty()) {
+    addMesh(readMesh(request.file), facts);
     return facts;
   }
   ImportOptions options;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "apps/chain_models.h"
+#include "kinematics/io/parse_error.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/word_stream.h"
 #include "kinematics/skeleton_transfer.h"
@@ -17,6 +18,7 @@
 #include "kinematics/io/text_file.h"
 #include "skinning/bone_heat.h"
 #include "skinning/io/gltf.h"
+#include "skinning/io/nurbs.h"
 #include "skinning/io/obj.h"
 #include "skinning/io/pinocchio_weights.h"
 #include "skinning/io/urdf_body.h"
@@ -32,6 +34,7 @@ struct Extension {
 /// Longer endings first where one ends like another.
 constexpr std::array extensions = {
     Extension{".obj", FileKind::ObjMesh},
+    Extension{".nurbs", FileKind::Nurbs},
     Extension{".skeleton.out", FileKind::PinocchioSkeleton},
     Extension{".skeleton", FileKind::PinocchioSkeleton},
     Extension{".skel", FileKind::PinocchioSkeleton},
@@ -76,6 +79,7 @@ std::optional<FileKind> fileKind(const std::string& path) {
 std::string describe(FileKind kind) {
   switch (kind) {
     case FileKind::ObjMesh: return "OBJ mesh";
+    case FileKind::Nurbs: return "NURBS surface";
     case FileKind::PinocchioSkeleton: return "Pinocchio skeleton";
     case FileKind::PinocchioWeights: return "Pinocchio bone weights";
     case FileKind::DhTable: return "Denavit-Hartenberg table";
@@ -102,8 +106,21 @@ std::string stem(const std::string& path) {
   return dot == std::string::npos ? name : name.substr(0, dot);
 }
 
+Mesh readMesh(const std::string& path) {
+  if (fileKind(path) != FileKind::Nurbs) return readObj(path);
+  const NurbsSurface surface = readNurbs(path);
+  const auto cells = [](const std::vector<double>& knots, int degree, int count) {
+    int spans = 0;
+    for (int i = degree; i < count; ++i) spans += knots[i + 1] > knots[i];
+    return std::clamp(12 * spans, 8, 400);
+  };
+  Mesh mesh = tessellate(surface, cells(surface.knotsU, surface.degreeU, surface.countU), cells(surface.knotsV, surface.degreeV, surface.countV));
+  if (mesh.triangles.empty()) throw ParseError(path, 0, "a surface", "control points that all lie in one place or line");
+  return mesh;
+}
+
 Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath) {
-  Mesh mesh = readObj(objPath);
+  Mesh mesh = readMesh(objPath);
   Model model = openModelFile(skeletonPath);
   model.name = stem(objPath);
   const Frames rest = restFrames(model.skeleton);
@@ -145,7 +162,7 @@ std::string joined(const std::vector<std::string>& words) {
 
 /// The exercise sheet: the fitted skeleton on the ASF skeleton, Pinocchio's weights on its bones.
 Imported exerciseSheet(const std::string& objPath, const Companions& files, const ImportOptions& options) {
-  Mesh mesh = readObj(objPath);
+  Mesh mesh = readMesh(objPath);
   const Skeleton fitted = namedAsHuman(readPinocchioSkeleton(files.skeleton));
   if (files.weights.empty()) throw std::invalid_argument("laying a fitted skeleton on an ASF skeleton needs its weights: give them with --weights");
   const BoneWeights bones = readPinocchioWeights(files.weights, fitted.jointCount() - 1, mesh);
@@ -237,7 +254,8 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       model.up = Eigen::Vector3d::UnitZ();
       break;
     }
-    case FileKind::ObjMesh: {
+    case FileKind::ObjMesh:
+    case FileKind::Nurbs: {
       if (files.skeleton.empty()) throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton");
       if (!files.asf.empty()) return exerciseSheet(path, files, options);
       model = openBody(path, files.skeleton, files.weights.empty() ? std::nullopt : std::optional(files.weights));

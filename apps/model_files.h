@@ -15,6 +15,7 @@ namespace gelenk {
 /// What a file holds, told by its extension and, where several formats share one, by its first words.
 enum class FileKind {
   ObjMesh,             ///< .obj
+  Nurbs,               ///< .nurbs, a surface that is tessellated and then treated as an OBJ
   PinocchioSkeleton,   ///< .skel, .skeleton, .skeleton.out
   PinocchioWeights,    ///< .attachment, .attachment.out, .weights
   Asf,                 ///< .asf
@@ -29,6 +30,8 @@ enum class FileKind {
 
 /// nullopt for an extension that no format here has.
 std::optional<FileKind> fileKind(const std::string& path);
+/// The triangles of an OBJ or of a NURBS surface (12 cells a knot span, 8 to 400 in each direction). Throws ParseError.
+Mesh readMesh(const std::string& path);
 /// "Pinocchio skeleton" and the like, for messages and `gelenk info`.
 std::string describe(FileKind kind);
 /// The extensions that are known, for messages.

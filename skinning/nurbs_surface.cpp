@@ -79,6 +79,26 @@ void validate(const NurbsSurface& surface) {
   }
 }
 
+NurbsSurface closedTube(const std::vector<TubeRing>& rings) {
+  if (rings.size() < 2) throw std::invalid_argument("a closed tube needs at least two rings");
+  NurbsSurface s{.degreeU = 3, .degreeV = 2, .countU = static_cast<int>(rings.size()) + 2, .countV = 9, .knotsU = {},
+                 .knotsV = {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4}, .points = {}, .weights = {}};
+  const int spans = s.countU - s.degreeU;
+  for (int i = 0; i < s.countU + s.degreeU + 1; ++i) s.knotsU.push_back(std::clamp(i - s.degreeU, 0, spans));
+  const auto addRing = [&](const TubeRing& ring, double scale) {
+    constexpr double across[] = {1, 1, 0, -1, -1, -1, 0, 1, 1};  // corners of the square around the circle, and its sides' middles
+    for (int j = 0; j < 9; ++j) {
+      // v runs clockwise seen from the far end, so that du x dv points outwards
+      s.points.push_back(ring.centre + scale * (across[j] * ring.halfAxisA - across[(j + 6) % 8] * ring.halfAxisB));
+      s.weights.push_back(j % 2 ? std::sqrt(0.5) : 1.0);
+    }
+  };
+  addRing(rings.front(), 0.0);
+  for (const TubeRing& ring : rings) addRing(ring, 1.0);
+  addRing(rings.back(), 0.0);
+  return s;
+}
+
 int knotSpan(const std::vector<double>& knots, int degree, int count, double u) {
   if (u >= knots[count]) {  // the last span that is not empty
     int span = count - 1;

@@ -36,6 +36,16 @@ NurbsPoint evaluate(const NurbsSurface& surface, double u, double v);
 /// closed on itself, a pole) become one vertex; triangles that collapse are dropped. Counter-clockwise along du x dv.
 Mesh tessellate(const NurbsSurface& surface, int stepsU, int stepsV);
 
+/// A cross-section of a tube: the ellipse centre + cos(t) halfAxisA + sin(t) halfAxisB, metres.
+struct TubeRing {
+  Eigen::Vector3d centre, halfAxisA, halfAxisB;
+};
+/// A closed tube: cubic in u through control rings (of which it passes near all but the first and last), exactly elliptical in v
+/// (rational quadratic, nine points, Piegl and Tiller 7.5). Its ends are poles in the centres of the first and last ring, which lie in the
+/// tangent planes there, so the ends are round. A x B must point along the tube for du x dv to point outwards. Throws
+/// std::invalid_argument for fewer than two rings.
+NurbsSurface closedTube(const std::vector<TubeRing>& rings);
+
 /// The index of the knot span [u_i, u_i+1) that holds u, the last one for the upper end.
 int knotSpan(const std::vector<double>& knots, int degree, int count, double u);
 

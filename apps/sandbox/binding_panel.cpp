@@ -405,19 +405,29 @@ class BindingPanel final : public Panel {
     for (int k = 0; k < 3; ++k) normal += hit->point.barycentric[k] * sandbox.surface().normals[triangle[k]];
     if (normal.norm() < 1e-9) return;
     const Vector3d u = normal.unitOrthogonal(), v = normal.normalized().cross(u);
-    sandbox.overlay().arc(hit->position, u, v, radius_, {1, 1, 1, 0.9f}, 3.0f);
-    const ImVec4& c = s.colours().accent;
-    sandbox.overlay().arc(hit->position, u, v, radius_, {c.x, c.y, c.z, 1.0f}, 1.6f);
-    sandbox.overlay().arc(hit->position, u, v, 0.5 * radius_, {c.x, c.y, c.z, 0.5f}, 1.0f);
+    for (const double radius : {radius_, 0.5 * radius_}) {
+      std::vector<Vector2d> circle;
+      for (int i = 0; i < 64; ++i) {
+        const double angle = 2.0 * M_PI * i / 64.0;
+        circle.push_back(s.toWindow(hit->position + radius * (std::cos(angle) * u + std::sin(angle) * v)).pixel);
+      }
+      drawOutline(s, circle, radius == radius_ ? 1.0f : 0.45f);
+    }
   }
 
-  void drawLasso(Sandbox& sandbox) const {
-    const Sandbox::State& s = sandbox.state();
+  void drawLasso(Sandbox& sandbox) const { drawOutline(sandbox.state(), lasso_, 1.0f); }
+
+  /// A closed line over the view, white beneath so that it shows on every colour.
+  static void drawOutline(const Sandbox::State& s, const std::vector<Vector2d>& pixels, float strength) {
     ImDrawList* draw = ImGui::GetForegroundDrawList();
+    const Layout::Rect& view = s.layout.view;
+    draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
     std::vector<ImVec2> points;
-    for (const Vector2d& p : lasso_) points.push_back({static_cast<float>(p.x()), static_cast<float>(p.y())});
-    draw->AddPolyline(points.data(), static_cast<int>(points.size()), IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 3.4f * s.scale);
-    draw->AddPolyline(points.data(), static_cast<int>(points.size()), colour32(s.colours().accent), ImDrawFlags_Closed, 1.6f * s.scale);
+    for (const Vector2d& p : pixels) points.push_back({static_cast<float>(p.x()), static_cast<float>(p.y())});
+    const int count = static_cast<int>(points.size());
+    draw->AddPolyline(points.data(), count, colour32({1, 1, 1, 0.9f}, strength), ImDrawFlags_Closed, 3.6f * s.scale);
+    draw->AddPolyline(points.data(), count, colour32(s.colours().accent, strength), ImDrawFlags_Closed, 1.6f * s.scale);
+    draw->PopClipRect();
   }
 
   std::optional<WeightEditor> editor_;

@@ -6,6 +6,7 @@
 
 #include "kinematics/io/parse_error.h"
 #include "skinning/io/nurbs.h"
+#include "tests/skinning/nurbs_arm.h"
 
 namespace gelenk {
 namespace {
@@ -59,6 +60,37 @@ TEST(Nurbs, ClosedSurfaceIsTessellatedWithoutASeam) {
   EXPECT_EQ(facts.boundaryEdges, 64);
   for (std::size_t v = 0; v < tube.positions.size(); ++v)
     EXPECT_NEAR(tube.normals[v].dot(Vector3d(tube.positions[v].x(), tube.positions[v].y(), 0).normalized()), 1.0, 1e-12);
+}
+
+TEST(Nurbs, AClosedTubeHasPolesRoundEndsAndExactEllipses) {
+  std::vector<TubeRing> rings;
+  for (int i = 0; i < 6; ++i) rings.push_back({Vector3d(0.1, 0.2, 0.3 * i), Vector3d(0.4, 0, 0), Vector3d(0, 0.2, 0)});
+  const NurbsSurface s = closedTube(rings);
+  validate(s);
+  const double middle = 0.5 * (s.lowerU() + s.upperU());
+  for (double v = 0.0; v <= 4.0; v += 0.1) {
+    const Vector3d p = evaluate(s, middle, v).position - Vector3d(0.1, 0.2, 0.0);
+    EXPECT_NEAR(std::hypot(p.x() / 0.4, p.y() / 0.2), 1.0, 1e-14);
+    EXPECT_NEAR(evaluate(s, s.lowerU(), v).du.z(), 0.0, 1e-14);  // the tangent plane at the pole is that of the ring
+  }
+  const Mesh tube = tessellate(s, 60, 48);
+  const MeshTopology facts = topology(tube);
+  EXPECT_TRUE(facts.closed());
+  EXPECT_TRUE(facts.manifold());
+  EXPECT_EQ(facts.eulerCharacteristic(), 2);
+  const double cylinderAndHalf = M_PI * 0.4 * 0.2 * 1.5;  // between the outermost rings
+  EXPECT_GT(enclosedVolume(tube), 0.7 * cylinderAndHalf);  // positive: the triangles face outwards
+  EXPECT_LT(enclosedVolume(tube), cylinderAndHalf);
+}
+
+TEST(Nurbs, TheArmThatComesWithTheProgramIsItsTableOfRings) {
+  const NurbsSurface file = readNurbs(GELENK_ASSET_DIR "/nurbs_arm.nurbs"), made = closedTube(testing::armRings());
+  EXPECT_EQ(file.knotsU, made.knotsU);
+  EXPECT_EQ(file.knotsV, made.knotsV);
+  EXPECT_EQ(file.weights, made.weights);
+  ASSERT_EQ(file.points.size(), made.points.size());
+  for (std::size_t i = 0; i < made.points.size(); ++i)
+    EXPECT_LE((file.points[i] - made.points[i]).cwiseAbs().maxCoeff(), 0.51e-6);  // the file's coordinates are rounded to 1e-6
 }
 
 TEST(Nurbs, TextReadsBackExactly) {

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "apps/muscle_scene.h"
+#include "apps/muscle_report.h"
+#include "apps/sandbox/replay.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/view_picture.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+#include "skinning/weight_paint.h"
+#include "tests/skinning/resting_arm.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// The tube around a resting arm, under the names of a limb that muscles know.
+Model armModel() {
+  const Skeleton plain = testing::arm(0.8);
+  std::vector<Joint> joints;
+  const char* names[] = {"chest", "upperarm_l", "lowerarm_l", "hand_l"};
+  for (int j = 0; j < plain.jointCount(); ++j) {
+    joints.push_back(plain.joint(j));
+    joints.back().name = names[j];
+  }
+  Model model{.name = "arm", .skeleton = Skeleton(joints, plain.rest())};
+  model.skin = testing::tube(plain);
+  return model;
+}
+
+struct PaintStage {
+  OffscreenContext context;
+  GlDebugLog log;
+  Sandbox sandbox;
+  ViewPicture target;
+  InputQueue queue;
+  int next = 0;
+
+  PaintStage() : sandbox({.model = "planar", .width = 800, .height = 600}) {
+    sandbox.openModel(armModel(), {"arm", "", ""});
+    target.resize(800, 600);
+  }
+  void play(const std::string& script) {
+    Replay replay = Replay::parse("test", script);
+    const int length = replay.length() + 1;
+    for (int i = 0; i < length; ++i, ++next) {
+      replay.play(i, sandbox, queue);
+      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+      sandbox.frame({.width = 800, .height = 600, .events = queue.take()}, 1.0 / 60.0);
+    }
+  }
+  const std::vector<Influences>& weights() { return sandbox.session().model().skin->influences; }
+  /// A vertex that the eye sees, and its pixel.
+  std::pair<int, Vector2d> seenVertex() {
+    const SkinnedVertices& surface = sandbox.surface();
+    const Vector3d eye = sandbox.camera().eye();
+    int best = 0;
+    double facing = -1.0;
+    for (int v = 24 * 12; v < 24 * 20; ++v)  // on the upper arm
+      if (const double f = surface.normals[v].dot((eye - surface.positions[v]).normalized()); f > facing) {
+        facing = f;
+        best = v;
+      }
+    return {best, sandbox.state().toWindow(surface.positions[best]).pixel};
+  }
+  Panel& panel(const std::string& name) {
+    for (const auto& panel : sandbox.state().panels)
+      if (panel->name() == name) return *panel;
+    throw std::invalid_argument(name);
+  }
+};
+
+std::string at(const Vector2d& pixel) { return std::to_string(pixel.x()) + " " + std::to_string(pixel.y()); }
+
+TEST(BindingPanel, TheBrushBindsTheVertexUnderItAndDragsNothing) {
+  PaintStage stage;
+  stage.play("0 tab Binding\n1 select chest\n2 key b\n");
+  const auto [vertex, pixel] = stage.seenVertex();
+  const std::vector<Influences> before = stage.weights();
+  const Eigen::VectorXd q = stage.sandbox.session().q();
+  stage.play("0 move " + at(pixel) + "\n1 press left\n2 move " + at(pixel + Vector2d(1, 0)) + "\n3 release left\n");
+  const PaintTarget chest{.joints = {0}};
+  EXPECT_EQ(weightOn(before[vertex], chest), 0.0);
+  EXPECT_NEAR(weightOn(stage.weights()[vertex], chest), 0.3, 0.01);  // the default strength, at the brush's centre
+  EXPECT_EQ(stage.sandbox.session().q(), q);
+  for (const SceneGoal& goal : stage.sandbox.session().goals()) EXPECT_EQ(goal.state, GoalState::Free);
+
+  stage.play("0 keydown ctrl\n1 key z\n2 keyup ctrl\n");
+  EXPECT_EQ(stage.weights(), before);
+  stage.play("0 keydown ctrl\n1 key y\n2 keyup ctrl\n");
+  EXPECT_NE(stage.weights(), before);
+  EXPECT_TRUE(stage.log.messages().empty());
+}
+
+TEST(BindingPanel, TheLassoBindsOnlyWhatIsSeen) {
+  PaintStage stage;
+  stage.play("0 tab Binding\n1 select chest\n2 key l\n");
+  const auto [vertex, pixel] = stage.seenVertex();
+  const int opposite = vertex / 24 * 24 + (vertex + 12) % 24;
+  const std::vector<Influences> before = stage.weights();
+  std::string script = "0 move " + at(pixel + Vector2d(-90, -90)) + "\n1 press left\n";
+  const Vector2d corners[] = {{90, -90}, {90, 90}, {-90, 90}};
+  for (int i = 0; i < 3; ++i) script += std::to_string(2 + i) + " move " + at(pixel + corners[i]) + "\n";
+  stage.play(script + "5 release left\n");
+  const PaintTarget chest{.joints = {0}};
+  EXPECT_NEAR(weightOn(stage.weights()[vertex], chest), 0.3, 1e-6);
+  EXPECT_EQ(stage.weights()[opposite], before[opposite]);
+}
+
+TEST(BindingPanel, MuscleLayersFollowAndTheSceneKeepsTheWeightsExactly) {
+  PaintStage stage;
+  const Skeleton skeleton = stage.sandbox.session().skeleton();
+  MuscleSettings muscles{.enabled = true, .limbs = {}};
+  for (const Limb& limb : standardLimbs(skeleton, restFrames(skeleton)))
+    muscles.limbs.emplace_back(limb.name, LimbSettings{.control = defaultMuscleControl(limb)});
+  stage.panel("Muscles").load(stage.sandbox, muscleSettingsText(muscles));
+  stage.play("0 tab Binding\n1 select chest\n2 key b\n");
+  const auto [vertex, pixel] = stage.seenVertex();
+  ASSERT_NEAR(stage.sandbox.state().muscles->body().vertices[vertex].weight, 1.0, 1e-12);
+  stage.play("0 move " + at(pixel) + "\n1 press left\n2 release left\n");
+  EXPECT_NEAR(stage.sandbox.state().muscles->body().vertices[vertex].weight, 0.7, 0.01);
+
+  const std::vector<Influences> painted = stage.weights();
+  const std::string saved = stage.panel("Binding").save();
+  stage.sandbox.openModel(armModel(), {"arm", "", ""});
+  EXPECT_NE(stage.weights(), painted);
+  stage.panel("Binding").load(stage.sandbox, saved);
+  EXPECT_EQ(stage.weights(), painted);
+  EXPECT_EQ(stage.panel("Binding").save(), saved);
+  EXPECT_THROW(stage.panel("Binding").load(stage.sandbox, R"({"vertices": 3, "joints": [], "changed": []})"), std::runtime_error);
+  EXPECT_EQ(stage.weights(), painted);  // nothing lost
+}
+
+}  // namespace
+}  // namespace gelenk
