@@ -24,6 +24,16 @@ Eigen::AlignedBox3d ModelView::bounds(const Frames& worldFromJoint) const {
   return box;
 }
 
+void ModelView::setMuscles(std::shared_ptr<const MuscleRig> muscles, bool lattice) {
+  if (muscles)
+    mesh_.emplace(muscles->body());
+  else if (model_->skin)
+    mesh_.emplace(*model_->skin);
+  muscles_ = std::move(muscles);
+  lattice_ = lattice;
+  shownWeights_ = -1;
+}
+
 void ModelView::showWeights(int joint) {
   if (joint == shownWeights_) return;
   mesh_->setColours(viridisColours(jointWeights(*model_->skin, joint)));
@@ -39,7 +49,15 @@ RenderScene ModelView::compose(const Eigen::VectorXd& q, const ViewOptions& opti
   scene.ground = {.visible = options.ground, .grid = options.ground, .height = groundHeight_};
   scene.shadows = options.shadow;
   if (mesh_ && options.skin) {
-    poseSkin(*model_->skin, frames, pose_);
+    if (muscles_) {
+      const std::vector<LimbPose> limbs = muscles_->pose(frames);
+      poseSkin(muscles_->body(), frames, limbs, pose_);
+      if (lattice_)
+        for (const LimbPose& limb : limbs) addLattice(scene.overlayOnTop, limb);
+    } else {
+      poseSkin(*model_->skin, frames, pose_);
+    }
+    if (!muscles_) pose_.layers.clear();
     const bool weights = options.weights && selected;
     if (weights) showWeights(*selected);
     scene.bodies.push_back({.mesh = &*mesh_,

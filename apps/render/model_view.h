@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "apps/model.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
 #include "apps/scene.h"
+#include "skinning/muscle_control.h"
 
 namespace gelenk {
 
@@ -24,6 +26,9 @@ class ModelView {
   /// points into this object and is valid until the next call.
   RenderScene compose(const Eigen::VectorXd& q, const ViewOptions& options, Theme theme, std::optional<int> selected = {});
 
+  /// Draws the skin with these muscle layers, and the lattice of every limb where asked for. nullptr: without.
+  void setMuscles(std::shared_ptr<const MuscleRig> muscles, bool lattice);
+
   /// Seen from the model's usual direction (planar: from above), whole.
   Camera usualCamera(const Viewport& viewport) const;
 
@@ -32,6 +37,8 @@ class ModelView {
 
   const Model* model_;
   std::optional<SkinnedMeshGl> mesh_;
+  std::shared_ptr<const MuscleRig> muscles_;
+  bool lattice_ = false;
   std::optional<PosedBounds> posedBounds_;
   SkinPose pose_;
   Eigen::AlignedBox3d restBounds_;

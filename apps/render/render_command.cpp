@@ -6,13 +6,17 @@
 #include <memory>
 #include <numbers>
 
+#include "apps/binding_scene.h"
 #include "apps/commands.h"
 #include "apps/model_files.h"
+#include "apps/muscle_report.h"
+#include "apps/muscle_scene.h"
 #include "apps/render/model_view.h"
 #include "apps/render/render_command.h"
 #include "apps/render/signs.h"
 #include "apps/render/video.h"
 #include "kinematics/configuration.h"
+#include "kinematics/io/text_file.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
 
@@ -32,6 +36,9 @@ struct Request {
   int smoothing = 0, frames = 0, framesPerSecond = 30;
   bool orthographic = false, wireframe = false, bones = false, jointFrames = false, handles = false;
   bool noGround = false, noShadow = false;
+  std::string layers;  ///< empty: as the scene says
+  bool lattice = false;
+  std::vector<std::string> turns;
 };
 
 bool endsWith(const std::string& text, std::string_view end) {
@@ -68,6 +75,27 @@ Eigen::VectorXd configurationOf(const Request& request, const Skeleton& skeleton
     if (!(rotation.norm() > 1e-9)) throw std::invalid_argument("--q: the quaternion of joint " + skeleton.joint(j).name + " is zero");
     setBallRotation(skeleton, q, j, rotation.normalized());
   }
+  return q;
+}
+
+/// --turn elbow=60: sets the first axis of a joint, degrees; --turn shoulder.y=30: turns a ball about an axis of its frame.
+Eigen::VectorXd turned(const Skeleton& skeleton, Eigen::VectorXd q, const std::string& turn) {
+  const std::size_t equals = std::min(turn.find('='), turn.size());
+  const auto angle = equals < turn.size() ? parseNumber(turn.substr(equals + 1)) : std::nullopt;
+  if (!angle) throw std::invalid_argument("--turn: expected JOINT=DEGREES such as lowerarm_l=60, found '" + turn + "'");
+  std::string name = turn.substr(0, equals);
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  if (!skeleton.findJoint(name) && name.size() > 2 && name[name.size() - 2] == '.' && name.back() >= 'x' && name.back() <= 'z') {
+    axis = Eigen::Vector3d::Unit(name.back() - 'x');
+    name.resize(name.size() - 2);
+  }
+  const int joint = skeleton.jointIndex(name);
+  if (skeleton.joint(joint).ball)
+    setBallRotation(skeleton, q, joint, ballRotation(skeleton, q, joint) * Eigen::Quaterniond(Eigen::AngleAxisd(*angle * degrees, axis)));
+  else if (!skeleton.joint(joint).axes.empty())
+    q[skeleton.qIndex(joint)] = *angle * degrees;
+  else
+    throw std::invalid_argument("--turn: joint " + name + " does not move");
   return q;
 }
 
@@ -119,10 +147,13 @@ class Studio {
   explicit Studio(const Request& request)
       : request_(request), viewport_(parseSize(request)), isScene_(endsWith(request.input, ".json")), model_(openRequested()) {
     readScene();
+    applyBinding();
     q_ = configurationOf(request, model_.skeleton, scene_.q);
+    for (const std::string& turn : request.turns) q_ = turned(model_.skeleton, q_, turn);
     if (!request.weightsOf.empty()) selected_ = model_.skeleton.jointIndex(request.weightsOf);
     context_.emplace();
     view_.emplace(model_);
+    addMuscles();
     renderer_.emplace();
     renderer_->setSupersampling(smoothing());
     target_.emplace(viewport_.width, viewport_.height);
@@ -156,6 +187,42 @@ class Studio {
     else
       scene_.q = model_.skeleton.rest();
     if (!scene_.selectedJoint.empty()) selected_ = model_.skeleton.jointIndex(scene_.selectedJoint);
+  }
+
+  /// Weights that were edited by hand.
+  void applyBinding() {
+    const auto saved = scene_.panels.find("Binding");
+    if (saved == scene_.panels.end() || !model_.skin) return;
+    for (const auto& [vertex, influences] : parseBinding(saved->second, static_cast<int>(model_.skin->influences.size()), model_.skeleton))
+      model_.skin->influences[vertex] = influences;
+  }
+
+  /// Muscle layers as the scene has them, or as --layers asks.
+  void addMuscles() {
+    if (!model_.skin) return;
+    const Frames rest = restFrames(model_.skeleton);
+    std::vector<Limb> limbs;
+    MuscleSettings settings;
+    const auto saved = scene_.panels.find("Muscles");
+    if (saved != scene_.panels.end() || !request_.layers.empty()) limbs = standardLimbs(model_.skeleton, rest);
+    if (saved != scene_.panels.end()) settings = parseMuscleSettings(saved->second, limbs);
+    const bool wanted = request_.layers.empty() ? settings.enabled : request_.layers != "none";
+    if (!wanted) return;
+    if (limbs.empty()) throw std::invalid_argument("--layers: model '" + model_.name + "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...)");
+    for (const auto& [name, limbSettings] : settings.limbs)
+      for (Limb& limb : limbs)
+        if (limb.name == name) applyProportions(limb, limbSettings);
+    auto rig = std::make_shared<MuscleRig>(bindMuscles(*model_.skin, limbs, rest), rest);
+    for (std::size_t l = 0; l < limbs.size(); ++l) {
+      for (const auto& [name, limbSettings] : settings.limbs)
+        if (limbs[l].name == name) rig->controls()[l] = limbSettings.control;
+      if (request_.layers == "ffd") {
+        rig->controls()[l].keepVolume = false;
+        for (MuscleCurve& curve : rig->controls()[l].curves) curve = {.flexor = 0.0, .extensor = 0.0, .tendon = 0.0};
+      }
+    }
+    const bool lattice = request_.lattice || (request_.layers.empty() && settings.lattice);
+    view_->setMuscles(std::move(rig), lattice);
   }
 
   Theme theme() const {
@@ -255,6 +322,10 @@ void addRenderCommand(CLI::App& app) {
   command->add_flag("--bones", request->bones, "Skeleton through a translucent skin");
   command->add_option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
   command->add_flag("--joint-frames", request->jointFrames, "Axes of every joint");
+  command->add_option("--layers", request->layers, "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise the scene's")
+      ->check(CLI::IsMember({"none", "ffd", "muscle"}));
+  command->add_flag("--lattice", request->lattice, "Control planes of the muscle layers");
+  command->add_option("--turn", request->turns, "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an axis of its frame, from the pose; may be repeated");
   command->add_flag("--no-ground", request->noGround);
   command->add_flag("--no-shadow", request->noShadow);
   command->add_option("--smoothing", request->smoothing, "Draw n x n pixels for one; otherwise what suits the renderer")

@@ -1,6 +1,7 @@
 #include "apps/render/signs.h"
 
 #include <algorithm>
+#include <array>
 
 namespace gelenk {
 
@@ -59,6 +60,25 @@ void addReach(Overlay& overlay, const Vector3d& reached, const Vector3d& target,
     overlay.point(reached, withAlpha(colour, 0.7f), 7.0f);
   }
   overlay.point(target, colour, 13.0f, shape);
+}
+
+void addLattice(Overlay& overlay, const LimbPose& limb) {
+  constexpr Colour connecting{0.05f, 0.48f, 0.47f, 0.75f}, inner{0.85f, 0.50f, 0.05f, 0.75f};
+  std::array<Vector3d, 16> before{};
+  for (std::size_t p = 0; p < limb.planes.size(); ++p) {
+    const Colour& colour = p % 6 >= 2 && p % 6 <= 4 ? inner : connecting;
+    std::array<Vector3d, 16> points;
+    for (int c = 0; c < 16; ++c) {
+      const int i = c % 4, j = c / 4;
+      points[c] = limb.planes[p].point(i / 3.0, j / 3.0);
+      if (!limb.displacement.empty()) points[c] += limb.displacement[p][c];
+      const bool rim = i == 0 || j == 0 || i == 3 || j == 3;
+      if (i > 0) overlay.line(points[c - 1], points[c], colour, j == 0 || j == 3 ? 1.4f : 0.7f);
+      if (j > 0) overlay.line(points[c - 4], points[c], colour, i == 0 || i == 3 ? 1.4f : 0.7f);
+      if (p > 0 && rim) overlay.line(before[c], points[c], {colour.r, colour.g, colour.b, 0.3f}, 0.8f);
+    }
+    before = points;
+  }
 }
 
 }  // namespace gelenk

@@ -4,6 +4,7 @@
 
 #include "apps/render/overlay.h"
 #include "kinematics/forward_kinematics.h"
+#include "skinning/muscle_layer.h"
 
 namespace gelenk {
 
@@ -23,6 +24,9 @@ void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::Vecto
 /// distance through viridis reversed.
 void addReach(Overlay& overlay, const Eigen::Vector3d& reached, const Eigen::Vector3d& target, double size, const Colour& colour,
               Overlay::Shape shape = Overlay::Shape::Disc);
+
+/// The control planes of a limb with muscle layers, 4 x 4 points each: connecting planes teal, inner planes amber.
+void addLattice(Overlay& overlay, const LimbPose& limb);
 
 inline constexpr Colour handleColour = {0.95f, 0.55f, 0.13f};
 inline constexpr Colour pinColour = {0.16f, 0.47f, 0.71f};

@@ -81,7 +81,7 @@ class BindingPanel final : public Panel {
     ImGui::SameLine();
     toolChoice("Brush", Tool::Brush, "Drag over the body: weights move as the mouse goes. Key B.");
     ImGui::SameLine();
-    toolChoice("Lasso", Tool::Lasso, "Draw around vertices; they change when the button is let go. Key L.");
+    toolChoice("Lasso", Tool::Lasso, "Draw around vertices; they change when the button is let go. Key V.");
     modeChoice("Bind", Mode::Bind, "w' = (1 - a) w + a t: towards the joint, or towards the layer in the proportions that a vertex has there.");
     ImGui::SameLine();
     modeChoice("Take away", Mode::Erase, "The target's weights shrink by 1 - a, the others take their share.");
@@ -145,7 +145,7 @@ class BindingPanel final : public Panel {
 
   bool keyPressed(Sandbox& sandbox, int key, int modifiers) override {
     if (!editor_ || !inFront(sandbox)) return false;
-    if (!(modifiers & GLFW_MOD_CONTROL) && (key == GLFW_KEY_B || key == GLFW_KEY_L)) {
+    if (!(modifiers & GLFW_MOD_CONTROL) && (key == GLFW_KEY_B || key == GLFW_KEY_V)) {
       const Tool tool = key == GLFW_KEY_B ? Tool::Brush : Tool::Lasso;
       tool_ = tool_ == tool ? Tool::Off : tool;
       return true;

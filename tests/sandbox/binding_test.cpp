@@ -99,12 +99,12 @@ TEST(BindingPanel, TheBrushBindsTheVertexUnderItAndDragsNothing) {
 
 TEST(BindingPanel, TheLassoBindsOnlyWhatIsSeen) {
   PaintStage stage;
-  stage.play("0 tab Binding\n1 select chest\n2 key l\n");
+  stage.play("0 tab Binding\n1 select chest\n2 key v\n");
   const auto [vertex, pixel] = stage.seenVertex();
   const int opposite = vertex / 24 * 24 + (vertex + 12) % 24;
   const std::vector<Influences> before = stage.weights();
-  std::string script = "0 move " + at(pixel + Vector2d(-90, -90)) + "\n1 press left\n";
-  const Vector2d corners[] = {{90, -90}, {90, 90}, {-90, 90}};
+  std::string script = "0 move " + at(pixel + Vector2d(-30, -30)) + "\n1 press left\n";
+  const Vector2d corners[] = {{30, -30}, {30, 30}, {-30, 30}};
   for (int i = 0; i < 3; ++i) script += std::to_string(2 + i) + " move " + at(pixel + corners[i]) + "\n";
   stage.play(script + "5 release left\n");
   const PaintTarget chest{.joints = {0}};
