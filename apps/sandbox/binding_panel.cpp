@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "apps/binding_scene.h"
@@ -20,29 +19,45 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Vertices of the view that nothing hides, by a coarse depth map: of those that fall into one cell the ones near the nearest.
-class VisibleVertices {
+/// Which points of the view nothing hides: a depth map of the triangles with cells of three pixels.
+class DepthMap {
  public:
-  VisibleVertices(const std::vector<Projected>& points, double tolerance) : points_(points), tolerance_(tolerance) {
-    for (const Projected& p : points)
-      if (p.depth > 0.0) {
-        const auto [at, isNew] = nearest_.try_emplace(cell(p), p.depth);
-        if (!isNew) at->second = std::min(at->second, p.depth);
-      }
+  /// points: projected vertices, pixels of the view.
+  DepthMap(const std::vector<Projected>& points, const std::vector<std::array<int, 3>>& triangles, const Viewport& view)
+      : width_(view.width / cellSize + 1), height_(view.height / cellSize + 1), nearest_(static_cast<std::size_t>(width_) * height_, 1e300) {
+    for (const auto& [a, b, c] : triangles)
+      if (points[a].depth > 0.0 && points[b].depth > 0.0 && points[c].depth > 0.0) fill(points[a], points[b], points[c]);
   }
-  bool operator()(int v) const {
-    const Projected& p = points_[v];
-    return p.depth > 0.0 && p.depth <= nearest_.at(cell(p)) + tolerance_;
+
+  bool shows(const Projected& p, double tolerance) const {
+    const int x = static_cast<int>(std::floor(p.pixel.x() / cellSize)), y = static_cast<int>(std::floor(p.pixel.y() / cellSize));
+    if (p.depth <= 0.0 || x < 0 || y < 0 || x >= width_ || y >= height_) return false;
+    return p.depth <= nearest_[static_cast<std::size_t>(y) * width_ + x] + tolerance;
   }
 
  private:
-  static std::pair<int, int> cell(const Projected& p) {
-    constexpr double pixels = 12.0;
-    return {static_cast<int>(std::floor(p.pixel.x() / pixels)), static_cast<int>(std::floor(p.pixel.y() / pixels))};
+  static constexpr int cellSize = 3;
+
+  void fill(const Projected& a, const Projected& b, const Projected& c) {
+    const auto cross = [](const Vector2d& u, const Vector2d& v) { return u.x() * v.y() - u.y() * v.x(); };
+    const double area = cross(b.pixel - a.pixel, c.pixel - a.pixel);
+    if (std::abs(area) < 1e-9) return;
+    const Vector2d low = a.pixel.cwiseMin(b.pixel).cwiseMin(c.pixel) / cellSize, high = a.pixel.cwiseMax(b.pixel).cwiseMax(c.pixel) / cellSize;
+    if (!(low.x() < width_ && low.y() < height_ && high.x() >= 0.0 && high.y() >= 0.0)) return;
+    const int x0 = std::max(0, static_cast<int>(low.x())), x1 = std::min(width_ - 1.0, high.x());
+    const int y0 = std::max(0, static_cast<int>(low.y())), y1 = std::min(height_ - 1.0, high.y());
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) {
+        const Vector2d p = cellSize * Vector2d(x + 0.5, y + 0.5);
+        const double u = cross(p - a.pixel, c.pixel - a.pixel) / area, v = cross(b.pixel - a.pixel, p - a.pixel) / area;
+        if (u < 0.0 || v < 0.0 || u + v > 1.0) continue;
+        double& nearest = nearest_[static_cast<std::size_t>(y) * width_ + x];
+        nearest = std::min(nearest, a.depth + u * (b.depth - a.depth) + v * (c.depth - a.depth));
+      }
   }
-  const std::vector<Projected>& points_;
-  double tolerance_;
-  std::map<std::pair<int, int>, double> nearest_;
+
+  int width_, height_;
+  std::vector<double> nearest_;
 };
 
 /// Binding by hand: brush or lasso vertices to a joint or a layer, smooth, mirror, undo (lecture 10.3).
@@ -383,13 +398,15 @@ class BindingPanel final : public Panel {
     const SkinnedVertices& surface = sandbox.surface();
     const Vector3d eye = s.camera.eye();
     std::vector<Projected> points;
-    for (const Vector3d& p : surface.positions) points.push_back(s.toWindow(p));
-    const VisibleVertices visible(points, 0.02 * s.size);
+    for (const Vector3d& p : surface.positions) points.push_back(project(s.camera, s.viewport(), p));
+    const DepthMap depths(points, sandbox.session().model().skin->mesh.triangles, s.viewport());
+    std::vector<Vector2d> outline;
+    for (const Vector2d& pixel : lasso_) outline.push_back(s.toView(pixel));
     VertexSelection selection;
     for (int v = 0; v < static_cast<int>(points.size()); ++v) {
-      if (points[v].depth <= 0.0 || !insideLasso(lasso_, points[v].pixel)) continue;
+      if (points[v].depth <= 0.0 || !insideLasso(outline, points[v].pixel)) continue;
       const bool facing = surface.normals[v].dot(eye - surface.positions[v]) > 0.0;
-      if (through_ || (facing && visible(v))) selection.push_back({v, strength_});
+      if (through_ || (facing && depths.shows(points[v], 0.02 * s.size))) selection.push_back({v, strength_});
     }
     editor_->apply(operation(sandbox, selection, target));
     sandbox.say(fmt::format("{} vertices in the lasso", selection.size()));
