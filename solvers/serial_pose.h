@@ -68,7 +68,7 @@ class SerialPoseSolver {
   /// World frame of the tip; J (6 x n, resized): rows 0-2 the velocity of the tip's origin, 3-5 the angular velocity, world axes.
   Eigen::Isometry3d frameAndJacobian(const ChainVector& q, ChainJacobian& J) const;
 
-  /// Many poses of the tip (GoalKind::Pose, the tip's origin) at once, one a lane; see pose_batch.h.
+  /// Many poses of the tip (GoalKind::Pose, the tip's origin) at once, one a lane; see solveBatch.
   void solveBatch(std::span<const Eigen::Isometry3d> worldFromTip, std::span<const double> starts, std::span<KernelAnswer> answers,
                   const SerialPoseOptions& options = {}) const;
 

@@ -29,8 +29,10 @@ class RealWindow : public ::testing::Test {
     folder_ = std::filesystem::temp_directory_path() / ("gelenk_window_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
     xvfb_ = std::make_unique<Program>(std::vector<std::string>{"Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-noreset", "-nolisten", "tcp"});
-    display_ = "DISPLAY=:" + xvfb_->readLine();
-    ASSERT_GT(display_.size(), 9u) << "Xvfb did not start";
+    std::string number;  // it says so on the same pipe when it finds a display taken and tries the next one
+    for (int line = 0; line < 40 && !parseInteger(number); ++line) number = xvfb_->readLine();
+    ASSERT_TRUE(parseInteger(number)) << "Xvfb did not start";
+    display_ = "DISPLAY=:" + number;
     program_ = std::make_unique<Program>(
         std::vector<std::string>{GELENK_PROGRAM, "sandbox", "figure", "--status", statusPath(), "--size", "900x640", "--scale", "1"},
         std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
