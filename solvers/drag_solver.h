@@ -55,7 +55,8 @@ double characteristicLength(const Skeleton& skeleton);
 /// from frame to frame; after the first frame with the same goals nothing allocates (traces aside).
 ///
 /// Goals may come, go and change joint, point, kind and role between frames. Position, Orientation, Pose, Aim and Pole are
-/// served (a Pole wants a small weight: it is a preference); a Posture goal replaces the rest pose of the posture term.
+/// served (a Pole wants a small weight: it is a preference); Posture goals are ignored: the
+/// posture term always pulls towards the skeleton's rest pose.
 /// Targets that are not finite are left out.
 class DragSolver {
  public:
