@@ -200,7 +200,12 @@ std::vector<Limb> standardLimbs(const Skeleton& skeleton, const Frames& rest) {
   std::vector<Limb> limbs;
   for (const auto& [name, a, b, c] : known) {
     const auto i = skeleton.findJoint(a), j = skeleton.findJoint(b), k = skeleton.findJoint(c);
-    if (i && j && k) limbs.push_back(makeLimb(skeleton, rest, name, {*i, *j, *k}));
+    if (!i || !j || !k) continue;
+    try {
+      limbs.push_back(makeLimb(skeleton, rest, name, {*i, *j, *k}));
+    } catch (const std::invalid_argument&) {
+      // Right names on joints that make no limb: not consecutive, no length, or straight balls without a bend axis.
+    }
   }
   return limbs;
 }

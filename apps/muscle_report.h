@@ -10,7 +10,8 @@
 namespace gelenk {
 
 /// The limbs of a model that carry muscles by default: arms and legs found by the names that common rigs use
-/// (upperarm_l, lowerarm_l, hand_l; thigh_l, calf_l, foot_l). Empty where none is found.
+/// (upperarm_l, lowerarm_l, hand_l; thigh_l, calf_l, foot_l). Joints of such names that make no limb are
+/// passed over. Empty where none is found.
 std::vector<Limb> standardLimbs(const Skeleton& skeleton, const Frames& restFrames);
 
 /// A limb from joint names "shoulder,elbow,wrist". Throws std::invalid_argument naming what is wrong.
