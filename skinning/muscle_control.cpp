@@ -32,7 +32,7 @@ MusclePlane bulge(double inner, double outer, double radius) {
 MuscleControl defaultMuscleControl(const Limb& limb) {
   MuscleControl control;
   for (std::size_t i = 0; i + 1 < limb.joints.size(); ++i)
-    control.curves.push_back(i == 0 ? MuscleCurve{} : MuscleCurve{.flexor = 0.08, .extensor = 0.02});
+    control.curves.push_back(i == 0 ? MuscleCurve{} : MuscleCurve{.flexor = 0.04, .extensor = 0.02});
   control.sculpted.resize(control.curves.size());
   return control;
 }
@@ -197,8 +197,10 @@ std::vector<LimbPose> MuscleRig::pose(const Frames& worldFromJoint) const {
     const Limb& limb = body_.limbs[l];
     const LimbFrames frames = limbFrames(limb, worldFromJoint);
     std::vector<MuscleState> states = muscleStates(limb, frames, controls_[l]);
-    if (controls_[l].keepVolume)
-      states = scaled(std::move(states), volumeKeepingScale(body_, l, surfaces_[l], worldFromJoint, states, restVolumes_[l]).scale);
+    if (controls_[l].keepVolume) {
+      const double s = volumeKeepingScale(body_, l, surfaces_[l], worldFromJoint, states, restVolumes_[l]).scale;
+      states = scaled(std::move(states), s);
+    }
     poses.push_back(poseLimb(limb.shape, frames, states));
   }
   return poses;

@@ -13,7 +13,7 @@ namespace gelenk {
 /// activation and slackens with f, and the tendon thins the plane next to the joint with f.
 /// A bulge k stretches the section by 1 + k across (x, towards the inside) and 1 + k/4 sideways, and moves it by k r to its own side.
 struct MuscleCurve {
-  double flexor = 0.2;      ///< k at full bend, dimensionless
+  double flexor = 0.2; ///< k at full bend, dimensionless
   double extensor = 0.05;   ///< k the outside loses at full bend and gains by activation
   double nearJoint = 0.1;   ///< share of the bulge that the plane nearer the joint gets: the belly sits away from the joint
   double tendon = 0.0;      ///< share by which the plane nearer the joint is thinned at full bend

@@ -33,7 +33,8 @@ struct TwoLinkSolution {
   int count = 0;                             ///< 2 inside the annulus, else 1
   double gap = 0.0;                          ///< distance from the target to the nearest reachable point
 
-  std::span<const TwoLinkBranch> branches() const { return {branch.data(), static_cast<std::size_t>(count)}; }
+  std::span<const TwoLinkBranch> branches() const& { return {branch.data(), static_cast<std::size_t>(count)}; }
+  std::span<const TwoLinkBranch> branches() const&& = delete;  ///< the span would outlive the solution
 };
 
 /// All solutions of X = P_1 + l_1 (cos, sin)(phi_1) + l_2 (cos, sin)(phi_1 + phi_2). Lecture 10.1.3, analytic solution:

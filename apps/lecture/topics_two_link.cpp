@@ -39,7 +39,8 @@ double worstInside(int targets) {
     const double l1 = 0.01 + uniform01(random), l2 = 0.01 + uniform01(random), hole = std::abs(l1 - l2);
     const double r = hole + (l1 + l2 - hole) * uniform01(random), angle = 2.0 * M_PI * uniform01(random);
     const Vector2d X(r * std::cos(angle), r * std::sin(angle));
-    for (const TwoLinkBranch& branch : solveTwoLink(origin, l1, l2, X).branches())
+    const TwoLinkSolution found = solveTwoLink(origin, l1, l2, X);
+    for (const TwoLinkBranch& branch : found.branches())
       worst = std::max(worst, (endEffector({.base = origin, .lengths = {l1, l2}}, Vector2d(branch.phi1, branch.phi2)) - X).norm() / (l1 + l2));
   }
   return worst;
@@ -75,7 +76,8 @@ std::string steps() {
                        c.distance < 1e-9 ? "holds" : fmt::format("misses the target by {:g}", c.distance));
   }
   out += "\nWith atan2(numerator, denominator) only those that hold are left. All branches:\n";
-  for (const TwoLinkBranch& branch : solution().branches())
+  const TwoLinkSolution all = solution();
+  for (const TwoLinkBranch& branch : all.branches())
     out += fmt::format("  phi_1 = {:.10g}, phi_2 = {:.10g} degrees ({})\n", branch.phi1 / degree, branch.phi2 / degree, branch.exact ? "exact" : "nearest");
   out += "\nThe borders (same arm unless said otherwise):\n";
   struct Border { const char* name; double l1, l2; Vector2d X; };
@@ -111,7 +113,8 @@ LectureTopic twoLinkTopic() {
       {.id = "two-link-atan2", .section = section, .what = "atan2 gives exactly those: (-60, 120), (60, -120)", .printed = {-60, 120, 60, -120}, .tolerance = {1e-10},
        .compute = [] {
          std::vector<double> angles;
-         for (const TwoLinkBranch& b : solution().branches()) angles.insert(angles.end(), {b.phi1 / degree, b.phi2 / degree});
+         const TwoLinkSolution all = solution();
+         for (const TwoLinkBranch& b : all.branches()) angles.insert(angles.end(), {b.phi1 / degree, b.phi2 / degree});
          return angles;
        }},
       {.id = "two-link-annulus", .section = "10.1.3, reachable workspace", .what = "[l1 - l2, l1 + l2], here for l1 = 10, l2 = 4: gaps at r = 6 and 14",
