@@ -64,6 +64,15 @@ TEST_F(SkinnedMesh, ShaderAgreesWithTheDoublePrecisionReferenceOnAPlanarArm) {
   expectAgreement(arm.skin, arm.skeleton, 1, 1.5);
 }
 
+TEST_F(SkinnedMesh, ShaderAgreesOnTheBuiltInFigureArmAndRobot) {
+  int seed = 10;
+  for (const char* name : {"figure", "planar", "panda"}) {
+    SCOPED_TRACE(name);
+    const Model model = openModel(name);
+    expectAgreement(*model.skin, model.skeleton, ++seed, 0.8);
+  }
+}
+
 TEST_F(SkinnedMesh, AThousandBonesGoThroughATextureBufferAndAgreeToo) {
   const Arm arm = testing::arm(1000, 0.01, 0.004, 2, 6);
   ASSERT_EQ(SkinnedMeshGl(arm.skin).storage(), PoseStorage::TextureBuffer);
