@@ -393,7 +393,7 @@ void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {
 void Renderer::State::drawBackdrop(const RenderScene& scene) {
   const char* defines = scene.ground.visible ? "GROUND" : "";
   program(std::string("backdrop ") + defines,
-          {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "backdrop.frag", .defines = defines})
+          {.folder = rendererShaders(), .vertex = "backdrop.vert", .fragment = "backdrop.frag", .defines = defines})
       .use();
   glDepthMask(GL_FALSE);
   glBindVertexArray(noVertices);

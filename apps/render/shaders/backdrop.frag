@@ -1,6 +1,7 @@
 // Gradient background and, where the ray of the pixel meets it, the ground with grid, shadow and contact shade.
 #include "frame.glsl"
 in vec2 ndc;
+in vec4 nearEnd, farEnd;  // of the pixel's ray, homogeneous
 out vec4 colour;
 uniform sampler2D groundLight;
 
@@ -16,12 +17,10 @@ void main() {
   vec3 background = mix(backgroundBottom.rgb, backgroundTop.rgb, t * t * (3.0 - 2.0 * t));
   colour = vec4(background, 1.0);
 #ifdef GROUND
-  vec4 a = worldFromClip * vec4(ndc, -1.0, 1.0), b = worldFromClip * vec4(ndc, 1.0, 1.0);
-  a.xyz /= a.w;
-  b.xyz /= b.w;
-  float ha = heightOverGround(a.xyz), hb = heightOverGround(b.xyz);
+  vec3 a = nearEnd.xyz / nearEnd.w, b = farEnd.xyz / farEnd.w;
+  float ha = heightOverGround(a), hb = heightOverGround(b);
   float s = ha / (ha - hb);
-  vec3 position = a.xyz + s * (b.xyz - a.xyz);
+  vec3 position = a + s * (b - a);
   vec2 ground = groundCoordinates(position);
   float distance = length(ground - groundPatch.xy) / groundY.w;
   float fade = clamp(1.0 - distance, 0.0, 1.0);
