@@ -102,4 +102,11 @@ IkReport reportOf(Attempt& attempt, const VectorXd& q, Stop why, double residual
   return report;
 }
 
+IkReport unsupported(const IkProblem& problem) {
+  IkReport report;
+  report.q = problem.start;
+  report.why = Stop::Unsupported;
+  return report;
+}
+
 }  // namespace gelenk

@@ -66,6 +66,9 @@ class Attempt {
 
 IkReport reportOf(Attempt& attempt, const Eigen::VectorXd& q, Stop why, double residual);
 
+/// What a solver returns for a problem that it does not do: the start, untouched.
+IkReport unsupported(const IkProblem& problem);
+
 /// Runs method(attempt) from problem.start and then, while nothing converged and the budget allows, from random configurations
 /// within the limits, drawn from budget.seed. Reports the attempt with the smallest residual.
 /// method: void(Attempt&), ends with attempt.stop(...) or attempt.isOver().

@@ -89,13 +89,6 @@ struct BallPath {
   }
 };
 
-IkReport unsupported(const IkProblem& problem) {
-  IkReport report;
-  report.q = problem.start;
-  report.why = Stop::Unsupported;
-  return report;
-}
-
 class BallChain final : public IkSolver {
  public:
   std::string whyUnsupported(const IkProblem& problem) const override {

@@ -126,13 +126,6 @@ class Sweep {
   Wanted wanted_;
 };
 
-IkReport unsupported(const IkProblem& problem) {
-  IkReport report;
-  report.q = problem.start;
-  report.why = Stop::Unsupported;
-  return report;
-}
-
 class Ccd final : public IkSolver {
  public:
   std::string whyUnsupported(const IkProblem& problem) const override {

@@ -162,13 +162,6 @@ class FabrikChain {
   bool free_ = true;
 };
 
-IkReport unsupported(const IkProblem& problem) {
-  IkReport report;
-  report.q = problem.start;
-  report.why = Stop::Unsupported;
-  return report;
-}
-
 class Fabrik final : public IkSolver {
  public:
   std::string whyUnsupported(const IkProblem& problem) const override {

@@ -207,12 +207,6 @@ class BindingPanel final : public Panel {
 
   bool inFront(const Sandbox& sandbox) const { return sandbox.frameNumber() - shownAt_ <= 1; }
 
-  static void heading(const Sandbox::State& s, const char* words) {
-    ImGui::Dummy({0, 4 * s.scale});
-    ImGui::PushFont(s.gui.fonts().small);
-    ImGui::TextColored(s.colours().textDim, "%s", words);
-    ImGui::PopFont();
-  }
   void toolChoice(const char* label, Tool tool, const char* explanation) {
     if (ImGui::RadioButton(label, tool_ == tool)) tool_ = tool;
     tooltip(explanation);
@@ -256,15 +250,7 @@ class BindingPanel final : public Panel {
   }
 
   static void scaleBar(const Sandbox::State& s) {
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float width = ImGui::GetContentRegionAvail().x, height = 10 * s.scale;
-    constexpr int steps = 48;
-    for (int i = 0; i < steps; ++i) {
-      const Colour c = viridis((static_cast<float>(i) + 0.5f) / steps);
-      ImGui::GetWindowDrawList()->AddRectFilled({at.x + width * static_cast<float>(i) / steps, at.y},
-                                                {at.x + width * static_cast<float>(i + 1) / steps + 0.5f, at.y + height}, colour32({c.r, c.g, c.b, 1}));
-    }
-    ImGui::Dummy({width, height});
+    colourBar(s);
     tooltip("Weight of the target, 0 (violet) to 1 (yellow).");
   }
 

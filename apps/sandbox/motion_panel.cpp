@@ -111,7 +111,7 @@ class MotionPanel final : public Panel {
       ImGui::PopStyleColor();
       return;
     }
-    heading(sandbox, "PLAYBACK");
+    heading(sandbox.state(), "PLAYBACK");
     if (ImGui::Button(sandbox.playing() ? "Pause" : "Play", {90 * sandbox.scale(), 0})) sandbox.setPlaying(!sandbox.playing());
     ImGui::SameLine();
     ImGui::Checkbox("Loop", &loop_);
@@ -127,18 +127,18 @@ class MotionPanel final : public Panel {
       seconds_ = frame / clip_->framesPerSecond;
     }
     ImGui::Checkbox("Show the motion", &showing_);
-    heading(sandbox, "SEEING");
+    heading(sandbox.state(), "SEEING");
     ImGui::Checkbox("Trails", &trails_);
     ImGui::SameLine();
     ImGui::Checkbox("Contacts", &contactMarks_);
     ImGui::SameLine();
     ImGui::Checkbox("Limits left", &limitMarks_);
     drawLimits(sandbox);
-    heading(sandbox, "EDIT");
+    heading(sandbox.state(), "EDIT");
     drawEdits(sandbox);
-    heading(sandbox, "GOALS ON TOP");
+    heading(sandbox.state(), "GOALS ON TOP");
     ImGui::Checkbox("Hold pins and goals while it plays", &goalsOnTop_);
-    heading(sandbox, "EXPORT");
+    heading(sandbox.state(), "EXPORT");
     ImGui::SetNextItemWidth(-70 * sandbox.scale());
     ImGui::InputText("##export", exportPath_, sizeof exportPath_);
     ImGui::SameLine();
@@ -221,14 +221,6 @@ class MotionPanel final : public Panel {
   }
 
  private:
-  static void heading(Sandbox& sandbox, const char* words) {
-    const Sandbox::State& s = sandbox.state();
-    ImGui::Dummy({0, 4 * s.scale});
-    ImGui::PushFont(s.gui.fonts().small);
-    ImGui::TextColored(s.colours().textDim, "%s", words);
-    ImGui::PopFont();
-  }
-
   int currentFrame() const { return std::clamp(static_cast<int>(std::lround(seconds_ * clip_->framesPerSecond)), 0, clip_->frameCount() - 1); }
 
   bool goTo(Sandbox& sandbox, int frame) {

@@ -147,13 +147,6 @@ class MusclePanel final : public Panel {
   }
 
  private:
-  static void heading(const Sandbox::State& s, const char* words) {
-    ImGui::Dummy({0, 4 * s.scale});
-    ImGui::PushFont(s.gui.fonts().small);
-    ImGui::TextColored(s.colours().textDim, "%s", words);
-    ImGui::PopFont();
-  }
-
   static Vector3d sideways(const Camera& camera, const Vector3d& up) {
     const Vector3d forward = camera.target - camera.eye();
     const Vector3d right = forward.cross(up);

@@ -168,6 +168,10 @@ void drawMarks(Sandbox& sandbox);
 Layout layOut(const Sandbox::State& state, int width, int height);
 void drawShell(Sandbox& sandbox);
 
+/// A small dim line of words over a group of an inspector.
+void heading(const Sandbox::State& state, const char* words);
+/// viridis from 0 to 1 over the whole width.
+void colourBar(const Sandbox::State& state);
 /// A tooltip over the item before it: what a quantity is, its unit and formula.
 void tooltip(const char* words);
 /// "stationary: closest point, 41.3 mm" and the like.

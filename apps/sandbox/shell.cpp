@@ -323,6 +323,25 @@ void drawShell(Sandbox& sandbox) {
   dialogs(sandbox);
 }
 
+void heading(const Sandbox::State& state, const char* words) {
+  ImGui::Dummy({0, 4 * state.scale});
+  ImGui::PushFont(state.gui.fonts().small);
+  ImGui::TextColored(state.colours().textDim, "%s", words);
+  ImGui::PopFont();
+}
+
+void colourBar(const Sandbox::State& state) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = 10 * state.scale;
+  constexpr int steps = 48;
+  for (int i = 0; i < steps; ++i) {
+    const Colour c = viridis((static_cast<float>(i) + 0.5f) / steps);
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x + width * static_cast<float>(i) / steps, at.y},
+                                              {at.x + width * static_cast<float>(i + 1) / steps + 0.5f, at.y + height}, colour32({c.r, c.g, c.b, 1}));
+  }
+  ImGui::Dummy({width, height});
+}
+
 void tooltip(const char* words) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   ImGui::BeginTooltip();

@@ -42,13 +42,6 @@ class SolvePanel final : public Panel {
   }
 
  private:
-  static void heading(Sandbox& sandbox, const char* words) {
-    ImGui::Dummy({0, 4 * sandbox.scale()});
-    ImGui::PushFont(sandbox.state().gui.fonts().small);
-    ImGui::TextColored(sandbox.state().colours().textDim, "%s", words);
-    ImGui::PopFont();
-  }
-
   static void dot(const ImVec4& colour, float scale) {
     const float size = ImGui::GetTextLineHeight();
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -59,7 +52,7 @@ class SolvePanel final : public Panel {
 
   static void solverChoice(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
-    heading(sandbox, "SOLVER  (Tab)");
+    heading(sandbox.state(), "SOLVER  (Tab)");
     const std::string current = s.session->solver();
     if (ImGui::BeginCombo("##solver", std::string(titleOf(current)).c_str(), ImGuiComboFlags_HeightLarge)) {
       for (const std::string& name : frameSolverNames()) {
@@ -93,7 +86,7 @@ class SolvePanel final : public Panel {
   static void result(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
     const FrameSolve& solve = s.session->lastSolve();
-    heading(sandbox, "THIS FRAME");
+    heading(sandbox.state(), "THIS FRAME");
     const bool bad = solve.why == Stop::Failure || solve.why == Stop::Unsupported;
     const std::string sentence = describeSolve(*s.session);
     const bool reached = sentence.starts_with("reached");
@@ -139,7 +132,7 @@ class SolvePanel final : public Panel {
 
   static void goals(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
-    heading(sandbox, "GOALS");
+    heading(sandbox.state(), "GOALS");
     std::optional<int> toPin, toFree;
     if (ImGui::BeginTable("##goals", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
@@ -184,7 +177,7 @@ class SolvePanel final : public Panel {
     if (!s.selectedGoal || *s.selectedGoal >= static_cast<int>(s.session->goals().size())) return;
     const int index = *s.selectedGoal;
     const SceneGoal& goal = s.session->goals()[index];
-    heading(sandbox, "TARGET");
+    heading(sandbox.state(), "TARGET");
     float target[3];
     for (int k = 0; k < 3; ++k) target[k] = static_cast<float>(goal.goal.target[k]);
     ImGui::SetNextItemWidth(-1);
