@@ -146,8 +146,8 @@ constexpr Method methods[] = {{"lbs", false, false, false},
 class LimbMeasurement {
  public:
   LimbMeasurement(const Skeleton& skeleton, const Skin& skin, const Limb& limb)
-      : skeleton_(skeleton), rest_(restFrames(skeleton)), rig_(bindMuscles(skin, {limb}, rest_), rest_),
-        restPoses_(poseLimbs(rig_.body(), rest_)), control_(rig_.controls()[0]) {}
+      : rest_(restFrames(skeleton)), rig_(bindMuscles(skin, {limb}, rest_), rest_),
+        restPoses_(poseLimbs(rig_.body(), rest_)) {}
 
   const Limb& limb() const { return rig_.body().limbs[0]; }
 
@@ -165,12 +165,9 @@ class LimbMeasurement {
     return smallest;
   }
 
-  DeformationRow measure(const Method& method, const VectorXd& q, const char* motion, double degrees, int twistedLink) {
-    rig_.controls()[0] = control_;
+  DeformationRow measure(const Method& method, const Frames& frames, const char* motion, double degrees, int twistedLink) {
+    rig_.controls()[0] = method.muscle ? defaultMuscleControl(limb()) : noMuscleControl(limb());
     rig_.controls()[0].keepVolume = method.volume;
-    if (!method.muscle)
-      for (MuscleCurve& curve : rig_.controls()[0].curves) curve = {.flexor = 0.0, .extensor = 0.0, .tendon = 0.0};
-    const Frames frames = forwardKinematics(skeleton_, q);
     const DeformedSurface at = method.layered ? deformLayered(rig_.body(), frames, restPoses_, rig_.pose(frames))
                                               : deformLinear(rig_.body().skin, frames);
     const Mesh& mesh = rig_.body().skin.mesh;
@@ -183,26 +180,29 @@ class LimbMeasurement {
   }
 
  private:
-  const Skeleton& skeleton_;
   Frames rest_;
   MuscleRig rig_;
   std::vector<LimbPose> restPoses_;
-  MuscleControl control_;
 };
 
 }  // namespace
 
 std::vector<Limb> standardLimbs(const Skeleton& skeleton, const Frames& rest) {
-  static const std::vector<std::array<const char*, 4>> known{{"left arm", "upperarm_l", "lowerarm_l", "hand_l"},
-                                                             {"right arm", "upperarm_r", "lowerarm_r", "hand_r"},
-                                                             {"left leg", "thigh_l", "calf_l", "foot_l"},
-                                                             {"right leg", "thigh_r", "calf_r", "foot_r"}};
+  struct KnownLimb {
+    const char *name, *first, *second, *tip;
+    double gap;
+  };
+  static constexpr KnownLimb known[] = {{"left arm", "upperarm_l", "lowerarm_l", "hand_l", elbowGap},
+                                        {"right arm", "upperarm_r", "lowerarm_r", "hand_r", elbowGap},
+                                        {"left leg", "thigh_l", "calf_l", "foot_l", kneeGap},
+                                        {"right leg", "thigh_r", "calf_r", "foot_r", kneeGap}};
   std::vector<Limb> limbs;
-  for (const auto& [name, a, b, c] : known) {
+  for (const auto& [name, a, b, c, gap] : known) {
     const auto i = skeleton.findJoint(a), j = skeleton.findJoint(b), k = skeleton.findJoint(c);
     if (!i || !j || !k) continue;
     try {
       limbs.push_back(makeLimb(skeleton, rest, name, {*i, *j, *k}));
+      setJointGap(limbs.back().shape, gap);
     } catch (const std::invalid_argument&) {
       // Right names on joints that make no limb: not consecutive, no length, or straight balls without a bend axis.
     }
@@ -217,7 +217,23 @@ Limb limbByNames(const Skeleton& skeleton, const Frames& rest, const std::string
     joints.push_back(skeleton.jointIndex(names.substr(at, comma - at)));
     at = comma + 1;
   }
-  return makeLimb(skeleton, rest, names, joints);
+  std::string name = names;  // a limb's name is a field of comma-separated tables
+  std::replace(name.begin(), name.end(), ',', '/');
+  return makeLimb(skeleton, rest, name, joints);
+}
+
+Frames bentTo(const Skeleton& skeleton, const Limb& limb, double bend) {
+  Frames frames = restFrames(skeleton);
+  const LimbFrames rest = limbFrames(limb, frames);
+  const Matrix3d turn = rest.rotations[0] * Eigen::AngleAxisd(bend, Vector3d::UnitY()) * rest.rotations[1].transpose();
+  const Eigen::Isometry3d moved = Eigen::Translation3d(rest.joints[1]) * Eigen::Isometry3d(Eigen::Quaterniond(turn)) *
+                                  Eigen::Translation3d(-rest.joints[1]);
+  std::vector<char> carried(skeleton.jointCount(), 0);
+  for (int j = limb.joints[1]; j < skeleton.jointCount(); ++j) {
+    carried[j] = j == limb.joints[1] || (skeleton.parent(j) >= 0 && carried[skeleton.parent(j)]);
+    if (carried[j]) frames[j] = moved * frames[j];
+  }
+  return frames;
 }
 
 std::vector<DeformationRow> measureLimb(const Skeleton& skeleton, const Skin& skin, const Limb& limb,
@@ -228,10 +244,9 @@ std::vector<DeformationRow> measureLimb(const Skeleton& skeleton, const Skin& sk
   const double steps = 16.0 + 2.0 * 18.0;
   double done = 0.0;
   if (bound.joints.size() > 2) {
-    const Vector3d bendAxis = bound.jointFromLink[1].col(1);
     for (int degrees = 0; degrees <= 150; degrees += 10) {
-      const VectorXd q = turned(skeleton, skeleton.rest(), bound.joints[1], bendAxis, degrees * degree - bound.bendAtRest[0]);
-      for (const Method& method : methods) rows.push_back(measurement.measure(method, q, "bend", degrees, -1));
+      const Frames frames = bentTo(skeleton, bound, degrees * degree);
+      for (const Method& method : methods) rows.push_back(measurement.measure(method, frames, "bend", degrees, -1));
       progress(++done / steps);
     }
   }
@@ -239,8 +254,9 @@ std::vector<DeformationRow> measureLimb(const Skeleton& skeleton, const Skin& sk
     for (int degrees = 0; degrees <= 170; degrees += 10) {
       const VectorXd q =
           turned(skeleton, skeleton.rest(), bound.joints[link], bound.jointFromLink[link].col(2), degrees * degree);
+      const Frames frames = forwardKinematics(skeleton, q);
       for (const Method& method : methods)
-        rows.push_back(measurement.measure(method, q, link == 0 ? "twist-first" : "twist-second", degrees, static_cast<int>(link)));
+        rows.push_back(measurement.measure(method, frames, link == 0 ? "twist-first" : "twist-second", degrees, static_cast<int>(link)));
       progress(++done / steps);
     }
   return rows;

@@ -17,6 +17,10 @@ std::vector<Limb> standardLimbs(const Skeleton& skeleton, const Frames& restFram
 /// A limb from joint names "shoulder,elbow,wrist". Throws std::invalid_argument naming what is wrong.
 Limb limbByNames(const Skeleton& skeleton, const Frames& restFrames, const std::string& commaSeparated);
 
+/// The rest pose with the limb's second link, and all that hangs on it, turned in the bend plane of the first to the total bend
+/// (radians, straight = 0 exactly): past the joint's limits, and off its hinge, where need be.
+Frames bentTo(const Skeleton& skeleton, const Limb& limb, double bend);
+
 /// One way of moving the limb's skin, measured at one pose.
 struct DeformationRow {
   std::string limb, motion;  ///< motion: "bend" or "twist"

@@ -99,6 +99,10 @@ LimbSettings readLimb(const Reader& from, std::size_t links) {
 
 }  // namespace
 
+LimbSettings defaultLimbSettings(const Limb& limb) {
+  return {.jointGap = jointGap(limb.shape), .wedge = limb.shape.wedge, .control = defaultMuscleControl(limb)};
+}
+
 std::string muscleSettingsText(const MuscleSettings& settings) {
   json limbs = json::array();
   for (const auto& [name, limb] : settings.limbs) {
@@ -148,9 +152,7 @@ MuscleSettings parseMuscleSettings(const std::string& text, const std::vector<Li
 void applyProportions(Limb& limb, const LimbSettings& settings) {
   LimbShape shape = limb.shape;
   shape.wedge = settings.wedge;
-  for (std::size_t i = 0; i + 1 < shape.links.size(); ++i)
-    shape.links[i].farGap = shape.links[i + 1].nearGap =
-        settings.jointGap * std::min(shape.links[i].length, shape.links[i + 1].length);
+  setJointGap(shape, settings.jointGap);
   validate(shape);
   limb.shape = shape;
 }

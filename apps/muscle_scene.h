@@ -8,10 +8,11 @@ namespace gelenk {
 
 /// The part of a scene that describes muscle layers: per limb, by name, its section proportions and its muscle control.
 struct LimbSettings {
-  double jointGap = 0.17;   ///< of the shorter link, distance of the connecting planes from the joint
+  double jointGap = elbowGap;   ///< of the shorter link, distance of the connecting planes from the joint
   double wedge = 1.0 / 6.0;
   MuscleControl control;
 };
+LimbSettings defaultLimbSettings(const Limb& limb);
 struct MuscleSettings {
   bool enabled = false;
   bool lattice = true;  ///< drawn

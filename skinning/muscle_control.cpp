@@ -37,6 +37,13 @@ MuscleControl defaultMuscleControl(const Limb& limb) {
   return control;
 }
 
+MuscleControl noMuscleControl(const Limb& limb) {
+  MuscleControl control = defaultMuscleControl(limb);
+  for (MuscleCurve& curve : control.curves) curve = {.flexor = 0.0, .extensor = 0.0};
+  control.keepVolume = false;
+  return control;
+}
+
 std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames, const MuscleControl& control) {
   const int links = static_cast<int>(limb.shape.links.size());
   std::vector<MuscleState> states(links);

@@ -29,6 +29,8 @@ struct MuscleControl {
 };
 /// Upper link with a biceps, lower link slight.
 MuscleControl defaultMuscleControl(const Limb& limb);
+/// The volumes alone: muscles at rest, volume rule off.
+MuscleControl noMuscleControl(const Limb& limb);
 
 /// The states of planes 2 and 4 of every link for the limb's present bend, before the volume rule.
 std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames, const MuscleControl& control);

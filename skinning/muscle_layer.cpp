@@ -73,15 +73,20 @@ LimbShape defaultLimbShape(const std::vector<double>& lengths) {
     if (!(L > 0.0) || !std::isfinite(L))
       throw std::invalid_argument("link " + std::to_string(i) + " of the limb has length " + std::to_string(L) +
                                   ", it must be positive");
-    const auto jointGap = [&](std::size_t a, std::size_t b) { return 0.17 * std::min(lengths[a], lengths[b]); };
-    shape.links.push_back({.length = L,
-                           .middle = 0.5 * L,
-                           .inner = L / 8.0,
-                           .nearGap = i == 0 ? L / 6.0 : jointGap(i - 1, i),
-                           .farGap = i + 1 == lengths.size() ? L / 6.0 : jointGap(i, i + 1)});
+    shape.links.push_back({.length = L, .middle = 0.5 * L, .inner = L / 10.0, .nearGap = L / 6.0, .farGap = L / 6.0});
   }
+  setJointGap(shape, elbowGap);
   validate(shape);
   return shape;
+}
+
+void setJointGap(LimbShape& shape, double share) {
+  for (std::size_t i = 0; i + 1 < shape.links.size(); ++i)
+    shape.links[i].farGap = shape.links[i + 1].nearGap = share * std::min(shape.links[i].length, shape.links[i + 1].length);
+}
+
+double jointGap(const LimbShape& shape) {
+  return shape.links.size() < 2 ? elbowGap : shape.links[0].farGap / std::min(shape.links[0].length, shape.links[1].length);
 }
 
 void validate(const LimbShape& shape) {
@@ -194,12 +199,21 @@ LimbPose poseLimb(const LimbShape& shape, const LimbFrames& frames, const std::v
   return pose;
 }
 
+std::array<Vector3d, 16> LimbPose::controlPoints(int plane) const {
+  std::array<Vector3d, 16> points;
+  for (int c = 0; c < 16; ++c) {
+    points[c] = planes[plane].point(c % 4 / 3.0, c / 4 / 3.0);
+    if (!displacement.empty()) points[c] += displacement[plane][c];
+  }
+  return points;
+}
+
 FfdLattice LimbPose::lattice(int volume) const {
-  const FfdPlane* p = &planes[3 * volume];
-  FfdLattice lattice = latticeOf({p[0], p[1], p[2], p[3]});
-  if (!displacement.empty())
-    for (int k = 0; k < 4; ++k)
-      for (int c = 0; c < 16; ++c) lattice.points[16 * k + c] += displacement[3 * volume + k][c];
+  FfdLattice lattice;
+  for (int k = 0; k < 4; ++k) {
+    const auto points = controlPoints(3 * volume + k);
+    std::copy(points.begin(), points.end(), lattice.points.begin() + 16 * k);
+  }
   return lattice;
 }
 

@@ -35,9 +35,17 @@ struct LimbShape {
   std::vector<double> seamTwistShare;  ///< of each seam, the part of the joint's twist that the link before takes; 1/2 where not given
 };
 
-/// The default proportions: joint gaps 0.17 min(L1, L2), inner planes L/8 around the middle, free ends L/6.
+/// The default proportions: joint gaps elbowGap min(L1, L2), inner planes L/10 around the middle, free ends L/6.
 /// Throws std::invalid_argument for no link or a length that is not positive.
 LimbShape defaultLimbShape(const std::vector<double>& lengths);
+
+/// Gaps of the joints as a share of the shorter link, chosen with the bones drawn in. Larger: rounder, like a hose. A smaller one brings
+/// upper and lower arm into contact before 130 degrees; the knee, with its thinner hollow, bends sharper.
+inline constexpr double elbowGap = 0.15, kneeGap = 0.08;
+/// Sets the gaps on both sides of every joint to this share of the shorter link. validate() afterwards.
+void setJointGap(LimbShape& shape, double share);
+/// The share of the first joint.
+double jointGap(const LimbShape& shape);
 
 /// Throws std::invalid_argument, naming link and rule, unless 0 < nearGap < middle - inner and middle + inner < length - farGap,
 /// gaps agree across every joint, the rectangle is not empty and 0 <= wedge < 1/2.
@@ -70,6 +78,8 @@ struct LimbPose {
   Eigen::Isometry3d worldFromNearEnd;  ///< frames of the first and last plane, which the body beyond the limb continues rigidly
   Eigen::Isometry3d worldFromFarEnd;
 
+  /// The 4 x 4 control points of a plane (index 4 j + i), displacement included.
+  std::array<Eigen::Vector3d, 16> controlPoints(int plane) const;
   int volumeCount() const { return static_cast<int>(planes.size() - 1) / 3; }
   /// Volume v = 2 i (planes 0-3 of link i) or 2 i + 1 (planes 3-6).
   FfdLattice lattice(int volume) const;

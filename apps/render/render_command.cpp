@@ -12,6 +12,7 @@
 #include "apps/muscle_report.h"
 #include "apps/muscle_scene.h"
 #include "apps/render/model_view.h"
+#include "apps/render/muscle_sheet.h"
 #include "apps/render/render_command.h"
 #include "apps/render/signs.h"
 #include "apps/render/video.h"
@@ -38,6 +39,7 @@ struct Request {
   bool noGround = false, noShadow = false;
   std::string layers;  ///< empty: as the scene says
   bool lattice = false;
+  std::string muscleSheet;  ///< name of a limb or its joints
   std::vector<std::string> turns;
 };
 
@@ -207,7 +209,10 @@ class Studio {
     if (saved != scene_.panels.end() || !request_.layers.empty()) limbs = standardLimbs(model_.skeleton, rest);
     if (saved != scene_.panels.end()) settings = parseMuscleSettings(saved->second, limbs);
     const bool wanted = request_.layers.empty() ? settings.enabled : request_.layers != "none";
-    if (!wanted) return;
+    if (!wanted) {
+      if (request_.lattice) throw std::invalid_argument("--lattice: no muscle layers are on; add --layers ffd or --layers muscle");
+      return;
+    }
     if (limbs.empty()) throw std::invalid_argument("--layers: model '" + model_.name + "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...)");
     for (const auto& [name, limbSettings] : settings.limbs)
       for (Limb& limb : limbs)
@@ -216,10 +221,7 @@ class Studio {
     for (std::size_t l = 0; l < limbs.size(); ++l) {
       for (const auto& [name, limbSettings] : settings.limbs)
         if (limbs[l].name == name) rig->controls()[l] = limbSettings.control;
-      if (request_.layers == "ffd") {
-        rig->controls()[l].keepVolume = false;
-        for (MuscleCurve& curve : rig->controls()[l].curves) curve = {.flexor = 0.0, .extensor = 0.0, .tendon = 0.0};
-      }
+      if (request_.layers == "ffd") rig->controls()[l] = noMuscleControl(limbs[l]);
     }
     const bool lattice = request_.lattice || (request_.layers.empty() && settings.lattice);
     view_->setMuscles(std::move(rig), lattice);
@@ -283,8 +285,28 @@ void writeTurntable(Studio& studio, const Request& request) {
   video.finish();
 }
 
+/// The limb of a known name ("left arm"), else the one of the joints "shoulder,elbow,wrist".
+Limb limbOf(const Skeleton& skeleton, const std::string& name) {
+  const Frames rest = restFrames(skeleton);
+  for (const Limb& limb : standardLimbs(skeleton, rest))
+    if (limb.name == name) return limb;
+  return limbByNames(skeleton, rest, name);
+}
+
+void renderMuscleSheet(const Request& request) {
+  const Model model = openInput(request, {.nameOrFile = request.input});
+  const Limb limb = limbOf(model.skeleton, request.muscleSheet);
+  const OffscreenContext context;
+  writePng(request.output, drawMuscleSheet(model, limb,
+                                           {.scale = request.scale,
+                                            .smoothing = request.smoothing > 0 ? request.smoothing : 3,
+                                            .theme = request.theme == "dark" ? Theme::Dark : Theme::Light}));
+  fmt::print("{}: {}, {}, {}\n", request.output, model.name, limb.name, glRenderer());
+}
+
 void render(const Request& request) {
   const bool video = endsWith(request.output, ".mp4");
+  if (!request.muscleSheet.empty()) return renderMuscleSheet(request);
   if (!video && !endsWith(request.output, ".png"))
     throw std::invalid_argument("--output: expected a name ending in .png or .mp4, found '" + request.output + "'");
   Studio studio(request);
@@ -325,6 +347,8 @@ void addRenderCommand(CLI::App& app) {
   command->add_option("--layers", request->layers, "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise the scene's")
       ->check(CLI::IsMember({"none", "ffd", "muscle"}));
   command->add_flag("--lattice", request->lattice, "Control planes of the muscle layers");
+  command->add_option("--muscle-sheet", request->muscleSheet,
+                      "Instead of one picture a sheet of this limb ('left arm', or joints shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
   command->add_option("--turn", request->turns, "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an axis of its frame, from the pose; may be repeated");
   command->add_flag("--no-ground", request->noGround);
   command->add_flag("--no-shadow", request->noShadow);

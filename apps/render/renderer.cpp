@@ -79,14 +79,14 @@ struct Lighting {
   double patchHalf;
 };
 
-/// The front view's axes with the given up: the key light comes from the viewer's left, above and before the front.
+/// By the front view's axes with the given up, the key light comes from the viewer's left, above and before the front.
 Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPixels) {
   Lighting light{};
   const Eigen::AlignedBox3d box =
       scene.bounds.isEmpty() ? Eigen::AlignedBox3d(Vector3d(camera.target.array() - 0.5), Vector3d(camera.target.array() + 0.5))
                              : scene.bounds;
   light.size = scene.size > 0.0 ? scene.size : std::max(box.diagonal().norm(), 1e-9);
-  const Camera front{.up = camera.up};
+  const Camera front = scene.lightFromViewer ? camera : Camera{.up = camera.up};
   const Eigen::Matrix3d axes = front.axes();
   light.up = camera.up;
   light.groundX = axes.col(0);
@@ -373,7 +373,7 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
   surface.use();
   glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b, throughSkin ? 0.90f : body.tint.a);
   glUniform1f(surface.uniform("vertexColourShare"), body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
-  glUniform1f(surface.uniform("seeThrough"), translucent ? 1.0f : 0.0f);
+  glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
   poses[index].bind();
   if (!translucent) return body.mesh->drawTriangles(isLayered(body));
   // Depth first, so that only the nearest layer of a translucent body is seen.

@@ -23,6 +23,7 @@ struct BodyInstance {
   Colour tint = {0.88f, 0.83f, 0.77f, 1.0f};  ///< alpha < 1: a ghost, drawn after the solid bodies, without a shadow
   SurfaceColour surface = SurfaceColour::Clay;
   bool wireframe = false;                     ///< the triangles' edges over the surface
+  float seeThrough = 1.0f;  ///< how far a translucent body gives way where it faces the viewer, 0 to 1
 };
 
 struct GroundLook {
@@ -44,6 +45,7 @@ struct RenderScene {
   Theme theme = Theme::Light;
   bool xray = false;                ///< bodies become translucent, so that an overlay within them shows
   bool shadows = true;
+  bool lightFromViewer = false;     ///< the key light stands to the viewer's upper left, not to that of the front view
 };
 
 /// Draws scenes with light, shadow, ground and gradient background. Needs a current OpenGL 3.3 core context, which must also be

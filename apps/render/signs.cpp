@@ -62,20 +62,20 @@ void addReach(Overlay& overlay, const Vector3d& reached, const Vector3d& target,
   overlay.point(target, colour, 13.0f, shape);
 }
 
-void addLattice(Overlay& overlay, const LimbPose& limb) {
-  constexpr Colour connecting{0.05f, 0.48f, 0.47f, 0.75f}, inner{0.85f, 0.50f, 0.05f, 0.75f};
+void addLattice(Overlay& overlay, const LimbPose& limb, const LatticeLook& look) {
   std::array<Vector3d, 16> before{};
-  for (std::size_t p = 0; p < limb.planes.size(); ++p) {
-    const Colour& colour = p % 6 >= 2 && p % 6 <= 4 ? inner : connecting;
-    std::array<Vector3d, 16> points;
+  for (int p = 0; p < static_cast<int>(limb.planes.size()); ++p) {
+    const bool marked = p == look.selectedPlane;
+    const Colour colour = withAlpha(isInnerPlane(p) ? look.inner : look.connecting, marked ? 1.0f : look.opacity);
+    const float width = marked ? 2.6f : 1.4f;
+    const std::array<Vector3d, 16> points = limb.controlPoints(p);
     for (int c = 0; c < 16; ++c) {
       const int i = c % 4, j = c / 4;
-      points[c] = limb.planes[p].point(i / 3.0, j / 3.0);
-      if (!limb.displacement.empty()) points[c] += limb.displacement[p][c];
       const bool rim = i == 0 || j == 0 || i == 3 || j == 3;
-      if (i > 0) overlay.line(points[c - 1], points[c], colour, j == 0 || j == 3 ? 1.4f : 0.7f);
-      if (j > 0) overlay.line(points[c - 4], points[c], colour, i == 0 || i == 3 ? 1.4f : 0.7f);
-      if (p > 0 && rim) overlay.line(before[c], points[c], {colour.r, colour.g, colour.b, 0.3f}, 0.8f);
+      if (i > 0) overlay.line(points[c - 1], points[c], colour, j == 0 || j == 3 ? width : 0.5f * width);
+      if (j > 0) overlay.line(points[c - 4], points[c], colour, i == 0 || i == 3 ? width : 0.5f * width);
+      if (p > 0 && rim) overlay.line(before[c], points[c], withAlpha(colour, look.between), 0.8f);
+      overlay.point(points[c], colour, marked && c == look.selectedPoint ? 9.0f : rim || marked ? 4.5f : 3.0f);
     }
     before = points;
   }

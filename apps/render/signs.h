@@ -25,12 +25,22 @@ void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::Vecto
 void addReach(Overlay& overlay, const Eigen::Vector3d& reached, const Eigen::Vector3d& target, double size, const Colour& colour,
               Overlay::Shape shape = Overlay::Shape::Disc);
 
-/// The control planes of a limb with muscle layers, 4 x 4 points each: connecting planes teal, inner planes amber.
-void addLattice(Overlay& overlay, const LimbPose& limb);
-
 inline constexpr Colour handleColour = {0.95f, 0.55f, 0.13f};
 inline constexpr Colour pinColour = {0.16f, 0.47f, 0.71f};
 inline constexpr Colour boneColour = {0.33f, 0.46f, 0.60f};
 inline constexpr Colour accentColour = {0.99f, 0.62f, 0.18f};
+
+inline constexpr Colour connectingPlaneColour = {0.05f, 0.48f, 0.47f};
+inline constexpr Colour innerPlaneColour = {0.85f, 0.50f, 0.05f};
+
+/// How the lattice of a limb with muscle layers is drawn. Planes are counted along the limb: 6 link + (0 ... 6).
+struct LatticeLook {
+  Colour connecting = connectingPlaneColour, inner = innerPlaneColour;
+  float opacity = 0.75f, between = 0.3f;       ///< of the planes, and of the lines from plane to plane
+  int selectedPlane = -1, selectedPoint = -1;  ///< drawn stronger; -1: none
+};
+inline bool isInnerPlane(int plane) { return plane % 6 >= 2 && plane % 6 <= 4; }
+/// The control planes of a limb, 4 x 4 points each.
+void addLattice(Overlay& overlay, const LimbPose& limb, const LatticeLook& look = {});
 
 }  // namespace gelenk

@@ -5,6 +5,7 @@
 
 #include "apps/muscle_report.h"
 #include "apps/muscle_scene.h"
+#include "apps/render/signs.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 
@@ -25,16 +26,7 @@ bool slider(const char* label, double& value, double lower, double upper, const 
   return moved;
 }
 
-/// The 4 x 4 control points of a plane.
-std::array<Vector3d, 16> controlPoints(const LimbPose& limb, int plane) {
-  std::array<Vector3d, 16> points;
-  for (int j = 0; j < 4; ++j)
-    for (int i = 0; i < 4; ++i) {
-      points[4 * j + i] = limb.planes[plane].point(i / 3.0, j / 3.0);
-      if (!limb.displacement.empty()) points[4 * j + i] += limb.displacement[plane][4 * j + i];
-    }
-  return points;
-}
+Colour colourOf(const ImVec4& c) { return {c.x, c.y, c.z, c.w}; }
 
 /// Chadwick's muscle layers (lecture 10.3): lattices drawn, planes shaped, muscle curves, LBS beside FFD.
 class MusclePanel final : public Panel {
@@ -50,7 +42,7 @@ class MusclePanel final : public Panel {
     if (!model.skin) return;
     limbs_ = standardLimbs(model.skeleton, restFrames(model.skeleton));
     for (const Limb& limb : limbs_)
-      settings_.limbs.emplace_back(limb.name, LimbSettings{.control = defaultMuscleControl(limb)});
+      settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
     shownLimb_ = 0;
     selectedPlane_ = 2;
     selectedLink_ = 0;
@@ -111,7 +103,7 @@ class MusclePanel final : public Panel {
     proportions |= slider("Wedge", limb.wedge, 0.0, 0.45, "%.2f", "Adaptation: the connecting planes turn by (1/2 - wedge) θ against their bones.");
     if (proportions) rebind(sandbox);
     if (ImGui::Button("Reset limb")) {
-      limb = LimbSettings{.control = defaultMuscleControl(limbs_[shownLimb_])};
+      limb = defaultLimbSettings(limbs_[shownLimb_]);
       rebind(sandbox);
     }
     tooltip("Default proportions and muscles of this limb.");
@@ -124,7 +116,11 @@ class MusclePanel final : public Panel {
   void overlay(Sandbox& sandbox) override {
     if (!rig_) return;
     const std::vector<LimbPose>& limbs = sandbox.limbPoses();
-    if (settings_.lattice && shownLimb_ < static_cast<int>(limbs.size())) drawLattice(sandbox, limbs[shownLimb_]);
+    if (settings_.lattice && shownLimb_ < static_cast<int>(limbs.size())) {
+      const Palette& colours = sandbox.state().colours();
+      addLattice(sandbox.overlay(), limbs[shownLimb_],
+                 {.connecting = colourOf(colours.pinned), .inner = colourOf(colours.held), .selectedPlane = 6 * selectedLink_ + selectedPlane_});
+    }
     if (settings_.split) {
       Frames beside = sandbox.shownFrames();
       const Vector3d up = sandbox.session().model().up;
@@ -141,7 +137,7 @@ class MusclePanel final : public Panel {
     settings_ = parseMuscleSettings(json, limbs_);
     for (const Limb& limb : limbs_)  // limbs that the scene does not mention keep their defaults
       if (std::none_of(settings_.limbs.begin(), settings_.limbs.end(), [&](const auto& entry) { return entry.first == limb.name; }))
-        settings_.limbs.emplace_back(limb.name, LimbSettings{.control = defaultMuscleControl(limb)});
+        settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
     std::sort(settings_.limbs.begin(), settings_.limbs.end(), [&](const auto& a, const auto& b) { return indexOf(a.first) < indexOf(b.first); });
     rebind(sandbox);
   }
@@ -286,32 +282,6 @@ class MusclePanel final : public Panel {
     settings_.limbs[target].second = copy;
     rebind(sandbox);
     sandbox.say("Copied to the " + other);
-  }
-
-  void drawLattice(Sandbox& sandbox, const LimbPose& limb) const {
-    const Palette& colours = sandbox.state().colours();
-    const auto colourOf = [&](int plane) {
-      const bool inner = plane % 6 >= 2 && plane % 6 <= 4;
-      const ImVec4& c = inner ? colours.held : colours.pinned;
-      const bool selected = plane == 6 * selectedLink_ + selectedPlane_;
-      return Colour{c.x, c.y, c.z, selected ? 1.0f : 0.55f};
-    };
-    std::array<Vector3d, 16> before{};
-    for (int p = 0; p < static_cast<int>(limb.planes.size()); ++p) {
-      const std::array<Vector3d, 16> points = controlPoints(limb, p);
-      const Colour colour = colourOf(p);
-      const float width = p == 6 * selectedLink_ + selectedPlane_ ? 2.5f : 1.2f;
-      for (int j = 0; j < 4; ++j)
-        for (int i = 0; i < 4; ++i) {
-          const Vector3d& at = points[4 * j + i];
-          const bool rim = i == 0 || j == 0 || i == 3 || j == 3;
-          if (i < 3) sandbox.overlay().line(at, points[4 * j + i + 1], colour, j == 0 || j == 3 ? width : 0.6f * width);
-          if (j < 3) sandbox.overlay().line(at, points[4 * (j + 1) + i], colour, i == 0 || i == 3 ? width : 0.6f * width);
-          if (p > 0 && rim) sandbox.overlay().line(before[4 * j + i], at, {colour.r, colour.g, colour.b, 0.25f}, 0.8f);
-          if (rim) sandbox.overlay().point(at, colour, 4.0f);
-        }
-      before = points;
-    }
   }
 
   std::vector<Limb> limbs_;

@@ -99,6 +99,13 @@ TrialLimb trialLimb(const std::string& name, const std::vector<std::string>& cha
 struct TrialCase {
   const char* name;
   std::vector<std::string> chain, below;
+  double gap;  ///< as standardLimbs gives arms and legs
+
+  Limb limb(const Skeleton& skeleton) const {
+    Limb made = makeLimb(skeleton, restFrames(skeleton), name, {1, 2, 3});
+    setJointGap(made.shape, gap);
+    return made;
+  }
 };
 
 void PrintTo(const TrialCase& trial, std::ostream* out) { *out << trial.name; }
@@ -108,7 +115,7 @@ class TrialLimbs : public ::testing::TestWithParam<TrialCase> {};
 TEST_P(TrialLimbs, LayerKeepsWhatLinearBlendingLoses) {
   if (!std::filesystem::exists(bodies)) GTEST_SKIP() << "trial data not found in " << bodies;
   const TrialLimb limb = trialLimb(GetParam().name, GetParam().chain, GetParam().below);
-  const Limb layer = makeLimb(limb.skeleton, restFrames(limb.skeleton), GetParam().name, {1, 2, 3});
+  const Limb layer = GetParam().limb(limb.skeleton);
   const auto rows = measureLimb(limb.skeleton, limb.skin, layer, [](double) {});
   if (std::getenv("GELENK_PRINT")) std::printf("%s", toCsv(rows).c_str());
   const auto at = [&](const char* motion, const char* method, double degrees) {
@@ -151,7 +158,7 @@ TEST_P(TrialLimbs, MoreFreedomFitsTheSculptedMuscleBetter) {
   if (!std::filesystem::exists(bodies)) GTEST_SKIP() << "trial data not found in " << bodies;
   const TrialLimb limb = trialLimb(GetParam().name, GetParam().chain, GetParam().below);
   const Frames rest = restFrames(limb.skeleton);
-  const MuscleSkin body = bindMuscles(limb.skin, {makeLimb(limb.skeleton, rest, GetParam().name, {1, 2, 3})}, rest);
+  const MuscleSkin body = bindMuscles(limb.skin, {GetParam().limb(limb.skeleton)}, rest);
   std::vector<int> source;
   std::ifstream map(bodies + GetParam().name + ".map.txt");
   for (std::string line; std::getline(map, line);)
@@ -187,8 +194,8 @@ TEST_P(TrialLimbs, MoreFreedomFitsTheSculptedMuscleBetter) {
 
 INSTANTIATE_TEST_SUITE_P(OfTheTrialBody, TrialLimbs,
                          ::testing::Values(TrialCase{"arm_left", {"upperarm_l", "lowerarm_l", "hand_l"},
-                                                     {"index", "middle", "ring", "pinky", "thumb"}},
-                                           TrialCase{"leg_left", {"thigh_l", "calf_l", "foot_l"}, {"ball"}}),
+                                                     {"index", "middle", "ring", "pinky", "thumb"}, elbowGap},
+                                           TrialCase{"leg_left", {"thigh_l", "calf_l", "foot_l"}, {"ball"}, kneeGap}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
