@@ -49,7 +49,8 @@ class FabrikChain {
   FabrikChain(const Skeleton& skeleton, const Goal& goal, const VectorXd& q) : skeleton_(skeleton), goal_(goal) {
     std::vector<int> path;
     for (int j = goal.joint; j >= 0; j = skeleton.parent(j)) path.push_back(j);
-    Isometry3d since = Isometry3d::Identity();
+    Isometry3d since = Isometry3d::Identity(), worldFromPivot = Isometry3d::Identity();
+    Vector3d normal = Vector3d::Zero();
     for (auto j = path.rbegin(); j != path.rend(); ++j) {
       const Joint& joint = skeleton.joint(*j);
       since = since * joint.parentFromZero;
@@ -59,6 +60,13 @@ class FabrikChain {
         continue;
       }
       pivots_.push_back({*j, since});
+      worldFromPivot = worldFromPivot * since;
+      for (const AxisDof& dof : joint.axes) {
+        const Vector3d axis = worldFromPivot.linear() * dof.axis;
+        if (normal.isZero()) normal = axis;
+        inPlane_ = inPlane_ && dof.kind == AxisDof::Kind::Rotation && axis.cross(normal).norm() < 1e-9;
+      }
+      inPlane_ = inPlane_ && !joint.ball;
       free_ = free_ && joint.ball && joint.axes.empty() && !joint.ballLimit;
       since = Isometry3d::Identity();
     }
@@ -92,6 +100,7 @@ class FabrikChain {
   /// One iteration with rotations and limits.
   void iterate(VectorXd& q) {
     moveTo(q);
+    here_ = points_;
     bendIfInLine(points_, goal_.target);
     Vector3d place = goal_.target;
     for (size_t i = lengths_.size(); i-- > 0;) {
@@ -106,43 +115,63 @@ class FabrikChain {
   void turnTowardsPoints(VectorXd& q) {
     Isometry3d above = Isometry3d::Identity();
     for (size_t i = 0; i < pivots_.size(); ++i) {
-      const int j = pivots_[i].joint;
       const Isometry3d zero = above * pivots_[i].fromParentPivot;
-      const bool isLast = i + 1 == pivots_.size();
-      const Vector3d next = isLast ? tip_ : Vector3d(pivots_[i + 1].fromParentPivot.translation());
-      turnJoint(j, zero, next, points_[i + 1], q);
-      above = zero * jointMotion(skeleton_, q, j);
+      turnJoint(i, zero, q);
+      above = zero * jointMotion(skeleton_, q, pivots_[i].joint);
     }
   }
 
-  void turnJoint(int j, const Isometry3d& zero, const Vector3d& nextInJoint, const Vector3d& wanted, VectorXd& q) const {
+  void turnJoint(size_t i, const Isometry3d& zero, VectorXd& q) {
+    const int j = pivots_[i].joint;
     const Joint& joint = skeleton_.joint(j);
-    if (nextInJoint.norm() < 1e-12) return;  // the next pivot is in the same place
+    const auto carryOn = [&](const Isometry3d& before) {  // everything below moves along
+      const Isometry3d moved = zero * jointMotion(skeleton_, q, j) * before.inverse();
+      for (size_t k = i + 1; k < here_.size(); ++k) here_[k] = moved * here_[k];
+    };
     if (joint.ball) {
-      const Isometry3d here = zero * jointMotion(skeleton_, q, j);
-      const Vector3d target = here.inverse() * wanted;
-      if (target.norm() > 1e-12) {
-        setBallRotation(skeleton_, q, j, (ballRotation(skeleton_, q, j) * rotationBetween(nextInJoint, target)).normalized());
-        if (joint.ballLimit && limitViolation(skeleton_, q, j) > 0.0) projectToLimits(skeleton_, q, q);
-      }
+      const Isometry3d before = zero * jointMotion(skeleton_, q, j);
+      turnBall(i, zero, q);
+      carryOn(before);
     }
     const int passes = joint.axes.size() > 1 || (joint.ball && !joint.axes.empty()) ? 2 : 1;
     for (int pass = 0; pass < passes; ++pass)
       for (size_t k = joint.axes.size(); k-- > 0;)
-        if (joint.axes[k].kind == AxisDof::Kind::Rotation) turnHinge(j, static_cast<int>(k), zero, nextInJoint, wanted, q);
+        if (joint.axes[k].kind == AxisDof::Kind::Rotation) {
+          const Isometry3d before = zero * jointMotion(skeleton_, q, j);
+          turnHinge(i, static_cast<int>(k), zero, q);
+          carryOn(before);
+        }
   }
 
-  void turnHinge(int j, int k, const Isometry3d& zero, const Vector3d& nextInJoint, const Vector3d& wanted, VectorXd& q) const {
-    const Joint& joint = skeleton_.joint(j);
-    const int at = skeleton_.qIndex(j);
-    Isometry3d before = zero;  // the frame in which this axis turns
+  void turnBall(size_t i, const Isometry3d& zero, VectorXd& q) const {
+    const int j = pivots_[i].joint;
+    const Vector3d next = i + 1 == pivots_.size() ? tip_ : Vector3d(pivots_[i + 1].fromParentPivot.translation());
+    const Isometry3d here = zero * jointMotion(skeleton_, q, j);
+    const Vector3d target = here.inverse() * points_[i + 1];
+    if (next.norm() < 1e-12 || target.norm() < 1e-12) return;  // the next pivot is in the same place
+    setBallRotation(skeleton_, q, j, (ballRotation(skeleton_, q, j) * rotationBetween(next, target)).normalized());
+    if (skeleton_.joint(j).ballLimit && limitViolation(skeleton_, q, j) > 0.0) projectToLimits(skeleton_, q, q);
+  }
+
+  /// In the plane the angle that brings the next place onto the line to where the backward pass wants it, as in the paper. A hinge
+  /// about another axis often cannot get it there, or does not move it at all (a twist): it takes the angle that brings all places
+  /// below closest to where they are wanted, in the sum of squares.
+  void turnHinge(size_t i, int k, const Isometry3d& zero, VectorXd& q) const {
+    const Joint& joint = skeleton_.joint(pivots_[i].joint);
+    const int at = skeleton_.qIndex(pivots_[i].joint);
+    Isometry3d axisFrame = zero;  // the frame in which this axis turns
     for (int m = 0; m < k; ++m) {
-      if (joint.axes[m].kind == AxisDof::Kind::Rotation) before.rotate(Eigen::AngleAxisd(q[at + m], joint.axes[m].axis));
-      else before.translate(joint.axes[m].axis * q[at + m]);
+      if (joint.axes[m].kind == AxisDof::Kind::Rotation) axisFrame.rotate(Eigen::AngleAxisd(q[at + m], joint.axes[m].axis));
+      else axisFrame.translate(joint.axes[m].axis * q[at + m]);
     }
     const AxisDof& dof = joint.axes[k];
-    const Vector3d from = before.inverse() * (zero * (jointMotion(skeleton_, q, j) * nextInJoint)), to = before.inverse() * wanted;
-    const double sine = dof.axis.dot(from.cross(to)), cosine = from.dot(to) - dof.axis.dot(from) * dof.axis.dot(to);
+    const Isometry3d axisFromWorld = axisFrame.inverse();
+    double sine = 0.0, cosine = 0.0;
+    for (size_t m = i + 1; m < (inPlane_ ? i + 2 : points_.size()); ++m) {
+      const Vector3d from = axisFromWorld * here_[m], to = axisFromWorld * points_[m];
+      sine += dof.axis.dot(from.cross(to));
+      cosine += from.dot(to) - dof.axis.dot(from) * dof.axis.dot(to);
+    }
     if (std::hypot(sine, cosine) < 1e-14) return;
     double angle = q[at + k] + std::atan2(sine, cosine);
     const double turn = 2.0 * M_PI;
@@ -157,9 +186,11 @@ class FabrikChain {
   const Goal& goal_;
   std::vector<Pivot> pivots_;
   Vector3d tip_ = Vector3d::Zero();  ///< the effector's point in the last pivot's frame
-  std::vector<Vector3d> points_;
+  std::vector<Vector3d> points_;  ///< of the pivots and the effector: where the passes want them
+  std::vector<Vector3d> here_;    ///< where they are
   std::vector<double> lengths_;
-  bool free_ = true;
+  bool free_ = true;     ///< unlimited balls alone
+  bool inPlane_ = true;  ///< hinges about parallel axes alone
 };
 
 class Fabrik final : public IkSolver {

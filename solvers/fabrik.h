@@ -18,13 +18,14 @@ struct FabrikResult {
 FabrikResult fabrikPoints(std::span<Eigen::Vector3d> points, const Eigen::Vector3d& target, double tolerance, int maxIterations);
 
 /// FABRIK on a skeleton: one position goal. The backward pass moves points alone; the forward pass turns each joint on the path, root
-/// first, towards the point that the backward pass asks for: a ball by the smallest rotation that does it (no twist is added),
-/// a hinge by its angle, then both within their limits (swing cone, twist range, hinge range), and goes on from where the
-/// joint really ends. So the pose is a pose of the skeleton after every iteration, twist included. Translations on the path
-/// are held. Chains of unlimited balls run on bare points and recover their rotations once.
+/// first, towards the points that the backward pass asks for, within its limits (swing cone, twist range, hinge range), and goes on
+/// from where the joint really ends. A ball takes the smallest rotation that brings the next place onto its line (no twist is
+/// added); a hinge in a plane does the same by its angle; a hinge of a spatial chain takes the angle that brings all places below
+/// it closest to where they are wanted, in the sum of squares, since the next one alone says nothing about a twist. So the pose is
+/// a pose of the skeleton after every iteration, twist included. Translations on the path are held. Chains of unlimited balls run
+/// on bare points and recover their rotations once.
 ///
-/// With limits nothing guarantees progress, and on hinges about alternating axes it rarely arrives (the backward pass knows
-/// nothing of axes); an answer that stalls says so.
+/// With limits nothing guarantees progress; an answer that stalls says so.
 std::unique_ptr<IkSolver> makeFabrik();
 
 }  // namespace gelenk
