@@ -110,13 +110,14 @@ class KdlPeer final : public IkSolver {
   void prepare(const Skeleton& skeleton) override {
     const int tip = skeleton.jointCount() - 1;
     SerialChainResult result = extractSerialChain(skeleton, tip);
-    prepared_ = result.whyNot.empty() ? std::make_unique<KdlChainSolver>(method_, result.chain, defaultIterations) : nullptr;
+    prepared_ = result.whyNot.empty() && whyNot(result.chain).empty() ? std::make_unique<KdlChainSolver>(method_, result.chain, defaultIterations) : nullptr;
     skeleton_ = &skeleton;
   }
 
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Pose) return "solves exactly one pose goal";
-    return extractSerialChain(*problem.skeleton, problem.goals[0].joint).whyNot;
+    const SerialChainResult result = extractSerialChain(*problem.skeleton, problem.goals[0].joint);
+    return result.whyNot.empty() ? whyNot(result.chain) : result.whyNot;
   }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel) const override {
@@ -131,7 +132,7 @@ class KdlPeer final : public IkSolver {
     KdlChainSolver* solver = prepared_.get();
     if (!solver || problem.skeleton != skeleton_ || goal.joint != skeleton_->jointCount() - 1 || budget.maxIterations != defaultIterations) {
       const SerialChainResult result = extractSerialChain(*problem.skeleton, goal.joint);
-      if (!result.whyNot.empty()) return report;
+      if (!result.whyNot.empty() || !whyNot(result.chain).empty()) return report;
       fresh = std::make_unique<KdlChainSolver>(method_, result.chain, budget.maxIterations);
       solver = fresh.get();
     }
@@ -187,6 +188,12 @@ class KdlPeer final : public IkSolver {
   static double errorOf(const IkProblem& problem, const VectorXd& q) {
     const Judgement verdict = judge(problem, q);
     return verdict.finite ? std::hypot(verdict.goals[0].position, verdict.goals[0].orientation) : INFINITY;
+  }
+
+  /// KDL 1.5.1's damped velocities end the program (an assertion of the library) where the Jacobian has fewer columns than rows.
+  std::string whyNot(const SerialChain& chain) const {
+    if (method_ != Method::NewtonWithLimits || chain.n >= 6) return {};
+    return "KDL's damped velocity solver needs six or more degrees of freedom, this chain has " + std::to_string(chain.n);
   }
 
   Method method_;
