@@ -148,6 +148,9 @@ void addCompareCommand(CLI::App& app) {
   command->add_option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt")->capture_default_str();
   command->add_option("--budget-ms", request->budgetMilliseconds, "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
   command->add_option("--restarts", plan.budget.restarts, "Random restarts after the first attempt")->capture_default_str();
+  command->add_option("--seeds", plan.seeds,
+                      "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for those that only restart")
+      ->capture_default_str();
   command->add_option("--repeat", plan.repeat, "Solves a problem; the shortest time counts")->capture_default_str();
   command->add_option("--traces", plan.traces, "Problems of each set whose residual curves are kept")->capture_default_str();
   command->add_option("--shard", request->shard, "K/N: only the K-th of N parts; join them with 'compare merge'");

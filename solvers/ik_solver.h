@@ -32,6 +32,7 @@ struct SolverEntry {
   std::string_view title;      ///< "Pseudo-inverse Newton"
   std::string_view reference;  ///< paper or slide
   std::unique_ptr<IkSolver> (*make)();
+  bool stochastic = false;     ///< the method itself draws random numbers, beyond the restarts that all have: judge it over many seeds
 };
 
 /// Every solver there is, an explicit table in solver_catalogue.cpp.
@@ -40,5 +41,8 @@ std::span<const SolverEntry> solverCatalogue();
 /// "default" names the default solver of serial chains, the catalogue's first.
 /// Throws std::invalid_argument that lists the names there are.
 std::unique_ptr<IkSolver> makeSolver(std::string_view name);
+
+/// The row that makeSolver uses. Throws likewise.
+const SolverEntry& solverEntry(std::string_view name);
 
 }  // namespace gelenk

@@ -44,7 +44,7 @@ constexpr std::array catalogue{
     SolverEntry{"ceres-lm", "Ceres, Levenberg-Marquardt", "ceres-solver.org", &makeCeresLm},
     SolverEntry{"ceres-dogleg", "Ceres, dogleg", "ceres-solver.org; Powell 1970", &makeCeresDogleg},
     SolverEntry{"ceres-line-search", "Ceres, L-BFGS line search", "ceres-solver.org", &makeCeresLineSearch},
-    SolverEntry{"evolution", "Evolution with gradient polishing", "Ruppel et al. 2018 (bio_ik)", &makeEvolution},
+    SolverEntry{"evolution", "Evolution with gradient polishing", "Ruppel et al. 2018 (bio_ik)", &makeEvolution, true},
     SolverEntry{"newton-1d", "Newton, one dimension", "Lecture 10.1.4, one-dimensional Newton method", &makeNewton1d},
     SolverEntry{"newton", "Newton, full steps", "Lecture 10.1.4, n = m and n > m", &makeNewton},
     SolverEntry{"newton-quotient", "Newton, difference quotients", "Lecture 10.1.4, derivative", &makeNewtonDifferenceQuotient},
@@ -64,11 +64,13 @@ constexpr std::array catalogue{
 
 std::span<const SolverEntry> solverCatalogue() { return catalogue; }
 
-std::unique_ptr<IkSolver> makeSolver(std::string_view name) {
+std::unique_ptr<IkSolver> makeSolver(std::string_view name) { return solverEntry(name).make(); }
+
+const SolverEntry& solverEntry(std::string_view name) {
   if (name == "default") name = catalogue.front().name;
   std::string known;
   for (const SolverEntry& entry : catalogue) {
-    if (entry.name == name) return entry.make();
+    if (entry.name == name) return entry;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
   throw std::invalid_argument("no solver is called '" + std::string(name) + "'; there are: " + known);

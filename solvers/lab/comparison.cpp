@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <filesystem>
 #include <map>
 #include <set>
@@ -32,6 +35,8 @@ const std::string resultsHeader =
     "displacement,shortest_displacement,jump,jitter,iterations,forward_kinematics,jacobians,hessians,factorisations,restarts,"
     "sigma_min,limit_margin,seconds,cpu_seconds";
 const std::string tracesHeader = "set,solver,problem,iteration,residual,seconds";
+const std::string seedsHeader = "set,solver,problem,seed,solved,position_error,orientation_error,displacement,iterations,seconds";
+const std::string preparationHeader = "set,solver,seconds,bytes";
 const std::string goalsHeader =
     "set,problem,goal,kind,joint,weight,point_x,point_y,point_z,target_x,target_y,target_z,target_qw,target_qx,target_qy,target_qz";
 const std::string setsHeader = "set,problems,seed,checksum";
@@ -42,6 +47,16 @@ double cpuSeconds() {
   timespec now;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Bytes that the program holds on its heap; NaN where the C library does not tell.
+double heapBytes() {
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+  const auto info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd);
+#else
+  return std::numeric_limits<double>::quiet_NaN();
+#endif
 }
 
 std::vector<std::string> splitFields(std::string_view line) {
@@ -117,8 +132,7 @@ class FieldReader {
   std::size_t at_ = 0;
 };
 
-ResultRow toRow(const std::string& file, int line, std::string_view text) {
-  FieldReader in(file, line, text, 27);
+ResultRow toRow(FieldReader& in) {
   ResultRow row;
   row.set = in.text();
   row.solver = in.text();
@@ -167,7 +181,7 @@ std::string solutionLine(const LabModel& model, const ResultRow& row, const IkPr
 // ---- solving one sequence
 
 struct UnitText {
-  std::string results, solutions, traces;
+  std::string results, solutions, traces, seeds;
 };
 
 struct Answer {
@@ -175,13 +189,13 @@ struct Answer {
   double seconds = 0.0, cpuSeconds = 0.0;
 };
 
-Answer timedSolve(const IkSolver& solver, const IkProblem& problem, const ComparisonPlan& plan) {
+Answer timedSolve(const IkSolver& solver, const IkProblem& problem, const ComparisonPlan& plan, const Budget& budget) {
   Answer answer;
   answer.seconds = answer.cpuSeconds = std::numeric_limits<double>::infinity();
   for (int i = 0; i < plan.repeat; ++i) {
     const double cpu = cpuSeconds();
     const auto begin = std::chrono::steady_clock::now();
-    answer.report = solver.solve(problem, plan.budget, TraceLevel::Off);
+    answer.report = solver.solve(problem, budget, TraceLevel::Off);
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     answer.seconds = std::min(answer.seconds, wall);
     answer.cpuSeconds = std::min(answer.cpuSeconds, cpuSeconds() - cpu);
@@ -227,6 +241,31 @@ std::string traceLines(const ResultRow& row, const IkSolver& solver, const IkPro
   return text;
 }
 
+std::string seedLine(const ResultRow& row, std::uint64_t seed) {
+  std::string line = row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' + std::to_string(seed) + (row.solved ? ",1" : ",0");
+  for (double value : {row.position, row.orientation, row.displacement}) line += ',' + number(value);
+  return line + ',' + std::to_string(row.counters.iterations) + ',' + number(row.seconds) + '\n';
+}
+
+/// The sequence again with the plan's further seeds.
+std::string otherSeeds(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames, const std::string& name, const IkSolver& solver,
+                       const ComparisonPlan& plan) {
+  std::string text;
+  Budget budget = plan.budget;
+  for (int k = 1; k < seedCount(plan, name); ++k) {
+    ++budget.seed;
+    VectorXd before;
+    for (const LabProblem* one : frames) {
+      IkProblem problem = one->problem;
+      if (one->frame > 0) problem.start = before;
+      const Answer answer = timedSolve(solver, problem, plan, budget);
+      text += seedLine(judged(set, *one, problem, name, answer, plan.tolerance), budget.seed);
+      before = answer.report.q;
+    }
+  }
+  return text;
+}
+
 /// All frames of a sequence, each from where the last one ended.
 UnitText solveSequence(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames, const std::string& name,
                        const IkSolver& solver, const ComparisonPlan& plan, const LabModel& model) {
@@ -235,7 +274,7 @@ UnitText solveSequence(const ProblemSetEntry& set, const std::vector<const LabPr
   for (const LabProblem* one : frames) {
     IkProblem problem = one->problem;
     if (one->frame > 0) problem.start = before;
-    const Answer answer = timedSolve(solver, problem, plan);
+    const Answer answer = timedSolve(solver, problem, plan, plan.budget);
     ResultRow row = judged(set, *one, problem, name, answer, plan.tolerance);
     const VectorXd q = answer.report.q;
     if (set.family == ProblemFamily::Drag && row.residual >= 0.0) {
@@ -246,10 +285,12 @@ UnitText solveSequence(const ProblemSetEntry& set, const std::vector<const LabPr
     }
     text.results += toLine(row) + '\n';
     text.solutions += solutionLine(model, row, problem, q) + '\n';
+    if (seedCount(plan, name) > 1) text.seeds += seedLine(row, plan.budget.seed);
     if (one->index < plan.traces) text.traces += traceLines(row, solver, problem, plan.budget);
     beforeThat = problem.start;
     before = q;
   }
+  text.seeds += otherSeeds(set, frames, name, solver, plan);
   return text;
 }
 
@@ -415,6 +456,7 @@ std::set<Key> recover(const std::vector<LoadedSet>& sets, const ComparisonPlan& 
     return kept;
   };
   rewrite(folder + "/traces.csv", tracesHeader, keep(keyedLines(folder + "/traces.csv", 0), false), plan);
+  rewrite(folder + "/seeds.csv", seedsHeader, keep(keyedLines(folder + "/seeds.csv", 0), false), plan);
   rewrite(folder + "/solutions.csv", solutionsHeader(model.skeleton->nq()), keep(solutions, true), plan);
   rewrite(folder + "/results.csv", resultsHeader, keep(results, true), plan);
   return done;
@@ -422,6 +464,7 @@ std::set<Key> recover(const std::vector<LoadedSet>& sets, const ComparisonPlan& 
 
 void sortFiles(const ComparisonPlan& plan, const std::string& header, const std::string& folder) {
   rewrite(folder + "/traces.csv", tracesHeader, keyedLines(folder + "/traces.csv", 0), plan);
+  rewrite(folder + "/seeds.csv", seedsHeader, keyedLines(folder + "/seeds.csv", 0), plan);
   rewrite(folder + "/solutions.csv", header, keyedLines(folder + "/solutions.csv", 1), plan);
   rewrite(folder + "/results.csv", resultsHeader, keyedLines(folder + "/results.csv", 0), plan);
 }
@@ -452,9 +495,17 @@ void validate(const ComparisonPlan& plan) {
   if (plan.budget.maxIterations < 1) throw std::invalid_argument("the number of iterations must be at least 1");
   if (plan.budget.restarts < 0) throw std::invalid_argument("the number of restarts must not be negative");
   if (!(plan.budget.maxSeconds > 0.0)) throw std::invalid_argument("the time budget must be positive");
+  if (plan.seeds < 0) throw std::invalid_argument("the number of seeds must not be negative");
   if (plan.repeat < 1) throw std::invalid_argument("the number of repetitions must be at least 1");
   if (plan.shards < 1 || plan.shard < 1 || plan.shard > plan.shards)
     throw std::invalid_argument("a shard K/N needs 1 <= K <= N, not " + std::to_string(plan.shard) + '/' + std::to_string(plan.shards));
+}
+
+int seedCount(const ComparisonPlan& plan, const std::string& solver) {
+  constexpr int enough = 20;
+  const bool stochastic = solverEntry(solver).stochastic;
+  if (plan.seeds == 0) return stochastic ? enough : 1;
+  return stochastic || plan.budget.restarts > 0 ? plan.seeds : 1;
 }
 
 std::string fingerprint(const ComparisonPlan& plan, const LabModel& model) {
@@ -466,7 +517,7 @@ std::string fingerprint(const ComparisonPlan& plan, const LabModel& model) {
          "; tolerance=" + exactNumber(plan.tolerance) + "; iterations=" + std::to_string(plan.budget.maxIterations) +
          "; restarts=" + std::to_string(plan.budget.restarts) + "; solver-seed=" + std::to_string(plan.budget.seed) +
          "; budget-seconds=" + exactNumber(plan.budget.maxSeconds) + "; traces=" + std::to_string(plan.traces) +
-         "; repeat=" + std::to_string(plan.repeat) + "; shard=" + std::to_string(plan.shard) + '/' + std::to_string(plan.shards);
+         "; seeds=" + (plan.seeds > 0 ? std::to_string(plan.seeds) : "automatic") + "; repeat=" + std::to_string(plan.repeat) + "; shard=" + std::to_string(plan.shard) + '/' + std::to_string(plan.shards);
 }
 
 std::string readMarker(const std::string& folder) {
@@ -489,18 +540,19 @@ void runComparison(const ComparisonPlan& plan, const LabModel& model, const std:
   for (const LoadedSet& set : sets) total += static_cast<int>(set.sequences.size() * plan.solvers.size());
   const std::string header = solutionsHeader(model.skeleton->nq());
   {
-    Appender traces(folder + "/traces.csv", tracesHeader), solutions(folder + "/solutions.csv", header),
+    Appender traces(folder + "/traces.csv", tracesHeader), seeds(folder + "/seeds.csv", seedsHeader), solutions(folder + "/solutions.csv", header),
         results(folder + "/results.csv", resultsHeader);
-    std::string preparations = "set,solver,seconds\n";
+    std::string preparations = preparationHeader + '\n';
     for (LoadedSet& set : sets) {
       const std::string setName(set.entry->name);
       bool annotated = false;
       for (const std::string& name : plan.solvers) {
-        const auto solver = makeSolver(name);
+        const double heap = heapBytes();
         const auto begin = std::chrono::steady_clock::now();
+        const auto solver = makeSolver(name);
         solver->prepare(*set.problems.front().skeleton);
-        preparations += setName + ',' + name + ',' +
-                        number(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()) + '\n';
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        preparations += setName + ',' + name + ',' + number(seconds) + ',' + number(heapBytes() - heap) + '\n';
         const Skeleton* prepared = set.problems.front().skeleton.get();
         for (const int sequence : bySkeleton(set)) {
           const auto& frames = set.sequences.at(sequence);
@@ -519,6 +571,7 @@ void runComparison(const ComparisonPlan& plan, const LabModel& model, const std:
           }
           const UnitText text = solveSequence(*set.entry, frames, name, *solver, plan, model);
           traces.append(text.traces);
+          seeds.append(text.seeds);
           solutions.append(text.solutions);
           results.append(text.results);
           progress(++finished, total, setName + ": " + name);
@@ -560,13 +613,14 @@ void mergeComparisons(const std::vector<std::string>& shards, const std::string&
   };
   plan.sets = names("sets");
   plan.solvers = names("solvers");
-  std::vector<std::pair<Key, std::string>> traces, solutions, results;
+  std::vector<std::pair<Key, std::string>> traces, seeds, solutions, results;
   std::string header;
   const auto collect = [](std::vector<std::pair<Key, std::string>>& all, std::vector<std::pair<Key, std::string>> more) {
     std::move(more.begin(), more.end(), std::back_inserter(all));
   };
   for (const std::string& shard : shards) {
     collect(traces, keyedLines(shard + "/traces.csv", 0));
+    collect(seeds, keyedLines(shard + "/seeds.csv", 0));
     collect(solutions, keyedLines(shard + "/solutions.csv", 1));
     collect(results, keyedLines(shard + "/results.csv", 0));
     const std::string text = readFile(shard + "/solutions.csv");
@@ -583,25 +637,52 @@ void mergeComparisons(const std::vector<std::string>& shards, const std::string&
   for (const char* name : {"/goals.csv", "/problem_sets.csv", "/preparation.csv"})
     writeFile(folder + name, readFile(shards.front() + name));
   rewrite(folder + "/traces.csv", tracesHeader, std::move(traces), plan);
+  rewrite(folder + "/seeds.csv", seedsHeader, std::move(seeds), plan);
   rewrite(folder + "/solutions.csv", header, std::move(solutions), plan);
   rewrite(folder + "/results.csv", resultsHeader, std::move(results), plan);
 }
 
+namespace {
+
+/// Calls read(fields) for every complete line of a file in the folder.
+template <typename Read>
+void forEachLine(const std::string& path, std::size_t fields, Read read) {
+  int line = 1;
+  for (const std::string& text : completeLines(path)) {
+    FieldReader in(path, ++line, text, fields);
+    read(in);
+  }
+}
+
+}  // namespace
+
 Results readResults(const std::string& folder) {
   Results results;
-  int line = 1;
-  for (const std::string& text : completeLines(folder + "/results.csv"))
-    results.rows.push_back(toRow(folder + "/results.csv", ++line, text));
-  line = 1;
-  for (const std::string& text : completeLines(folder + "/traces.csv")) {
-    FieldReader in(folder + "/traces.csv", ++line, text, 6);
+  forEachLine(folder + "/results.csv", 27, [&](FieldReader& in) { results.rows.push_back(toRow(in)); });
+  forEachLine(folder + "/traces.csv", 6, [&](FieldReader& in) {
     TracePoint point{.set = in.text(), .solver = in.text()};
     point.problem = in.integer();
     point.iteration = in.integer();
     point.residual = in.number();
     point.seconds = in.number();
     results.traces.push_back(point);
-  }
+  });
+  forEachLine(folder + "/seeds.csv", 10, [&](FieldReader& in) {
+    SeedRow row{.set = in.text(), .solver = in.text()};
+    row.problem = in.integer();
+    row.seed = static_cast<std::uint64_t>(in.number());
+    row.solved = in.integer() != 0;
+    for (double* value : {&row.position, &row.orientation, &row.displacement}) *value = in.number();
+    row.iterations = in.integer();
+    row.seconds = in.number();
+    results.seeds.push_back(row);
+  });
+  forEachLine(folder + "/preparation.csv", 4, [&](FieldReader& in) {
+    Preparation one{.set = in.text(), .solver = in.text()};
+    one.seconds = in.number();
+    one.bytes = in.number();
+    results.preparations.push_back(one);
+  });
   return results;
 }
 

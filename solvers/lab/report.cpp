@@ -145,32 +145,55 @@ json comparePairs(const Group& group) {
   return pairs;
 }
 
-json readPreparation(const std::string& folder) {
-  json out;
-  const std::string path = folder + "/preparation.csv";
-  if (!std::filesystem::exists(path)) return out;
-  const std::string text = readFile(path);
-  for (std::string_view line : splitLines(text)) {
-    const std::size_t a = line.find(','), b = line.rfind(',');
-    const auto seconds = parseNumber(line.substr(b + 1));
-    if (seconds) out[std::string(line.substr(0, a))][std::string(line.substr(a + 1, b - a - 1))] = *seconds;
+/// The spread over solver seeds: of the share solved, of the mean time, and how many problems every or no seed solved.
+json summariseSeeds(const std::string& set, const std::string& solver, const Results& results) {
+  struct Sums {
+    double solved = 0.0, seconds = 0.0, problems = 0.0;
+  };
+  std::map<std::uint64_t, Sums> bySeed;
+  std::map<int, int> solvedSeeds;
+  for (const SeedRow& row : results.seeds) {
+    if (row.set != set || row.solver != solver) continue;
+    Sums& sums = bySeed[row.seed];
+    sums.solved += row.solved;
+    sums.seconds += row.seconds;
+    sums.problems += 1.0;
+    solvedSeeds[row.problem] += row.solved;
   }
-  return out;
+  if (bySeed.empty()) return {};
+  std::vector<double> shares, times;
+  for (const auto& [seed, sums] : bySeed) {
+    shares.push_back(sums.solved / sums.problems);
+    times.push_back(sums.seconds / sums.problems);
+  }
+  const int count = static_cast<int>(bySeed.size());
+  int always = 0, never = 0;
+  for (const auto& [problem, solved] : solvedSeeds) {
+    always += solved == count;
+    never += solved == 0;
+  }
+  const auto spread = [](const std::vector<double>& values) {
+    return json{{"min", orNull(quantile(values, 0.0))}, {"median", orNull(quantile(values, 0.5))}, {"max", orNull(quantile(values, 1.0))},
+                {"standard_deviation", orNull(standardDeviation(values))}};
+  };
+  return {{"count", count}, {"solved_share", spread(shares)}, {"mean_seconds", spread(times)},
+          {"problems_solved_by_every_seed", always}, {"problems_solved_by_no_seed", never}};
 }
 
-json summarise(const std::string& folder, const std::vector<Group>& groups) {
+json summarise(const std::string& folder, const Results& results, const std::vector<Group>& groups) {
   json out{{"settings", readMarker(folder)}};
   const std::string checks = readFile(folder + "/problem_sets.csv");
   const auto lines = splitLines(checks);
   for (std::size_t i = 1; i < lines.size(); ++i)
     out["checksums"][std::string(lines[i].substr(0, lines[i].find(',')))] = std::string(lines[i].substr(lines[i].rfind(',') + 1));
-  const json preparation = readPreparation(folder);
   for (const Group& group : groups) {
     json& set = out["sets"][group.set];
     for (const std::string& solver : group.solvers) {
-      set["solvers"][solver] = summariseSolver(group, group.rows.at(solver));
-      if (preparation.contains(group.set) && preparation[group.set].contains(solver))
-        set["solvers"][solver]["time"]["preparation_seconds"] = preparation[group.set][solver];
+      json& one = set["solvers"][solver] = summariseSolver(group, group.rows.at(solver));
+      for (const Preparation& preparation : results.preparations)
+        if (preparation.set == group.set && preparation.solver == solver)
+          one["preparation"] = {{"seconds", orNull(preparation.seconds)}, {"bytes", orNull(preparation.bytes)}};
+      if (json seeds = summariseSeeds(group.set, solver, results); !seeds.empty()) one["seeds"] = std::move(seeds);
     }
     set["pairs"] = comparePairs(group);
   }
@@ -427,7 +450,7 @@ std::string shown(const json& value, double scale, const char* format) {
 std::string tableOf(const json& set, const ReportStyle& style, bool drag, bool meetable) {
   std::string html = "<table><tr><th>solver</th><th>solved</th><th>95 % interval</th><th>10<sup>-3</sup></th><th>10<sup>-6</sup></th>"
                      "<th>10<sup>-9</sup></th><th>mean µs</th><th>median</th><th>p99</th><th>expected µs to a solution</th><th>iterations</th><th>FK</th>"
-                     "<th>factorisations</th><th>displacement ratio</th><th>limit violation</th>";
+                     "<th>factorisations</th><th>displacement ratio</th><th>limit violation</th><th>preparation ms</th><th>kB</th>";
   if (drag) html += "<th>largest jump</th><th>jitter p99</th>";
   if (!meetable) html += "<th>excess, median</th><th>excess, p99</th>";
   html += "</tr>\n";
@@ -437,7 +460,7 @@ std::string tableOf(const json& set, const ReportStyle& style, bool drag, bool m
     const auto cell = [&](const std::string& text) { html += "<td>" + text + "</td>"; };
     const int unsupportedCount = s["status"].contains("unsupported") ? s["status"]["unsupported"].get<int>() : 0;
     if (unsupportedCount == s["problems"].get<int>()) {
-      html += "<td colspan=\"" + std::to_string(14 + 2 * drag + 2 * !meetable) + "\">unsupported</td></tr>\n";
+      html += "<td colspan=\"" + std::to_string(16 + 2 * drag + 2 * !meetable) + "\">unsupported</td></tr>\n";
       continue;
     }
     cell(shown(s["solved_share"], 100.0, "{:.2f} %") + (unsupportedCount ? fmt::format(" ({} unsupported)", unsupportedCount) : ""));
@@ -450,6 +473,9 @@ std::string tableOf(const json& set, const ReportStyle& style, bool drag, bool m
     cell(shown(s["factorisations"]["mean"], 1.0, "{:.1f}"));
     cell(shown(s["displacement_over_minimal_change"]["median"], 1.0, "{:.2f}"));
     cell(shown(s["largest_limit_violation"], 1.0, "{:.1e}"));
+    const json preparation = s.value("preparation", json::object());
+    cell(shown(preparation.value("seconds", json()), 1e3, "{:.3g}"));
+    cell(shown(preparation.value("bytes", json()), 1e-3, "{:.4g}"));
     if (drag) {
       cell(shown(s["largest_jump"]["max"], 1.0, "{:.3g}"));
       cell(shown(s["jitter"]["p99"], 1.0, "{:.3g}"));
@@ -461,6 +487,26 @@ std::string tableOf(const json& set, const ReportStyle& style, bool drag, bool m
     html += "</tr>\n";
   }
   return html + "</table>\n";
+}
+
+std::string seedsTable(const json& set) {
+  std::string rows;
+  for (const auto& [name, s] : set["solvers"].items()) {
+    if (!s.contains("seeds")) continue;
+    const json& seeds = s["seeds"];
+    const auto spread = [&](const char* key, double scale, const char* format) {
+      std::string cells;
+      for (const char* what : {"min", "median", "max", "standard_deviation"}) cells += "<td>" + shown(seeds[key][what], scale, format) + "</td>";
+      return cells;
+    };
+    rows += fmt::format("<tr><td>{}</td><td>{}</td>{}{}<td>{}</td><td>{}</td></tr>\n", escaped(name), seeds["count"].get<int>(),
+                        spread("solved_share", 100.0, "{:.2f}"), spread("mean_seconds", 1e6, "{:.1f}"),
+                        seeds["problems_solved_by_every_seed"].get<int>(), seeds["problems_solved_by_no_seed"].get<int>());
+  }
+  if (rows.empty()) return {};
+  return "<p>Methods that draw random numbers, over solver seeds:</p><table><tr><th>solver</th><th>seeds</th><th>solved %: least</th><th>median</th><th>most</th>"
+         "<th>sd</th><th>mean µs: least</th><th>median</th><th>most</th><th>sd</th><th>problems every seed solves</th><th>none solves</th></tr>\n" +
+         rows + "</table>\n";
 }
 
 std::string pairsTable(const json& pairs) {
@@ -552,7 +598,7 @@ std::string machineFacts() {
 std::string writeReport(const std::string& folder, const ReportStyle& style) {
   const Results results = readResults(folder);
   const std::vector<Group> groups = grouped(results);
-  json summary = summarise(folder, groups);
+  json summary = summarise(folder, results, groups);
   summary["program"] = "gelenk " + style.version;
   summary["machine"] = machineFacts();
   writeFile(folder + "/summary.json", summary.dump(2) + "\n");
@@ -567,7 +613,8 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     const ProblemSetEntry& entry = problemSet(group.set);
     html += fmt::format("<h2>{}: {}</h2>\n<p>{} problems. Level: {}.</p>\n", group.set, entry.title,
                         group.rows.at(group.solvers[0]).size(), entry.levels);
-    html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) + pairsTable(summary["sets"][group.set]["pairs"]);
+    html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) + seedsTable(summary["sets"][group.set]) +
+            pairsTable(summary["sets"][group.set]["pairs"]);
     if (!canPlot) continue;
     html += "<div class=\"plots\">\n";
     const auto figure = [&](const std::string& name, const std::string& script, const char* caption, int height = 0) {

@@ -47,6 +47,18 @@ double mean(const std::vector<double>& values) {
   return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
 
+double standardDeviation(const std::vector<double>& values) {
+  const double middle = mean(values);
+  double sum = 0.0;
+  int count = 0;
+  for (double x : values) {
+    if (std::isnan(x)) continue;
+    sum += (x - middle) * (x - middle);
+    ++count;
+  }
+  return count > 1 ? std::sqrt(sum / (count - 1)) : std::numeric_limits<double>::quiet_NaN();
+}
+
 RatioEstimate pairedRatio(const std::vector<double>& first, const std::vector<double>& second, std::uint64_t seed) {
   const std::size_t n = std::min(first.size(), second.size());
   RatioEstimate estimate;

@@ -23,6 +23,9 @@ double quantile(std::vector<double> values, double p);
 /// Mean of the values that are not NaN; NaN for none.
 double mean(const std::vector<double>& values);
 
+/// Of a sample, with n - 1 below the root, NaNs left out; NaN for less than two values.
+double standardDeviation(const std::vector<double>& values);
+
 /// Ratio of the sums of two paired samples with its 95 % percentile bootstrap interval from 1000 resamples of the pairs.
 /// Efron, Tibshirani 1993.
 struct RatioEstimate {

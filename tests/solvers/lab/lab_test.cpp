@@ -47,6 +47,12 @@ TEST(Statistics, QuantilesInterpolateAndLeaveNothingOut) {
   EXPECT_TRUE(std::isinf(quantile({1.0, INFINITY}, 1.0)));
 }
 
+TEST(Statistics, StandardDeviationByHand) {
+  EXPECT_DOUBLE_EQ(standardDeviation({2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}), std::sqrt(32.0 / 7.0));
+  EXPECT_DOUBLE_EQ(standardDeviation({1.0, NAN, 3.0}), std::sqrt(2.0));
+  EXPECT_TRUE(std::isnan(standardDeviation({1.0})));
+}
+
 TEST(Statistics, BootstrapIntervalHoldsTheRatioAndShrinksWithTheSample) {
   std::mt19937_64 random(1);
   const auto width = [&](int n) {
@@ -151,9 +157,10 @@ class Comparison : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   ComparisonPlan plan() const {
-    ComparisonPlan plan{.sets = {"D1", "D5", "D7"}, .solvers = {"dls", "lm-gain-ratio", "two-link"}, .problems = 12, .seed = 9};
+    ComparisonPlan plan{.sets = {"D1", "D5", "D7"}, .solvers = {"dls", "lm-gain-ratio", "evolution", "two-link"}, .problems = 12, .seed = 9};
     plan.budget = {.maxIterations = 60, .maxSeconds = 1e9, .restarts = 1, .seed = 9};
     plan.traces = 4;
+    plan.seeds = 3;
     return plan;
   }
   void run(const ComparisonPlan& plan, const std::string& name, int stopAfter = 1 << 30) const {
@@ -181,6 +188,7 @@ class Comparison : public ::testing::Test {
     EXPECT_EQ(readFile(path(a) + "/solutions.csv"), readFile(path(b) + "/solutions.csv"));
     EXPECT_EQ(readFile(path(a) + "/goals.csv"), readFile(path(b) + "/goals.csv"));
     EXPECT_EQ(withoutTimes(path(a) + "/results.csv", 2), withoutTimes(path(b) + "/results.csv", 2));
+    EXPECT_EQ(withoutTimes(path(a) + "/seeds.csv", 1), withoutTimes(path(b) + "/seeds.csv", 1));
     EXPECT_EQ(withoutTimes(path(a) + "/traces.csv", 1), withoutTimes(path(b) + "/traces.csv", 1));
   }
 
@@ -224,6 +232,47 @@ TEST_F(Comparison, ShardsJoinToTheUnshardedRun) {
   mergeComparisons(shards, path("joined"));
   expectSameAnswers("whole", "joined");
   EXPECT_EQ(readMarker(path("whole")), readMarker(path("joined")));
+}
+
+TEST_F(Comparison, SolversThatDrawRandomNumbersAreRunWithSeveralSeeds) {
+  ComparisonPlan p{.sets = {"D1"}, .solvers = {"dls", "evolution"}, .problems = 6, .seed = 3};
+  p.budget = {.maxIterations = 20, .maxSeconds = 1e9, .seed = 3};
+  EXPECT_EQ(seedCount(p, "dls"), 1);  // nothing in it is random without restarts
+  EXPECT_EQ(seedCount(p, "evolution"), 20);
+  p.budget.restarts = 1;
+  EXPECT_EQ(seedCount(p, "dls"), 1);  // unless asked for
+  p.seeds = 4;
+  EXPECT_EQ(seedCount(p, "dls"), 4);
+  run(p, "a");
+  const Results results = readResults(path("a"));
+  ASSERT_EQ(results.seeds.size(), 2u * 6u * 4u);
+  int differ = 0;
+  for (const SeedRow& row : results.seeds) {
+    const ResultRow& first = results.rows[static_cast<std::size_t>((row.solver == "dls" ? 0 : 6) + row.problem)];
+    ASSERT_EQ(first.solver, row.solver);
+    if (row.seed == 3) {
+      EXPECT_EQ(row.displacement, first.displacement);
+    }
+    differ += row.displacement != first.displacement;
+  }
+  EXPECT_GT(differ, 6);  // other seeds, other answers: the arm has a spare degree of freedom
+  writeReport(path("a"), {.version = "test", .commandLine = "", .colour = [](const std::string&) { return "#336699"; }});
+  EXPECT_NE(readFile(path("a") + "/summary.json").find("problems_solved_by_every_seed"), std::string::npos);
+}
+
+TEST_F(Comparison, PreparationIsTimedAndItsMemoryMeasured) {
+  run({.sets = {"D1"}, .solvers = {"dls", "serial-pose-table"}, .problems = 1, .traces = 0}, "a");
+  const Results results = readResults(path("a"));
+  ASSERT_EQ(results.preparations.size(), 2u);
+  EXPECT_EQ(results.preparations[1].solver, "serial-pose-table");
+  EXPECT_GT(results.preparations[1].seconds, results.preparations[0].seconds);
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+  return;  // its allocator does not tell
+#endif
+#endif
+  EXPECT_LT(results.preparations[0].bytes, 1e4);
+  EXPECT_GT(results.preparations[1].bytes, 1e6);  // 8^4 cells of eight configurations
 }
 
 TEST_F(Comparison, ErrorsWrittenAreThoseOfTheSolutionsWritten) {
