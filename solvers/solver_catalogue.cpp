@@ -12,6 +12,7 @@
 #include "solvers/qp.h"
 #include "solvers/quasi_newton.h"
 #include "solvers/kdl_peer.h"
+#include "solvers/pose_goals.h"
 #include "solvers/serial_pose.h"
 #include "solvers/spherical_wrist.h"
 #include "solvers/step_rules.h"
@@ -22,8 +23,8 @@ namespace gelenk {
 namespace {
 
 constexpr std::array catalogue{
-    SolverEntry{"serial-pose", "Box-limited LM with raced restarts", "Chan and Lawrence 1988; this project", &makeSerialPose},
-    SolverEntry{"serial-pose-table", "The same with a table of starts", "this project", &makeSerialPoseTable},
+    SolverEntry{"serial-pose", "Box-limited LM with raced restarts", "Chan and Lawrence 1988; this project", &mergingPoseGoals<&makeSerialPose>},
+    SolverEntry{"serial-pose-table", "The same with a table of starts", "this project", &mergingPoseGoals<&makeSerialPoseTable>},
     SolverEntry{"pseudo-inverse", "Pseudo-inverse Newton", "Lecture 10.1.4, n > m", &makePseudoInverse},
     SolverEntry{"jacobian-transpose", "Jacobian transpose", "Buss 2004", &makeJacobianTranspose},
     SolverEntry{"dls", "Damped least squares", "Wampler 1986; Buss 2004", &makeDampedLeastSquares},
@@ -52,11 +53,11 @@ constexpr std::array catalogue{
     SolverEntry{"ccd", "Cyclic coordinate descent", "Wang, Chen 1991", &makeCcd},
     SolverEntry{"fabrik", "Forward and backward reaching", "Aristidou, Lasenby 2011", &makeFabrik},
     SolverEntry{"ball-chain", "LM for chains of balls, J never formed", "Chan, Lawrence 1988; this project", &makeBallChain},
-    SolverEntry{"spherical-wrist", "Closed form of six-joint arms", "Pieper 1968; Hawkins 2013", &makeSphericalWrist},
+    SolverEntry{"spherical-wrist", "Closed form of six-joint arms", "Pieper 1968; Hawkins 2013", &mergingPoseGoals<&makeSphericalWrist>},
 #ifdef GELENK_HAS_KDL
-    SolverEntry{"kdl-nr", "Orocos KDL: Newton-Raphson", "Orocos KDL, ChainIkSolverPos_NR", &makeKdlNewton},
-    SolverEntry{"kdl-nr-jl", "Orocos KDL: Newton-Raphson with limits, damped", "Orocos KDL, ChainIkSolverPos_NR_JL", &makeKdlNewtonWithLimits},
-    SolverEntry{"kdl-lma", "Orocos KDL: Levenberg-Marquardt", "Orocos KDL, ChainIkSolverPos_LMA", &makeKdlLevenbergMarquardt},
+    SolverEntry{"kdl-nr", "Orocos KDL: Newton-Raphson", "Orocos KDL, ChainIkSolverPos_NR", &mergingPoseGoals<&makeKdlNewton>},
+    SolverEntry{"kdl-nr-jl", "Orocos KDL: Newton-Raphson with limits, damped", "Orocos KDL, ChainIkSolverPos_NR_JL", &mergingPoseGoals<&makeKdlNewtonWithLimits>},
+    SolverEntry{"kdl-lma", "Orocos KDL: Levenberg-Marquardt", "Orocos KDL, ChainIkSolverPos_LMA", &mergingPoseGoals<&makeKdlLevenbergMarquardt>},
 #endif
 };
 

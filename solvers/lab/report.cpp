@@ -289,7 +289,7 @@ std::string profilePlot(const Group& group, const ReportStyle& style) {
   std::size_t n = times[0].size();
   for (auto& t : times) n = std::min(n, t.size());
   for (auto& t : times) t.resize(n);
-  const std::vector<double> taus = logSteps(1.0, 1000.0, 120);
+  const std::vector<double> taus = logSteps(1.0, 1000.0, 300);
   const auto profile = performanceProfile(times, taus);
   Curves curves(style);
   for (std::size_t m = 0; m < times.size(); ++m) {
@@ -308,7 +308,7 @@ std::string successPlot(const Group& group, const ReportStyle& style) {
     for (const ResultRow* row : rows)
       if (row->solved) low = std::min(low, row->seconds), high = std::max(high, row->seconds);
   if (high <= 0.0) return {};
-  const std::vector<double> steps = logSteps(0.8 * low, 1.2 * high, 150);
+  const std::vector<double> steps = logSteps(0.8 * low, 1.2 * high, 300);
   for (const std::string& solver : group.solvers) {
     if (neverSupported(group, solver)) continue;
     std::vector<double> times = column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; });
@@ -319,7 +319,7 @@ std::string successPlot(const Group& group, const ReportStyle& style) {
                                            static_cast<double>(times.size())});
     curves.add(solver, rows);
   }
-  return curves.script(logX + "set yrange [0:1.02]\nset xlabel 'time [us]'\nset ylabel 'share of problems solved'\n");
+  return curves.script(logX + "set yrange [0:1.02]\nset xlabel 'time [µs]'\nset ylabel 'share of problems solved'\n");
 }
 
 /// A solver whose inner loops keep no history traces its start and its answer without times.
@@ -362,7 +362,7 @@ std::string residualPlot(const Group& group, const Results& results, const Repor
     curves.addBand(solver, rows, group.solvers.size() <= 6);
   }
   if (curves.empty()) return {};
-  return curves.script(logY + (overTime ? logX : std::string()) + "set xlabel '" + (overTime ? "time [us]" : "iteration, all attempts together") +
+  return curves.script(logY + (overTime ? logX : std::string()) + "set xlabel '" + (overTime ? "time [µs]" : "iteration, all attempts together") +
                        "'\nset ylabel 'residual [m, rad], median and quartiles'\n");
 }
 
@@ -392,7 +392,7 @@ std::string hardnessPlot(const Group& group) {
   }
   return preamble() + blocks +
          fmt::format("unset key\nset colorbox user origin 0.92,0.2 size 0.014,0.6\nset palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
-                     "set xlabel 'log_{{10}} {{/Symbol s}}_{{min}}' offset 0,0.4\nset ylabel 'limit margin' offset 1.5,0\nset multiplot layout {},{} margins 0.07,0.89,0.13,0.92 spacing 0.07,0.2\n",
+                     "set xlabel 'log_{{10}} σ_{{min}}' offset 0,0.4\nset ylabel 'limit margin' offset 1.5,0\nset multiplot layout {},{} margins 0.07,0.89,0.13,0.92 spacing 0.07,0.2\n",
                      panels > 3 ? 2 : 1, std::min<std::size_t>(panels, 3)) +
          plots + "unset multiplot\n";
 }

@@ -2,14 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "apps/commands.h"
 #include "apps/model.h"
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
+#include "tests/sandbox/program.h"
 
 namespace gelenk {
 
@@ -102,6 +105,46 @@ TEST(CompareCommand, WritesTheFolderItPromises) {
   EXPECT_EQ(solutions.substr(0, solutions.find('\n')),
             "model,set,solver,problem,status,start_1,start_2,start_3,start_4,start_5,start_6,start_7,target_x,target_y,target_z,target_qw,target_qx,"
             "target_qy,target_qz,solution_1,solution_2,solution_3,solution_4,solution_5,solution_6,solution_7");
+  fs::remove_all(folder);
+}
+
+/// The file without its last columns, which hold times.
+std::string withoutLastColumns(const std::string& path, int columns) {
+  std::string out;
+  const std::string text = readFile(path);
+  for (std::string_view line : splitLines(text)) {
+    for (int k = 0; k < columns; ++k) line = line.substr(0, line.rfind(','));
+    out += std::string(line) + '\n';
+  }
+  return out;
+}
+
+TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterruptedOne) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "gelenk-compare-killed";
+  fs::remove_all(folder);
+  const auto words = [&](const char* out) {
+    return std::vector<std::string>{GELENK_PROGRAM, "compare", "--model", "panda", "--set", "D1", "--set", "D5", "--solver", "sdls", "--solver", "evolution",
+                                    "--problems", "100", "--seeds", "3", "--traces", "20", "--out", (folder / out).string()};
+  };
+  ASSERT_EQ(testing::runProgram(words("whole")).status, 0);
+  const fs::path results = folder / "cut" / "results.csv";
+  const auto size = [&] { return fs::exists(results) ? fs::file_size(results) : 0; };
+  int kills = 0;
+  for (bool ended = false; !ended;) {
+    testing::Program program(words("cut"));
+    const auto before = size();
+    // mid-solve: a few more lines than there were, and no end of the run
+    while (program.running() && size() < before + 4000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ended = !program.running();
+    if (ended) break;
+    program.kill();
+    ++kills;
+    ASSERT_LT(kills, 100);
+  }
+  EXPECT_GE(kills, 1);
+  for (const auto& [file, times] : {std::pair{"/results.csv", 2}, {"/seeds.csv", 1}, {"/traces.csv", 1}, {"/solutions.csv", 0}, {"/goals.csv", 0}, {"/problem_sets.csv", 0}})
+    EXPECT_EQ(withoutLastColumns((folder / "whole").string() + file, times), withoutLastColumns((folder / "cut").string() + file, times)) << file;
+  EXPECT_TRUE(fs::exists(folder / "cut" / "report.html"));
   fs::remove_all(folder);
 }
 

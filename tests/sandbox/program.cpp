@@ -41,7 +41,7 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
 
 Program::~Program() {
   if (running()) {
-    kill(pid_, SIGTERM);
+    ::kill(pid_, SIGTERM);
     waitpid(pid_, &status_, 0);
   }
   close(pipe_);
@@ -53,6 +53,10 @@ bool Program::running() {
   if (waitpid(pid_, &status, WNOHANG) != pid_) return true;
   status_ = status;
   return false;
+}
+
+void Program::kill() {
+  if (running() && ::kill(pid_, SIGKILL) == 0) waitpid(pid_, &status_, 0);
 }
 
 std::string Program::readLine() {

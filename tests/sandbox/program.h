@@ -20,6 +20,8 @@ class Program {
   /// The first line that it writes, without the end.
   std::string readLine();
   bool running();
+  /// SIGKILL: the process gets no chance to tidy up.
+  void kill();
 
  private:
   int pid_ = -1, pipe_ = -1, status_ = -1;
