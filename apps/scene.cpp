@@ -18,6 +18,7 @@ using json = nlohmann::ordered_json;
 
 constexpr const char* formatName = "gelenk-scene";
 constexpr int formatVersion = 1;
+constexpr int deepestNesting = 200;
 
 constexpr std::array<std::pair<GoalState, const char*>, 4> stateNames{{{GoalState::Free, "free"},
                                                                         {GoalState::Held, "held"},
@@ -87,7 +88,7 @@ class Entry {
     return x;
   }
   int integer() const {
-    if (!value_.is_number_integer()) fail("an integer");
+    if (!value_.is_number_integer() || value_.get<double>() < -2147483648.0 || value_.get<double>() > 2147483647.0) fail("an integer of 32 bits");
     return value_.get<int>();
   }
   bool boolean() const {
@@ -134,10 +135,12 @@ class Entry {
   std::string path_;
 };
 
-json parseText(const std::string& path) {
-  const std::string text = readFile(path);
+json parseText(std::string_view text, const std::string& path) {
   try {
-    json tree = json::parse(text);
+    json tree = json::parse(text, [&](int depth, json::parse_event_t, json&) {  // writing and telling a tree recurse
+      if (depth > deepestNesting) throw ParseError(path, 0, fmt::format("entries nested at most {} deep", deepestNesting), "more");
+      return true;
+    });
     const Entry root(path, tree, "");
     if (!tree.is_object()) root.fail("a Gelenk scene {\"format\": \"gelenk-scene\", ...}");
     if (root.at("format").text() != formatName) root.fail("\"format\": \"gelenk-scene\"", root.at("format").text());
@@ -147,6 +150,8 @@ json parseText(const std::string& path) {
   } catch (const json::parse_error& error) {
     const int line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + std::min(error.byte, text.size()), '\n'));
     throw ParseError(path, line, "JSON", error.byte >= text.size() ? "the end of the file" : "a character that does not belong there");
+  } catch (const json::out_of_range&) {  // thrown for nothing else while reading
+    throw ParseError(path, 0, "numbers that a double can hold", "a larger one");
   }
 }
 
@@ -260,14 +265,18 @@ void saveScene(const std::string& path, const Scene& scene, const Skeleton& skel
   writeFile(path, tree.dump(1) + "\n");
 }
 
-ModelReference readModelReference(const std::string& path) {
-  const json tree = parseText(path);
-  return readReference(Entry(path, tree, ""));
+ModelReference parseModelReference(std::string_view text, const std::string& file) {
+  const json tree = parseText(text, file);
+  return readReference(Entry(file, tree, ""));
 }
 
-Scene loadScene(const std::string& path, const Skeleton& skeleton) {
-  const json tree = parseText(path);
-  const Entry root(path, tree, "");
+ModelReference readModelReference(const std::string& path) { return parseModelReference(readFile(path), path); }
+
+Scene loadScene(const std::string& path, const Skeleton& skeleton) { return parseScene(readFile(path), path, skeleton); }
+
+Scene parseScene(std::string_view text, const std::string& file, const Skeleton& skeleton) {
+  const json tree = parseText(text, file);
+  const Entry root(file, tree, "");
   Scene scene;
   scene.model = readReference(root);
   scene.q = root.at("q").vector(skeleton.nq());

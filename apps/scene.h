@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/camera.h"
@@ -76,9 +77,11 @@ void saveScene(const std::string& path, const Scene& scene, const Skeleton& skel
 
 /// The model that a scene file names, read without opening it. Throws ParseError.
 ModelReference readModelReference(const std::string& path);
+ModelReference parseModelReference(std::string_view text, const std::string& file);
 
 /// skeleton: of the model named by readModelReference. Throws ParseError naming the entry, what was expected and what was found:
 /// q of the wrong length, unknown joints, values that are not finite numbers, quaternions that are not of unit length.
 Scene loadScene(const std::string& path, const Skeleton& skeleton);
+Scene parseScene(std::string_view text, const std::string& file, const Skeleton& skeleton);
 
 }  // namespace gelenk

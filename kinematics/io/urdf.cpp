@@ -58,6 +58,7 @@ struct JointElement {
   const TiXmlElement* element;
   std::string name, type, parent, child;
   bool placed = false;
+  int index = -1;  ///< in the skeleton
 };
 
 class Reader {
@@ -179,20 +180,59 @@ class Reader {
         std::string name = source.name;
         while (!names.insert(name).second) name += "_";
         list.push_back(makeJoint(source, name, parent, rest));
-        addVisuals(links_[source.child], static_cast<int>(list.size()) - 1);
-        open.emplace_back(source.child, static_cast<int>(list.size()) - 1);
+        source.index = static_cast<int>(list.size()) - 1;
+        addVisuals(links_[source.child], source.index);
+        open.emplace_back(source.child, source.index);
       }
     }
     for (const JointElement& joint : joints_)
       if (!joint.placed) fail(joint.element, "a joint below the root link '" + root + "'", "'" + joint.name + "' on a cycle of links");
-    robot_.skeleton = Skeleton(std::move(list), Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
+    robot_.skeleton = Skeleton(list, Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
+    couple();
+    Eigen::VectorXd coupled = robot_.skeleton.rest();
+    applyMimics(robot_, coupled);
+    if (!coupled.allFinite()) throw ParseError(file_, 0, "mimics with a finite rest pose", "an overflow");
+    robot_.skeleton = Skeleton(std::move(list), coupled);
+  }
+
+  /// Mimics in an order in which every source is set before what follows it.
+  void couple() {
+    const Skeleton& skeleton = robot_.skeleton;
+    struct Coupling {
+      UrdfMimic mimic;
+      const TiXmlElement* element;
+    };
+    std::vector<Coupling> open;
+    std::set<int> following;
+    for (const JointElement& source : joints_) {
+      const TiXmlElement* element = source.element->FirstChildElement("mimic");
+      if (!element) continue;
+      const std::string name = attribute(element, "joint");
+      const auto known = std::find_if(joints_.begin(), joints_.end(), [&](const JointElement& joint) { return joint.name == name; });
+      if (known == joints_.end()) fail(element, "a joint that exists", "'" + name + "'");
+      UrdfMimic mimic{.joint = source.index, .source = known->index};
+      for (const int joint : {mimic.joint, mimic.source})
+        if (skeleton.joint(joint).axes.size() != 1) fail(element, "a mimic between joints of one degree of freedom", "'" + skeleton.joint(joint).name + "' of " + std::to_string(skeleton.vCount(joint)));
+      if (element->Attribute("multiplier")) mimic.multiplier = number(element, "multiplier");
+      if (element->Attribute("offset")) mimic.offset = number(element, "offset");
+      robot_.notes.push_back("joint '" + source.name + "' mimics '" + name + "' (" + exactNumber(mimic.multiplier) + " times its value plus " + exactNumber(mimic.offset) +
+                             "); the rest pose keeps this, in motion both are free");
+      open.push_back({mimic, element});
+      following.insert(mimic.joint);
+    }
+    while (!open.empty()) {
+      const auto ready = std::find_if(open.begin(), open.end(), [&](const Coupling& c) { return !following.count(c.mimic.source); });
+      if (ready == open.end()) fail(open.front().element, "mimics that lead to a joint of its own", "a circle of them");
+      following.erase(ready->mimic.joint);
+      robot_.mimics.push_back(ready->mimic);
+      open.erase(ready);
+    }
   }
 
   Joint makeJoint(const JointElement& source, const std::string& name, int parent, std::vector<double>& rest) {
     Joint joint{.name = name, .parent = parent};
     joint.parentFromZero = origin(source.element);
     const std::string& type = source.type;
-    if (source.element->FirstChildElement("mimic")) robot_.notes.push_back("joint '" + name + "' mimics another one; here it moves by itself");
     if (type == "fixed") return joint;
     if (type == "floating") {
       for (int k = 0; k < 3; ++k) joint.axes.push_back({AxisDof::Kind::Translation, Vector3d::Unit(k)});
@@ -261,6 +301,12 @@ class Reader {
 };
 
 }  // namespace
+
+void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q) {
+  const Skeleton& skeleton = robot.skeleton;
+  for (const UrdfMimic& mimic : robot.mimics)
+    q[skeleton.qIndex(mimic.joint)] = mimic.multiplier * q[skeleton.qIndex(mimic.source)] + mimic.offset;
+}
 
 UrdfRobot parseUrdf(std::string_view text, const std::string& file) { return Reader(text, file).read(); }
 

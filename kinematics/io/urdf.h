@@ -20,12 +20,22 @@ struct UrdfVisual {
   int line = 0;
 };
 
+/// A joint that a robot's mechanics couple to another one: q[joint] = multiplier q[source] + offset, both joints of one dof.
+struct UrdfMimic {
+  int joint = 0, source = 0;
+  double multiplier = 1.0, offset = 0.0;
+};
+
 struct UrdfRobot {
   std::string name;
-  Skeleton skeleton;
+  Skeleton skeleton;  ///< mimicking joints are free in it; the rest pose keeps the couplings
   std::vector<UrdfVisual> visuals;
-  std::vector<std::string> notes;  ///< what was passed over, such as mimic joints
+  std::vector<UrdfMimic> mimics;
+  std::vector<std::string> notes;  ///< what a user should know, such as couplings that are not kept
 };
+
+/// Sets what mimics to what it mimics, chains of them too. q: nq.
+void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q);
 
 /// A robot description (ROS). Links are frames: the root link becomes the fixed root joint, named after the link, every URDF joint one joint of its
 /// name whose frame is its child link's. revolute and continuous turn about the axis, prismatic slides along it, planar slides along two axes and turns about
@@ -34,7 +44,7 @@ struct UrdfRobot {
 ///
 /// Throws ParseError: XML that is not well formed or nests deeper than 200, a root element other than robot, missing names, parents or children, unknown
 /// links or joint types, a link with two parents, no or two root links, a cycle, numbers that are none, an axis of length zero, reversed limits, a name
-/// used twice.
+/// used twice, a mimic of no joint, of itself, of a joint that mimics in a circle, or between joints without exactly one dof.
 UrdfRobot readUrdf(const std::string& path);
 UrdfRobot parseUrdf(std::string_view text, const std::string& file);
 

@@ -18,10 +18,18 @@ SEEDS = {
     "tutorial": [b"NumJoints: 3\nNonAnimatedJointPositions:\n0.0, 0.0, 0.0,\n0, 1, 0,\n0, 2, 0,\nNumBones: 2\n0, 1,\n1, 2,\nNumJointHierarchies: 1\n"
                  b"NumJoints-all: 3\n0, 1, 2,\n", b"NumJoints: 2\nJointAngles:\n0.1, 0, 0,\n0, -0.17, 0,\n"],
     "urdf": [b'<robot name="r"><link name="a"><visual><geometry><box size="1 2 3"/></geometry></visual></link><link name="b"/>'
-             b'<joint name="j" type="revolute"><origin xyz="0 0 1" rpy="0 1 0"/><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint></robot>'],
+             b'<joint name="j" type="revolute"><origin xyz="0 0 1" rpy="0 1 0"/><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint></robot>',
+             b'<robot><link name="a"/><link name="b"/><link name="c"/><joint name="i" type="continuous"><parent link="a"/><child link="b"/></joint>'
+             b'<joint name="j" type="prismatic"><parent link="a"/><child link="c"/><limit/><mimic joint="i" multiplier="-1" offset="2"/></joint></robot>'],
     "stl": [b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
             b" " * 80 + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)],
     "dh": [b"convention modified\nrevolute 0 0 0.1 0\nprismatic 0.5 90 0 0\n"],
+    "nurbs": [b"nurbs 1\ndegree 2 1\npoints 3 2\nknots_u 0 0 0 1 1 1\nknots_v 0 0 1 1\n" + b"".join(b"point %d %d 0.5 1\n" % (i // 2, i % 2) for i in range(6))],
+    "mapping": [b"# bones : joints\na b : h s t\nc : h 3\n", b"a : h s\r\nb : s t\r\n"],
+    "scene": [b'{"format":"gelenk-scene","version":1,"model":{"name":"figure","skeleton":"s"},"q":[1,0,0,0,0.5],"goals":[{"name":"b","kind":"pose","joint":"b","point":[0,0,0],'
+              b'"target":[1,2,3],"state":"held","handle":true,"orientation":[1,0,0,0],"surface":{"triangle":0,"barycentric":[1,0,0]}}],"solver":"hybrid",'
+              b'"camera":{"target":[0,0,0],"up":[0,1,0],"distance":2,"azimuth":0,"elevation":0,"vertical_field_of_view":0.5,"orthographic":false},'
+              b'"show":{"skin":true},"theme":"dark","selected":"b","panels":{"Motion":{"speed":1}}}'],
     "gltf": [],
 }
 

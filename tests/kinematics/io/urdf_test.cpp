@@ -36,6 +36,29 @@ TEST(Urdf, ArmByHand) {
   EXPECT_EQ(robot.visuals[0].size, Vector3d(1, 2, 3));
 }
 
+/// A gripper: three fingers that slide as the first does, the third by way of the second.
+const std::string gripper =
+    "<robot name=\"g\">\n<link name=\"palm\"/><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>\n"
+    "<joint name=\"third\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"c\"/><limit lower=\"-9\" upper=\"9\"/><mimic joint=\"second\" multiplier=\"0.5\"/></joint>\n"
+    "<joint name=\"first\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"a\"/><limit lower=\"0.25\" upper=\"1\"/></joint>\n"
+    "<joint name=\"second\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"b\"/><limit lower=\"-9\" upper=\"9\"/><mimic joint=\"first\" multiplier=\"-2\" offset=\"0.1\"/></joint>\n"
+    "</robot>\n";
+
+TEST(Urdf, MimicsAreToldAndFollowInTheRestPose) {
+  const UrdfRobot robot = parseUrdf(gripper, "g.urdf");
+  ASSERT_EQ(robot.mimics.size(), 2u);
+  ASSERT_EQ(robot.notes.size(), 2u);
+  EXPECT_NE(robot.notes[1].find("'second' mimics 'first' (-2 times its value plus 0.1)"), std::string::npos) << robot.notes[1];
+  const auto value = [&](const Eigen::VectorXd& q, const char* name) { return q[robot.skeleton.qIndex(robot.skeleton.jointIndex(name))]; };
+  EXPECT_EQ(value(robot.skeleton.rest(), "first"), 0.25);
+  EXPECT_EQ(value(robot.skeleton.rest(), "second"), -2 * 0.25 + 0.1);
+  EXPECT_EQ(value(robot.skeleton.rest(), "third"), 0.5 * (-2 * 0.25 + 0.1));
+  Eigen::VectorXd q = robot.skeleton.rest();
+  q[robot.skeleton.qIndex(robot.skeleton.jointIndex("first"))] = 1.0;
+  applyMimics(robot, q);
+  EXPECT_EQ(value(q, "third"), 0.5 * (-2 + 0.1));
+}
+
 TEST(Urdf, BadInputIsRefusedWithItsLine) {
   const auto with = [](std::string text, const std::string& old, const std::string& replacement) {
     const std::size_t at = text.find(old);
