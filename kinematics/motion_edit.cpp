@@ -121,24 +121,44 @@ MotionClip lowPassed(const Skeleton& skeleton, const MotionClip& clip, double cu
   return result;
 }
 
-MotionClip layered(const Skeleton& skeleton, const MotionClip& base, const MotionClip& layer, const VectorXd& reference, double weight,
-                   std::span<const int> joints) {
-  requireSame(skeleton, base, layer);
+MotionClip layered(const Skeleton& skeleton, const MotionClip& base, const Layer& layer) {
+  requireSame(skeleton, base, layer.clip);
+  const bool additive = layer.kind == Layer::Kind::Additive;
+  if (!std::isfinite(layer.weight) || layer.weight < 0.0 || (!additive && layer.weight > 1.0))
+    throw std::invalid_argument("the weight of a layer must lie between 0 and 1, or be 0 or more for an additive one, not " + std::to_string(layer.weight));
+  const VectorXd& reference = layer.reference.size() > 0 ? layer.reference : skeleton.rest();
   if (reference.size() != skeleton.nq()) throw std::invalid_argument("the reference pose does not fit the skeleton");
+  std::vector<int> joints = layer.joints;
+  if (joints.empty())
+    for (int i = 0; i < skeleton.jointCount(); ++i) joints.push_back(i);
+  for (const int i : joints)
+    if (i < 0 || i >= skeleton.jointCount()) throw std::invalid_argument("a layer names joint " + std::to_string(i) + ", which does not exist");
   MotionClip result = base;
+  VectorXd mixed;
   for (int f = 0; f < base.frameCount(); ++f) {
-    const auto on = layer.q.col(f % layer.frameCount());
-    for (int i = 0; i < skeleton.jointCount(); ++i) {
-      if (!joints.empty() && std::find(joints.begin(), joints.end(), i) == joints.end()) continue;
+    const auto under = base.q.col(f), on = layer.clip.q.col(f % layer.clip.frameCount());
+    if (!additive) interpolate(skeleton, under, on, layer.weight, mixed);
+    for (const int i : joints) {
       const Joint& joint = skeleton.joint(i);
       const int at = skeleton.qIndex(i);
+      if (!additive) {
+        result.q.col(f).segment(at, skeleton.qCount(i)) = mixed.segment(at, skeleton.qCount(i));
+        continue;
+      }
       const Quaterniond departure = jointRotation(skeleton, reference, i).conjugate() * jointRotation(skeleton, on, i);
-      const bool exact = setJointRotation(skeleton, result.q.col(f), i, (jointRotation(skeleton, base.q.col(f), i) * partOf(departure, weight)).normalized());
+      const bool exact = setJointRotation(skeleton, result.q.col(f), i, (jointRotation(skeleton, under, i) * partOf(departure, layer.weight)).normalized());
       for (std::size_t k = 0; k < joint.axes.size(); ++k)
-        if (!exact || joint.axes[k].kind == AxisDof::Kind::Translation) result.q(at + k, f) = base.q(at + k, f) + weight * (on[at + k] - reference[at + k]);
+        if (!exact || joint.axes[k].kind == AxisDof::Kind::Translation) result.q(at + k, f) = under[at + k] + layer.weight * (on[at + k] - reference[at + k]);
     }
   }
   return result;
+}
+
+std::vector<int> limbBelow(const Skeleton& skeleton, int joint) {
+  std::vector<int> limb;
+  for (int i = joint; i < skeleton.jointCount(); ++i)
+    if (skeleton.isAncestor(joint, i)) limb.push_back(i);
+  return limb;
 }
 
 MotionClip crossFaded(const Skeleton& skeleton, const MotionClip& first, const MotionClip& second, double seconds, bool alignRoot) {
@@ -171,30 +191,59 @@ MotionClip crossFaded(const Skeleton& skeleton, const MotionClip& first, const M
   return result;
 }
 
+namespace {
+
+/// What a key asks of its joint beyond the clip.
+struct Departure {
+  Quaterniond rotation = Quaterniond::Identity();  ///< before the clip's own rotation
+  VectorXd values;                                 ///< axis by axis; angles by the shorter way
+};
+
+Departure departureOf(const Skeleton& skeleton, const Eigen::Ref<const VectorXd>& from, const VectorXd& to, int index) {
+  const Joint& joint = skeleton.joint(index);
+  const int at = skeleton.qIndex(index), axes = static_cast<int>(joint.axes.size());
+  Departure departure{jointRotation(skeleton, to, index) * jointRotation(skeleton, from, index).conjugate(), to.segment(at, axes) - from.segment(at, axes)};
+  for (int k = 0; k < axes; ++k)
+    if (joint.axes[k].kind == AxisDof::Kind::Rotation) departure.values[k] = std::remainder(departure.values[k], 2.0 * M_PI);
+  return departure;
+}
+
+Departure between(const Departure& a, const Departure& b, double s) {
+  return {a.rotation.slerp(s, b.rotation), (1.0 - s) * a.values + s * b.values};
+}
+
+}  // namespace
+
 MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, std::span<const JointKey> keys, double falloff) {
   validate(skeleton, clip);
-  std::vector<Quaterniond> departures;
+  std::vector<Departure> departures;
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (keys[k].frame < 0 || keys[k].frame >= clip.frameCount() || (k > 0 && keys[k].frame <= keys[k - 1].frame))
       throw std::invalid_argument("keys must lie within the clip, in ascending order");
-    departures.push_back(keys[k].rotation * jointRotation(skeleton, clip.q.col(keys[k].frame), joint).conjugate());
+    if (keys[k].q.size() != skeleton.nq() || !keys[k].q.allFinite()) throw std::invalid_argument("a key's pose does not fit the skeleton");
+    departures.push_back(departureOf(skeleton, clip.q.col(keys[k].frame), keys[k].q, joint));
   }
   MotionClip result = clip;
+  const std::vector<AxisDof>& axes = skeleton.joint(joint).axes;
+  const Departure none{Quaterniond::Identity(), VectorXd::Zero(axes.size())};
   const double reach = std::max(1.0, falloff * clip.framesPerSecond);
+  const int at = skeleton.qIndex(joint);
   for (int f = 0; f < clip.frameCount() && !keys.empty(); ++f) {
     const auto next = std::find_if(keys.begin(), keys.end(), [f](const JointKey& key) { return key.frame >= f; });
     const std::size_t b = static_cast<std::size_t>(next - keys.begin());
-    Quaterniond departure;
-    if (b == 0) {
-      departure = partOf(departures[0], smoothStep(1.0 - (keys[0].frame - f) / reach));
-    } else if (b == keys.size()) {
-      departure = partOf(departures[b - 1], smoothStep(1.0 - (f - keys[b - 1].frame) / reach));
-    } else {
-      const double s = smoothStep(static_cast<double>(f - keys[b - 1].frame) / (keys[b].frame - keys[b - 1].frame));
-      departure = departures[b - 1].slerp(s, departures[b]);
-    }
-    setJointRotation(skeleton, result.q.col(f), joint, (departure * jointRotation(skeleton, clip.q.col(f), joint)).normalized());
+    Departure departure;
+    if (b == 0)
+      departure = between(none, departures[0], smoothStep(1.0 - (keys[0].frame - f) / reach));
+    else if (b == keys.size())
+      departure = between(none, departures[b - 1], smoothStep(1.0 - (f - keys[b - 1].frame) / reach));
+    else
+      departure = between(departures[b - 1], departures[b], smoothStep(static_cast<double>(f - keys[b - 1].frame) / (keys[b].frame - keys[b - 1].frame)));
+    const bool exact = setJointRotation(skeleton, result.q.col(f), joint, (departure.rotation * jointRotation(skeleton, clip.q.col(f), joint)).normalized());
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      if (!exact || axes[k].kind == AxisDof::Kind::Translation) result.q(at + k, f) += departure.values[k];
   }
+  for (const JointKey& key : keys)  // without rounding, and the Euler angles that were asked for
+    result.q.col(key.frame).segment(at, skeleton.qCount(joint)) = key.q.segment(at, skeleton.qCount(joint));
   return result;
 }
 

@@ -15,23 +15,39 @@ namespace gelenk {
 /// to the joint; translations and single angles (unwrapped) directly. Throws std::invalid_argument unless 0 < cutoffHz < rate / 2.
 MotionClip lowPassed(const Skeleton& skeleton, const MotionClip& clip, double cutoffHz);
 
-/// base with the layer's departure from `reference` on top: rotation = base * slerp(1, reference^-1 layer, weight), joint by joint; translations add likewise.
-/// joints: which take part; empty: all. The layer repeats where it is shorter. Throws std::invalid_argument for another frame rate or skeleton.
-MotionClip layered(const Skeleton& skeleton, const MotionClip& base, const MotionClip& layer, const Eigen::VectorXd& reference, double weight,
-                   std::span<const int> joints = {});
+/// A clip to be laid over another one of the same skeleton.
+struct Layer {
+  enum class Kind {
+    Override,  ///< rotation = slerp(base, layer, weight), joint by joint; translations along the line
+    Additive,  ///< rotation = base * slerp(1, reference^-1 layer, weight): the layer's departure from `reference` on top; translations add likewise
+  };
+  MotionClip clip;
+  Kind kind = Kind::Override;
+  double weight = 1.0;             ///< 0: nothing of the layer, 1: all of it; Additive may exceed 1
+  std::vector<int> joints = {};    ///< which take part; empty: all
+  Eigen::VectorXd reference = {};  ///< Additive: nq; empty: the skeleton's rest pose
+};
+
+/// The base clip with the layer over it; the layer repeats where it is shorter. Throws std::invalid_argument for another frame rate or skeleton, a weight that is
+/// not finite, negative, or for Override above 1, or a joint that does not exist.
+MotionClip layered(const Skeleton& skeleton, const MotionClip& base, const Layer& layer);
+
+/// The joint and all below it.
+std::vector<int> limbBelow(const Skeleton& skeleton, int joint);
 
 /// first, then second: over `seconds` the end of the one fades into the beginning of the other along quaternions, with a smooth step. alignRoot: the second is turned about y and
 /// moved along the floor so that its root begins the fade where the first one's is, heading the same way (needs a root with three translations at right
 /// angles and a free rotation; else it stays). Throws std::invalid_argument when a clip is shorter than the fade or the rates differ.
 MotionClip crossFaded(const Skeleton& skeleton, const MotionClip& first, const MotionClip& second, double seconds, bool alignRoot = true);
 
-/// A wanted rotation of one joint (relative to its zero, jointRotation) at one frame.
+/// A wanted pose at one frame. q: nq, of which only the keyed joint's entries count.
 struct JointKey {
   int frame = 0;
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::VectorXd q;
 };
-/// The clip with the joint brought to the keys: each key's departure fades with a smooth step over `falloff` seconds to both sides, or up to the next key, from which
-/// departure goes over to departure. Throws std::invalid_argument for frames outside the clip or out of order.
+/// The clip with the joint brought to the keys: each key's departure (a rotation, and what its translations differ by) fades with a smooth step over
+/// `falloff` seconds to both sides, or up to the next key, where departure goes over to departure. Throws std::invalid_argument for frames
+/// outside the clip or out of order, and for poses of another length.
 MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, std::span<const JointKey> keys, double falloff);
 
 /// Moves the joint's origin to `target` (world, metres) by the least change of the given joints' dofs: Gauss-Newton steps of minimum norm from q. Returns the distance left.

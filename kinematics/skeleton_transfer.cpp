@@ -6,6 +6,7 @@
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
+#include "kinematics/joint_matching.h"
 #include "kinematics/rotation.h"
 
 namespace gelenk {
@@ -22,7 +23,7 @@ std::vector<BonePath> parseBonePaths(std::string_view text, const std::string& f
     if (splitWords(content).empty()) continue;
     const std::size_t colon = content.find(':');
     if (colon == std::string_view::npos) throw ParseError(file, line, "bones : joints", "no colon");
-    BonePath path;
+    BonePath path{.bones = {}, .joints = {}, .file = file, .line = line};
     for (const auto word : splitWords(content.substr(0, colon))) path.bones.emplace_back(word);
     for (const auto word : splitWords(content.substr(colon + 1))) path.joints.emplace_back(word);
     if (path.bones.empty()) throw ParseError(file, line, "at least one bone before the colon", "none");
@@ -51,17 +52,28 @@ std::vector<BonePath> cmuOnPinocchioHuman() {
 
 namespace {
 
-int fittedJoint(const Skeleton& fitted, const std::string& name) {
-  if (const auto found = fitted.findJoint(name)) return *found;
-  if (const auto index = parseInteger(name); index && *index >= 0 && *index < fitted.jointCount()) return *index;
-  return fitted.jointIndex(name);  // throws with the names there are
+/// A path that cannot be laid: with its line where it has one.
+[[noreturn]] void refuse(const BonePath& path, const std::string& expected, const std::string& found) {
+  if (path.line > 0) throw ParseError(path.file, path.line, expected, found);
+  throw std::invalid_argument("expected " + expected + ", found " + found);
 }
 
-int asfBone(const AsfSkeleton& asf, const std::string& name) {
+template <class Items, class NameOf>
+std::string listed(const Items& items, NameOf nameOf) {
+  std::string names;
+  for (const auto& item : items) names += (names.empty() ? "" : ", ") + nameOf(item);
+  return names;
+}
+
+int fittedJoint(const Skeleton& fitted, const BonePath& path, const std::string& name) {
+  if (const auto found = fitted.findJoint(name)) return *found;
+  if (const auto index = parseInteger(name); index && *index >= 0 && *index < fitted.jointCount()) return *index;
+  refuse(path, "a joint of the fitted skeleton (" + listed(fitted.joints(), [](const Joint& joint) { return joint.name; }) + ")", "'" + name + "'");
+}
+
+int asfBone(const AsfSkeleton& asf, const BonePath& path, const std::string& name) {
   if (const auto found = asf.findBone(name)) return *found;
-  std::string known;
-  for (const auto& bone : asf.bones) known += (known.empty() ? "" : ", ") + bone.name;
-  throw std::invalid_argument("no bone is called '" + name + "'; there are: " + known);
+  refuse(path, "a bone of the ASF skeleton (" + listed(asf.bones, [](const AsfSkeleton::Bone& bone) { return bone.name; }) + ")", "'" + name + "'");
 }
 
 /// A path with its names looked up and its geometry measured.
@@ -74,19 +86,19 @@ struct LaidPath {
 LaidPath lay(const AsfSkeleton& asf, const Skeleton& fitted, const Frames& rest, const BonePath& path) {
   LaidPath laid;
   for (const std::string& name : path.bones) {
-    const int bone = asfBone(asf, name);
-    if (bone == 0) throw std::invalid_argument("the root is no bone: it goes where the paths of its bones begin");
+    const int bone = asfBone(asf, path, name);
+    if (bone == 0) refuse(path, "a bone (the root is none: it goes where the paths of its bones begin)", "'" + name + "'");
     if (!laid.bones.empty() && asf.skeleton.parent(bone) != laid.bones.back())
-      throw std::invalid_argument("bone '" + name + "' does not hang on '" + asf.bones[laid.bones.back()].name + "' before it");
+      refuse(path, "a bone that hangs on '" + asf.bones[laid.bones.back()].name + "' before it", "'" + name + "'");
     laid.bones.push_back(bone);
   }
   for (const std::string& name : path.joints) {
-    const int joint = fittedJoint(fitted, name);
+    const int joint = fittedJoint(fitted, path, name);
     laid.arc.push_back(0.0);
     if (!laid.joints.empty()) {
       const int before = laid.joints.back();
       if (fitted.parent(joint) != before && fitted.parent(before) != joint)
-        throw std::invalid_argument("joints '" + fitted.joint(before).name + "' and '" + name + "' are not joined by a bone");
+        refuse(path, "a joint that a bone joins to '" + fitted.joint(before).name + "'", "'" + fitted.joint(joint).name + "'");
       laid.arc.back() = laid.arc[laid.arc.size() - 2] + (rest[joint].translation() - laid.corners.back()).norm();
     }
     laid.corners.push_back(rest[joint].translation());
@@ -120,6 +132,51 @@ void addPieces(const LaidPath& path, const Skeleton& fitted, double from, double
 
 }  // namespace
 
+namespace {
+
+/// The joints from one to another through the tree, both included.
+std::vector<int> wayThrough(const Skeleton& skeleton, int from, int to) {
+  std::vector<int> up{from}, down{to};
+  while (!skeleton.isAncestor(up.back(), to)) up.push_back(skeleton.parent(up.back()));
+  while (down.back() != up.back()) down.push_back(skeleton.parent(down.back()));
+  up.insert(up.end(), down.rbegin() + 1, down.rend());
+  return up;
+}
+
+int pelvisOf(const Skeleton& skeleton) {
+  const auto names = plainNames(skeleton);
+  const auto found = std::find(names.begin(), names.end(), PlainName{"pelvis"});
+  return found == names.end() ? 0 : static_cast<int>(found - names.begin());
+}
+
+}  // namespace
+
+std::vector<BonePath> bonePathsByName(const AsfSkeleton& asf, const Skeleton& fitted) {
+  const Skeleton& bones = asf.skeleton;
+  std::vector<int> fittedOf(bones.jointCount(), -1);
+  for (const JointMatch& match : matchJoints(bones, fitted).matches) fittedOf[match.source] = match.target;
+  if (fittedOf[0] < 0) fittedOf[0] = pelvisOf(fitted);
+  std::vector<bool> taken(bones.jointCount(), false);
+  std::vector<BonePath> paths;
+  for (int end = 1; end < bones.jointCount(); ++end) {
+    if (fittedOf[end] < 0) continue;
+    // The bones above, up to a matched one or one at the root; a bone at the root begins where the root's match is.
+    std::vector<int> chain;
+    for (int bone = bones.parent(end); bone > 0; bone = bones.parent(bone)) {
+      chain.insert(chain.begin(), bone);
+      if (fittedOf[bone] >= 0) break;
+    }
+    if (chain.empty() || std::any_of(chain.begin(), chain.end(), [&](int bone) { return taken[bone]; })) continue;
+    const int first = bones.parent(chain.front()) == 0 ? fittedOf[0] : fittedOf[chain.front()];
+    if (first == fittedOf[end]) continue;
+    BonePath path;
+    for (const int bone : chain) path.bones.push_back(asf.bones[bone].name), taken[bone] = true;
+    for (const int joint : wayThrough(fitted, first, fittedOf[end])) path.joints.push_back(fitted.joint(joint).name);
+    paths.push_back(std::move(path));
+  }
+  return paths;
+}
+
 TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fitted, const std::vector<BonePath>& paths) {
   const Frames rest = restFrames(fitted);
   const int boneCount = static_cast<int>(asf.bones.size());
@@ -132,15 +189,14 @@ TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fit
     const LaidPath laid = lay(asf, fitted, rest, path);
     if (asf.skeleton.parent(laid.bones.front()) == 0) {
       if (rootJoint && *rootJoint != laid.joints.front())
-        throw std::invalid_argument("the bones at the root begin at two joints: '" + fitted.joint(*rootJoint).name + "' and '" +
-                                    fitted.joint(laid.joints.front()).name + "'");
+        refuse(path, "all bones at the root to begin at one joint, '" + fitted.joint(*rootJoint).name + "'", "'" + fitted.joint(laid.joints.front()).name + "'");
       rootJoint = laid.joints.front();
     }
     double total = 0.0;
     for (const int bone : laid.bones) total += asf.bones[bone].length;
     double done = 0.0;
     for (const int bone : laid.bones) {
-      if (wantedEnd[bone]) throw std::invalid_argument("bone '" + asf.bones[bone].name + "' is in two paths");
+      if (wantedEnd[bone]) refuse(path, "every bone in one path only", "'" + asf.bones[bone].name + "' again");
       const double share = total > 0.0 ? asf.bones[bone].length / total : 1.0 / static_cast<double>(laid.bones.size());
       const double next = bone == laid.bones.back() ? laid.arc.back() : done + share * laid.arc.back();
       wantedEnd[bone] = pointAt(laid, next);

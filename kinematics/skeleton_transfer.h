@@ -14,6 +14,8 @@ namespace gelenk {
 struct BonePath {
   std::vector<std::string> bones;
   std::vector<std::string> joints;  ///< two or more; names, or indices written as numbers
+  std::string file = {};            ///< where the path was read, for messages
+  int line = 0;                     ///< 0: the path is of no file
 };
 
 /// One line a chain, `bone bone ... : joint joint ...`; '#' begins a comment. Throws ParseError.
@@ -21,6 +23,11 @@ std::vector<BonePath> parseBonePaths(std::string_view text, const std::string& f
 
 /// The bones of CMU's skeletons on the joints of Pinocchio's built-in human (namedAsHuman).
 std::vector<BonePath> cmuOnPinocchioHuman();
+
+/// Paths for any two skeletons, from joints of equal names (joint_matching.h; a bone's joint is where it begins): the bones between two matched joints lie on the fitted
+/// joints between the two, and the bones at the root begin where the root's match stands (else at the joint called pelvis or hips, else at the fitted root). Bones that two
+/// paths would want belong to the first. Empty where nothing matches.
+std::vector<BonePath> bonePathsByName(const AsfSkeleton& asf, const Skeleton& fitted);
 
 /// A piece of a fitted bone (the one from joint `child` to its parent) that an ASF bone lies on; 0 at the parent, 1 at the child.
 struct BonePiece {
@@ -46,7 +53,7 @@ struct TransferredSkeleton {
   std::vector<std::string> unmatchedJoints;  ///< fitted joints whose bone is on no path
 };
 
-/// Throws std::invalid_argument: an unknown bone or joint, bones of one path that do not hang on each other, joints of one path that are no neighbours,
+/// Throws std::invalid_argument, for paths of a file ParseError with its line: an unknown bone or joint, bones of one path that do not hang on each other, joints of one path that are no neighbours,
 /// paths at the root that do not begin at one joint, a bone in two paths.
 TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fitted, const std::vector<BonePath>& paths);
 

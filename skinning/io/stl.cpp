@@ -83,7 +83,7 @@ Mesh parseStl(std::string_view bytes, const std::string& file) {
   std::uint32_t count = 0;
   if (bytes.size() >= headSize) std::memcpy(&count, bytes.data() + 80, sizeof count);
   const bool fitsBinary = bytes.size() >= headSize && bytes.size() == headSize + triangleSize * std::size_t{count};
-  const bool isText = bytes.starts_with("solid") && !fitsBinary;
+  const bool isText = sameWord(bytes.substr(0, 5), "solid") && !fitsBinary;
   if (!isText && bytes.size() < headSize) throw ParseError(file, 0, "an STL: 'solid' or a head of 84 bytes", std::to_string(bytes.size()) + " bytes");
   Mesh mesh = isText ? parseText(bytes, file) : parseBinary(bytes, file);
   if (mesh.triangles.empty()) throw ParseError(file, 0, "at least one triangle", "none");

@@ -78,7 +78,10 @@ TEST(LowPass, AConstantPoseAndAStraightLineStay) {
   EXPECT_THROW(lowPassed(skeleton, clip, 30.0), std::invalid_argument);
 }
 
-TEST(Layered, WeightOneOfALayerOverItsReferenceGivesTheLayer) {
+class Layered : public ::testing::TestWithParam<Layer::Kind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, Layered, ::testing::Values(Layer::Kind::Override, Layer::Kind::Additive));
+
+TEST_P(Layered, WeightOneOverTheReferenceGivesTheLayerAndWeightZeroTheBase) {
   std::mt19937_64 random(6);
   Joint ball{.name = "a", .ball = true};
   Joint second{.name = "b", .parent = 0, .ball = true};
@@ -86,8 +89,11 @@ TEST(Layered, WeightOneOfALayerOverItsReferenceGivesTheLayer) {
   const VectorXd reference = randomWithinLimits(skeleton, random);
   MotionClip base{.framesPerSecond = 30, .q = reference.replicate(1, 4)}, layer = base;
   for (int f = 0; f < 4; ++f) layer.q.col(f) = randomWithinLimits(skeleton, random);
-  const MotionClip whole = layered(skeleton, base, layer, reference, 1.0), none = layered(skeleton, base, layer, reference, 0.0);
-  const MotionClip masked = layered(skeleton, base, layer, reference, 1.0, std::array{1});
+  const auto over = [&](Layer::Kind kind, double weight, std::vector<int> joints) {
+    return layered(skeleton, base, {.clip = layer, .kind = kind, .weight = weight, .joints = std::move(joints), .reference = reference});
+  };
+  const auto kind = GetParam();
+  const MotionClip whole = over(kind, 1.0, {}), none = over(kind, 0.0, {}), masked = over(kind, 1.0, {1});
   for (int f = 0; f < 4; ++f)
     for (int i = 0; i < 2; ++i) {
       const auto angle = [&](const MotionClip& a, const MotionClip& b) {
@@ -97,6 +103,23 @@ TEST(Layered, WeightOneOfALayerOverItsReferenceGivesTheLayer) {
       EXPECT_LE(angle(none, base), 1e-12);
       EXPECT_LE(angle(masked, i == 1 ? layer : base), 1e-12);
     }
+}
+
+TEST(Layer, HalfAWeightOfAHalfTurnedHingeIsAQuarterOfATurnInBothKinds) {
+  const Skeleton skeleton = swingAndBall();
+  MotionClip base{.framesPerSecond = 30, .q = neutral(skeleton).replicate(1, 3)}, layer = base;
+  base.q.row(7).setConstant(0.2);
+  base.q.row(0).setConstant(5.0);
+  layer.q.row(7).setConstant(1.0);
+  const std::vector<int> hinge{1};
+  const MotionClip added = layered(skeleton, base, {.clip = layer, .kind = Layer::Kind::Additive, .weight = 0.5, .joints = hinge});
+  const MotionClip mixed = layered(skeleton, base, {.clip = layer, .weight = 0.5, .joints = hinge});
+  EXPECT_NEAR(added.q(7, 2), 0.2 + 0.5 * 1.0, 1e-15);  // 0.5 of the departure from rest on top
+  EXPECT_NEAR(mixed.q(7, 2), 0.5 * (0.2 + 1.0), 1e-15);
+  EXPECT_EQ(mixed.q(0, 2), 5.0);  // the root takes no part
+  EXPECT_EQ(limbBelow(skeleton, 0), (std::vector<int>{0, 1}));
+  for (const double weight : {-0.1, 1.1, std::nan("")}) EXPECT_THROW(layered(skeleton, base, {.clip = layer, .weight = weight}), std::invalid_argument);
+  EXPECT_THROW(layered(skeleton, base, {.clip = layer, .joints = {2}}), std::invalid_argument);
 }
 
 TEST(CrossFade, BeginsAsTheFirstEndsAsTheSecondAndNeverJumps) {
@@ -123,12 +146,20 @@ TEST(CrossFade, BeginsAsTheFirstEndsAsTheSecondAndNeverJumps) {
 TEST(Keyed, IsHitExactlyAndForgottenBeyondTheFalloff) {
   const Skeleton skeleton = swingAndBall();
   const MotionClip clip = sine(skeleton, 0.5, 60.0, 120);
-  const std::vector<JointKey> keys{{40, expRotation({0.3, 0, 0})}, {60, expRotation({0, 0, 0.4})}};
+  VectorXd turned = clip.q.col(40), moved = clip.q.col(60);
+  setBallRotation(skeleton, turned, 0, expRotation({0.3, 0, 0}));
+  setBallRotation(skeleton, moved, 0, expRotation({0, 0, 0.4}));
+  moved.head<3>() += Vector3d(0.1, 0.2, 0.3);
+  moved[7] += 1.0;  // of another joint: not asked for
+  const std::vector<JointKey> keys{{40, turned}, {60, moved}};
   const MotionClip result = keyed(skeleton, clip, 0, keys, 0.25);
-  for (const JointKey& key : keys)
-    EXPECT_LE(logRotation(key.rotation.conjugate() * jointRotation(skeleton, result.q.col(key.frame), 0)).norm(), 1e-12);
+  for (const JointKey& key : keys) EXPECT_EQ(result.q.col(key.frame).head<7>(), key.q.head<7>());
+  EXPECT_EQ(result.q.row(7), clip.q.row(7));
   EXPECT_LE((result.q.col(24) - clip.q.col(24)).norm(), 1e-12);
   EXPECT_LE((result.q.col(76) - clip.q.col(76)).norm(), 1e-12);
+  // Half-way between the keys half of each departure, and half a second's fade is half there after an eighth.
+  EXPECT_LE(((result.q.col(50) - clip.q.col(50)).head<3>() - Vector3d(0.05, 0.1, 0.15)).norm(), 1e-12);
+  EXPECT_NEAR((result.q(0, 67) - clip.q(0, 67)) + (result.q(0, 68) - clip.q(0, 68)), 0.1, 1e-12);
 }
 
 TEST(FootPlant, WalkStandsStillAboveTheFloorAndTheRestOfTheBodyStays) {

@@ -96,12 +96,12 @@ TEST(SkeletonTransfer, SaysWhatDoesNotFit) {
       EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
     }
   };
-  refused({{{"tail"}, {"hip", "top"}}}, "no bone is called 'tail'");
-  refused({{{"low"}, {"hip", "chin"}}}, "no joint is called 'chin'");
-  refused({{{"low", "leg"}, {"hip", "middle"}}}, "does not hang on");
-  refused({{{"low"}, {"hip", "top"}}}, "not joined by a bone");
-  refused({{{"low"}, {"hip", "middle"}}, {{"leg"}, {"middle", "hip"}}}, "begin at two joints");
-  refused({{{"low"}, {"hip", "middle"}}, {{"low"}, {"hip", "middle"}}}, "in two paths");
+  refused({{{"tail"}, {"hip", "top"}}}, "found 'tail'");
+  refused({{{"low"}, {"hip", "chin"}}}, "found 'chin'");
+  refused({{{"low", "leg"}, {"hip", "middle"}}}, "a bone that hangs on 'low' before it, found 'leg'");
+  refused({{{"low"}, {"hip", "top"}}}, "a bone joins to 'hip', found 'top'");
+  refused({{{"low"}, {"hip", "middle"}}, {{"leg"}, {"middle", "hip"}}}, "begin at one joint");
+  refused({{{"low"}, {"hip", "middle"}}, {{"low"}, {"hip", "middle"}}}, "in one path only, found 'low' again");
   refused({{{"high"}, {"middle", "top"}}}, "no path begins at a bone of the root");
 }
 
@@ -110,11 +110,65 @@ TEST(BonePaths, AreReadAndBadLinesRefused) {
   ASSERT_EQ(paths.size(), 2u);
   EXPECT_EQ(paths[0].bones, (std::vector<std::string>{"low", "high"}));
   EXPECT_EQ(paths[1].joints, (std::vector<std::string>{"0", "3"}));
-  testing::expectRefused({{"empty", "", 0, "at least one line"},
-                          {"no colon", "low hip\n", 1, "no colon"},
-                          {"no bone", "\n: hip top\n", 2, "at least one bone"},
-                          {"one joint", "low : hip\n", 1, "at least two joints"}},
-                         [](const std::string& text, const std::string& file) { parseBonePaths(text, file); });
+}
+
+TEST(BonePaths, BadMappingsAreRefusedWithTheirLine) {
+  const Fit fit;
+  const std::string good = "low high : hip middle top\n";  // one line
+  testing::expectRefused(
+      {
+          {"empty", "", 0, "at least one line 'bones : joints', found none"},
+          {"only blanks", " \n\t\n\r\n", 0, "at least one line"},
+          {"only comments", "# low : hip\n#\n", 0, "at least one line"},
+          {"no colon", "low hip\n", 1, "bones : joints, found no colon"},
+          {"colon in the comment", "low hip # : \n", 1, "no colon"},
+          {"no bone", "\n: hip top\n", 2, "at least one bone before the colon"},
+          {"nothing but a colon", good + ":\n", 2, "at least one bone"},
+          {"one joint", "low : hip\n", 1, "at least two joints after the colon, found 1"},
+          {"no joint", "low :\n", 1, "at least two joints after the colon, found 0"},
+          {"joints commented out", "low : # hip middle\n", 1, "found 0"},
+          {"cut off", good + "leg : hi", 2, "found 1"},
+          {"unknown bone", "tail : hip foot\n", 1, "(root, low, high, hat, leg, nothing), found 'tail'"},
+          {"unknown bone later", good + "\nleg toe : hip foot\n", 3, "found 'toe'"},
+          {"unknown joint", "low : hip chin\n", 1, "(hip, middle, top, foot), found 'chin'"},
+          {"joint in other case", "low : Hip middle\n", 1, "'Hip'"},
+          {"index too large", "low : 0 4\n", 1, "'4'"},
+          {"huge index", "low : 0 99999999999\n", 1, "'99999999999'"},
+          {"negative index", "low : 0 -1\n", 1, "'-1'"},
+          {"fraction as index", "low : 0 1.5\n", 1, "'1.5'"},
+          {"NaN as joint", "low : 0 nan\n", 1, "'nan'"},
+          {"the root as bone", "root low : hip middle\n", 1, "(the root is none: it goes where the paths of its bones begin), found 'root'"},
+          {"bones that do not hang on each other", good.substr(0, 0) + "low leg : hip middle\n", 1, "hangs on 'low' before it, found 'leg'"},
+          {"bones in reverse", "high low : hip middle\n", 1, "hangs on 'high' before it, found 'low'"},
+          {"a bone after itself", "low low : hip middle\n", 1, "hangs on 'low' before it, found 'low'"},
+          {"a joint left out", "low : hip top\n", 1, "joins to 'hip', found 'top'"},
+          {"a joint twice", "low : hip hip\n", 1, "joins to 'hip', found 'hip'"},
+          {"a cycle of joints", "low high : hip middle top hip\n", 1, "joins to 'top', found 'hip'"},
+          {"root bones that begin apart", good + "leg : middle hip\n", 2, "begin at one joint, 'hip', found 'middle'"},
+          {"a bone in two paths", good + "low : hip middle\n", 2, "in one path only, found 'low' again"},
+          {"a bone twice in other case", good + "LOW : hip middle\n", 2, "found 'low' again"},
+          {"two colons", "low : high : hip middle\n", 1, "found 'high'"},
+          {"CRLF keeps line numbers", "low high : hip middle top\r\n\r\nleg\r\n", 3, "no colon"},
+          {"binary", std::string("\x7f" "ELF\0\1:\2 \3", 10), 1, "a bone of the ASF skeleton"},
+          {"an ASF instead", stick, 1, "at least one bone before the colon"},
+      },
+      [&](const std::string& text, const std::string& file) { transferSkeleton(fit.asf, fit.fitted, parseBonePaths(text, file)); });
+}
+
+TEST(BonePathsByName, TakeJointsOfEqualNamesWhateverTheirCaseAndSide) {
+  const Fit fit;
+  const Skeleton fitted = parsePinocchioSkeleton("Rig:Hips 1 5 0 -1\nRig:LOW 1 5 0.1 Rig:Hips\nextra 1 6 0 Rig:LOW\nRig:High 1 7 0 extra\nRig:Hat 2 7 0 Rig:High\nleg 1 4 0 Rig:Hips\n", "fit.skel");
+  const auto paths = bonePathsByName(fit.asf, fitted);
+  ASSERT_EQ(paths.size(), 2u);
+  // The bone at the root begins at the hips although a joint has its name; the leg has no matched joint below it.
+  EXPECT_EQ(paths[0].bones, std::vector<std::string>{"low"});
+  EXPECT_EQ(paths[0].joints, (std::vector<std::string>{"Rig:Hips", "Rig:LOW", "extra", "Rig:High"}));
+  EXPECT_EQ(paths[1].bones, std::vector<std::string>{"high"});
+  EXPECT_EQ(paths[1].joints, (std::vector<std::string>{"Rig:High", "Rig:Hat"}));
+  const TransferredSkeleton result = transferSkeleton(fit.asf, fitted, paths);
+  expectDirectionsInTheirOwnFramesUnchanged(fit.asf, result);
+  EXPECT_EQ(result.unmatchedBones, (std::vector<std::string>{"hat", "leg", "nothing"}));
+  EXPECT_EQ(result.unmatchedJoints, std::vector<std::string>{"leg"});
 }
 
 TEST(SkeletonTransfer, FittedHumanOnTheCmuSkeletonMatchesAllButHandsThumbsAndToes) {
@@ -131,6 +185,13 @@ TEST(SkeletonTransfer, FittedHumanOnTheCmuSkeletonMatchesAllButHandsThumbsAndToe
   EXPECT_LE((end("lwrist") - rest[fitted.jointIndex("hand_left")].translation()).norm(), 1e-12);
   EXPECT_LE((end("rtibia") - rest[fitted.jointIndex("ankle_right")].translation()).norm(), 1e-12);
   EXPECT_NEAR(result.heightRatio, 1.0, 0.1);  // both are grown men
+
+  // By names alone the limbs lie where the table lays them.
+  const TransferredSkeleton byName = transferSkeleton(asf, fitted, bonePathsByName(asf, fitted));
+  for (const char* bone : {"lfemur", "ltibia", "lhumerus", "rfemur", "rtibia", "rhumerus", "lradius", "lhipjoint"})
+    EXPECT_LE((result.bindFrames[asf.bones[*asf.findBone(bone)].endJoint].translation() - byName.bindFrames[asf.bones[*asf.findBone(bone)].endJoint].translation()).norm(),
+              std::string(bone) == "lradius" ? 0.2 : 1e-12)  // the table lays radius and wrist together
+        << bone;
 }
 
 }  // namespace

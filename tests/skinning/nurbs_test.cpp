@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
-#include "kinematics/io/parse_error.h"
 #include "skinning/io/nurbs.h"
+#include "tests/kinematics/io/bad_input.h"
 #include "tests/skinning/nurbs_arm.h"
 
 namespace gelenk {
@@ -102,34 +103,56 @@ TEST(Nurbs, TextReadsBackExactly) {
   EXPECT_EQ(again.points, s.points);
 }
 
-std::string messageOf(const std::string& text) {
-  try {
-    parseNurbs(text, "skin.nurbs");
-  } catch (const ParseError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
-TEST(Nurbs, BadFilesAreNamedByLine) {
+TEST(Nurbs, BadInputIsRefusedWithItsLine) {
   const std::string good = nurbsText(cylinder());
-  EXPECT_EQ(messageOf(good), "accepted");
-  const auto replaced = [&](const std::string& from, const std::string& to) {
+  EXPECT_NO_THROW(parseNurbs(good, "good.nurbs"));
+  const auto with = [&](const std::string& old, const std::string& replacement) {
     std::string text = good;
-    text.replace(text.find(from), from.size(), to);
-    return messageOf(text);
+    const std::size_t at = text.find(old);
+    EXPECT_NE(at, std::string::npos) << old;
+    return text.replace(at, old.size(), replacement);
   };
-  EXPECT_NE(replaced("nurbs 1", "nurbs 7").find("skin.nurbs:1: expected version 1"), std::string::npos);
-  EXPECT_NE(replaced("degree 1 2", "degree 1 x").find("skin.nurbs:2:"), std::string::npos);
-  EXPECT_NE(replaced("knots_u 0 0 1 1", "knots_u 0 0 1").find("skin.nurbs:4: expected 'knots_u' with points + degree + 1 = 4"), std::string::npos);
-  EXPECT_NE(replaced("knots_u 0 0 1 1", "knots_u 0 1 0 1").find("do not decrease"), std::string::npos);
-  EXPECT_NE(replaced("knots_u 0 0 1 1", "knots_u 1 1 1 1").find("empty domain"), std::string::npos);
-  EXPECT_NE(replaced("points 2 9", "points 2 10").find("skin.nurbs:5:"), std::string::npos);
-  EXPECT_NE(replaced("point 2 0 3 1", "point 2 0 3 0").find("skin.nurbs:6: expected a positive weight"), std::string::npos);
-  EXPECT_NE(replaced("point 2 0 3 1", "point 2 0 nan 1").find("a finite number, found 'nan'"), std::string::npos);
-  EXPECT_NE(messageOf(good.substr(0, good.size() / 2)).find("skin.nurbs:"), std::string::npos);
-  EXPECT_NE(messageOf(good + "point 0 0 0 1\n").find("the end of the file"), std::string::npos);
-  EXPECT_NE(messageOf("").find("expected 'nurbs 1'"), std::string::npos);
+  const int last = static_cast<int>(std::count(good.begin(), good.end(), '\n'));
+  testing::expectRefused(
+      {
+          {"empty", "", 0, "expected 'nurbs 1', the format's name and version, found the end of the file"},
+          {"only comments", "# nothing\n", 0, "the end of the file"},
+          {"another format", "v 0 0 0\n", 1, "expected 'nurbs 1'"},
+          {"another version", with("nurbs 1", "nurbs 7"), 1, "version 1, found '7'"},
+          {"no version", with("nurbs 1", "nurbs"), 1, "(1 values), found 0 values"},
+          {"name in other case", with("nurbs 1", "NURBS 1"), 1, "found 'NURBS'"},
+          {"no degree", with("degree 1 2\n", ""), 2, "'degree' with two integers, found 'points'"},
+          {"one degree", with("degree 1 2", "degree 1"), 2, "(2 values), found 1 values"},
+          {"degree a word", with("degree 1 2", "degree 1 x"), 2, "an integer from 1 to 9, found 'x'"},
+          {"degree 0", with("degree 1 2", "degree 0 2"), 2, "found '0'"},
+          {"degree 10", with("degree 1 2", "degree 1 10"), 2, "found '10'"},
+          {"degree a fraction", with("degree 1 2", "degree 1.5 2"), 2, "found '1.5'"},
+          {"one point in u", with("points 2 9", "points 1 9"), 3, "an integer from 2 to 10000, found '1'"},
+          {"minus two points", with("points 2 9", "points -2 9"), 3, "found '-2'"},
+          {"a million points in u", with("points 2 9", "points 1000000 9"), 3, "found '1000000'"},
+          {"a hundred million points", with("points 2 9", "points 10000 10000"), 3, "at most 1000000 control points, found 100000000"},
+          {"counts that overflow", with("points 2 9", "points 99999999999 9"), 3, "'99999999999'"},
+          {"knots missing", with("knots_u 0 0 1 1\n", ""), 4, "found 'knots_v'"},
+          {"a knot too few", with("knots_u 0 0 1 1", "knots_u 0 0 1"), 4, "'knots_u' with points + degree + 1 = 4 knots (4 values), found 3 values"},
+          {"a knot too many", with("knots_u 0 0 1 1", "knots_u 0 0 1 1 1"), 4, "found 5 values"},
+          {"knots that decrease", with("knots_u 0 0 1 1", "knots_u 0 1 0 1"), 4, "do not decrease, found '0'"},
+          {"all knots equal", with("knots_u 0 0 1 1", "knots_u 1 1 1 1"), 0, "empty domain"},
+          {"a knot NaN", with("knots_u 0 0 1 1", "knots_u 0 nan 1 1"), 4, "'nan'"},
+          {"a knot infinite", with("knots_u 0 0 1 1", "knots_u 0 0 1 inf"), 4, "'inf'"},
+          {"more points than there are knots for", with("points 2 9", "points 2 10"), 5, "points + degree + 1 = 13 knots"},
+          {"weight zero", with("point 2 0 3 1", "point 2 0 3 0"), 6, "a positive weight, found '0'"},
+          {"weight negative", with("point 2 0 3 1", "point 2 0 3 -1"), 6, "a positive weight, found '-1'"},
+          {"no weight", with("point 2 0 3 1", "point 2 0 3"), 6, "point 1 of 18 as 'point x y z weight' (4 values), found 3 values"},
+          {"point NaN", with("point 2 0 3 1", "point 2 0 nan 1"), 6, "a finite number, found 'nan'"},
+          {"point overflow", with("point 2 0 3 1", "point 2 0 1e400 1"), 6, "'1e400'"},
+          {"decimal comma", with("point 2 0 3 1", "point 2 0 3,5 1"), 6, "'3,5'"},
+          {"unknown keyword", with("point 2 0 3 1", "vertex 2 0 3 1"), 6, "found 'vertex'"},
+          {"cut off", good.substr(0, good.rfind("point")), last - 1, "point 18 of 18 as 'point x y z weight', found the end of the file"},
+          {"a point too many", good + "point 0 0 0 1\n", last + 1, "the end of the file after 18 points, found 'point'"},
+          {"CRLF keeps line numbers", "nurbs 1\r\n\r\ndegree 1 x\r\n", 3, "'x'"},
+          {"binary", std::string("\x7f" "ELF\0\1", 6), 1, "expected 'nurbs 1'"},
+      },
+      [](const std::string& text, const std::string& file) { parseNurbs(text, file); });
 }
 
 }  // namespace

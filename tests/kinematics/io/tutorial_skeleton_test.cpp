@@ -128,6 +128,10 @@ TEST(TutorialSkeleton, BadInputIsRefusedWithItsLine) {
           {"cut off", fork.substr(0, 90), 4, "the end of the file"},
       },
       [](const std::string& text, const std::string& file) { parseTutorialSkeleton(text, file); });
+}
+
+TEST(TutorialPose, BadInputIsRefusedWithItsLine) {
+  const std::string two = "NumJoints: 2\nJointAngles:\n";  // two lines
   testing::expectRefused(
       {
           {"pose: empty", "", 0, "NumJoints:"},
@@ -139,6 +143,31 @@ TEST(TutorialSkeleton, BadInputIsRefusedWithItsLine) {
           {"pose: a million", "NumJoints: 1000000\nJointAngles:\n0, 0, 0\n", 2, "1000000 triples"},
           {"pose: contradiction", "NumJoints: 1\nJointAngles:\n0, 0, 0\nJointAngles:\n0, 0, 1\n", 4, "the same angles"},
           {"pose: a skeleton instead", fork, 2, "'NonAnimatedJointPositions:'"},
+          {"pose: only blanks", " \n\t\r\n", 0, "NumJoints:"},
+          {"pose: another format", "HIERARCHY\n", 1, "'HIERARCHY'"},
+          {"pose: no number of joints", "JointAngles:\n0, 0, 0,\n", 0, "a line NumJoints:"},
+          {"pose: joints a word", "NumJoints: two\n", 1, "'two'"},
+          {"pose: joints zero", "NumJoints: 0\nJointAngles:\n", 1, "at least one of the joints, found 0"},
+          {"pose: joints minus one", "NumJoints: -1\n", 1, "found -1"},
+          {"pose: joints a fraction", "NumJoints: 2.5\n", 1, "'2.5'"},
+          {"pose: joints too large", "NumJoints: 99999999999\n", 1, "'99999999999'"},
+          {"pose: joints missing", "NumJoints:\nJointAngles:\n", 2, "'JointAngles:'"},
+          {"pose: joints contradicted", "NumJoints: 1\nNumJoints: 2\n", 2, "the same number of joints as in the section on line 1"},
+          {"pose: no angle at all", two, 2, "2 triples of angles, one a joint, found 0"},
+          {"pose: infinite", two + "0, inf, 0,\n", 3, "'inf'"},
+          {"pose: overflow", two + "0, 0, 0,\n0, 1e400, 0,\n", 4, "'1e400'"},
+          {"pose: a word", two + "0, x, 0,\n", 3, "'x'"},
+          {"pose: degrees with their sign", two + "90\u00b0, 0, 0,\n", 3, "'90"},
+          {"pose: a trailing letter", two + "0, 0.5f, 0,\n", 3, "'0.5f'"},
+          {"pose: hexadecimal", two + "0, 0x10, 0,\n", 3, "'0x10'"},
+          {"pose: a comma as decimal point", two + "0,5 0,5 0,5\n0,5\n", 4, "the end of the file"},
+          {"pose: semicolons", two + "0; 0; 0;\n", 3, "'0;'"},
+          {"pose: unknown section", two + "0, 0, 0,\n0, 0, 0,\nNumBones: 1\n", 5, "'NumBones:'"},
+          {"pose: misspelt section", "NumJoints: 2\nJointAngels:\n", 2, "'JointAngels:'"},
+          {"pose: a section without its colon", "NumJoints: 2\nJointAngles\n0, 0, 0,\n", 3, "':'"},
+          {"pose: cut in a triple", two + "0, 0, 0,\n0.1, ", 4, "the end of the file"},
+          {"pose: CRLF keeps line numbers", "NumJoints: 2\r\n\r\nJointAngles:\r\n0, y, 0,\r\n", 4, "'y'"},
+          {"pose: binary", std::string("\x7f" "ELF\0\1", 6), 1, "NumJoints: or JointAngles:"},
       },
       [](const std::string& text, const std::string& file) { parseTutorialPose(text, file); });
 }
