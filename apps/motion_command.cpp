@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
-#include "apps/model_files.h"
+#include "apps/second_clip.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/bvh.h"
 #include "kinematics/io/text_file.h"
@@ -16,7 +16,10 @@ namespace {
 struct Request {
   std::string in, out;
   Companions companions;
-  std::string then;
+  std::string onto, then, layer;
+  std::vector<std::string> bones, limbs;
+  double weight = 1.0;
+  bool additive = false;
   double lowPass = 0.0, rate = 0.0, fade = 0.3;
   bool footPlant = false;
   std::vector<std::string> feet;
@@ -62,19 +65,43 @@ void write(const Request& request, const Imported& imported, const MotionClip& c
   throw std::invalid_argument("'" + request.out + "': a motion can be written as .amc, .bvh, .gltf or .glb");
 }
 
+/// The motion of another file for the model at hand; what was done to it is told.
+MotionClip second(const Request& request, const Imported& imported, const MotionClip& clip, const std::string& path) {
+  const FittedClip fitted = clipFor(imported.model, clip.framesPerSecond, path, request.in, request.companions);
+  for (const std::string& note : fitted.notes) fmt::print("{}\n", note);
+  return fitted.clip;
+}
+
+std::vector<int> layerJoints(const Skeleton& skeleton, const Request& request) {
+  std::vector<int> joints;
+  for (const std::string& name : request.bones) joints.push_back(skeleton.jointIndex(name));
+  for (const std::string& name : request.limbs)
+    for (const int joint : limbBelow(skeleton, skeleton.jointIndex(name))) joints.push_back(joint);
+  return joints;
+}
+
+/// The model that the motion shall move in place of its own.
+Imported carriedOnto(const std::string& model, const Imported& from) {
+  Imported target = importFiles(model);
+  const RetargetedClip carried = retargeted(from.model.skeleton, *from.model.clip, target.model.skeleton);
+  fmt::print("{}: {}; path scaled by {:.4f}{}\n", model, describe(carried.matching), carried.scale, carried.rootMoves ? "" : ", but no joint can carry it");
+  target.model.clip = carried.clip;
+  return target;
+}
+
 void run(const Request& request) {
-  const Imported imported = importFiles(request.in, request.companions);
-  const Skeleton& skeleton = imported.model.skeleton;
+  Imported imported = importFiles(request.in, request.companions);
   if (!imported.model.clip) throw std::invalid_argument("'" + request.in + "' has no motion");
+  if (!request.onto.empty()) imported = carriedOnto(request.onto, imported);
+  const Skeleton& skeleton = imported.model.skeleton;
   MotionClip clip = *imported.model.clip;
-  if (!request.then.empty()) {
-    Companions same = request.companions;
-    same.amc.clear();
-    if (same.asf.empty() && fileKind(request.in) == FileKind::Asf) same.asf = request.in;
-    const Imported next = importFiles(request.then, same);
-    if (!next.model.clip) throw std::invalid_argument("'" + request.then + "' has no motion");
-    clip = crossFaded(skeleton, clip, *next.model.clip, request.fade);
-  }
+  if (!request.then.empty()) clip = crossFaded(skeleton, clip, second(request, imported, clip, request.then), request.fade);
+  if (!request.layer.empty())
+    clip = layered(skeleton, clip,
+                   {.clip = second(request, imported, clip, request.layer),
+                    .kind = request.additive ? Layer::Kind::Additive : Layer::Kind::Override,
+                    .weight = request.weight,
+                    .joints = layerJoints(skeleton, request)});
   if (request.lowPass > 0.0) clip = lowPassed(skeleton, clip, request.lowPass);
   if (request.footPlant) {
     const std::vector<Foot> feet = feetOf(skeleton, request);
@@ -97,13 +124,19 @@ void run(const Request& request) {
 
 void addMotionCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("motion", "Edit a motion: smooth, plant the feet, cross-fade, resample");
+  CLI::App* command = app.add_subcommand("motion", "Edit a motion: cross-fade, layer, smooth, plant the feet, resample, carry to another model");
   command->add_option("in", request->in, "A file with a motion, or an ASF with --amc")->required();
   command->add_option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
   command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
   command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC");
-  command->add_option("--then", request->then, "A second motion of the same skeleton to fade into");
+  command->add_option("--then", request->then, "A second motion to fade into");
   command->add_option("--fade", request->fade, "Seconds of the cross-fade")->check(CLI::PositiveNumber)->capture_default_str();
+  CLI::Option* layer = command->add_option("--layer", request->layer, "A second motion to lay over the first; it repeats where it is shorter");
+  command->add_option("--weight", request->weight, "Share of the layer, 0 to 1 (more for an additive one)")->check(CLI::NonNegativeNumber)->capture_default_str()->needs(layer);
+  command->add_option("--bones", request->bones, "Joints that take part in the layer; default: all")->needs(layer);
+  command->add_option("--limbs", request->limbs, "Joints that take part with all below them")->needs(layer);
+  command->add_flag("--additive", request->additive, "The layer's departure from the rest pose goes on top of the first motion")->needs(layer);
+  command->add_option("--onto", request->onto, "Carry the motion to this model, by joints of equal names: a built-in name, or a file that holds a skeleton");
   command->add_option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz")->check(CLI::PositiveNumber);
   command->add_flag("--foot-plant", request->footPlant, "Hold planted feet still and above the floor; prints before and after");
   command->add_option("--feet", request->feet, "Joints at the balls of the feet; default: ltoes, rtoes");

@@ -266,7 +266,7 @@ void drawMarks(Sandbox& sandbox) {
     if (p.depth > 0.0) words(pen, {static_cast<float>(p.pixel.x()) + 8 * pen.scale, static_cast<float>(p.pixel.y()) - 8 * pen.scale}, {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text);
   }
   drawConstraint(pen, sandbox);
-  if (s.show.handles && !s.shownFrames)
+  if (s.show.handles && (!s.shownFrames || s.handlesOnShown))
     for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i)
       if (isGoalShown(sandbox, i)) drawGoal(pen, sandbox, i);
   drawHover(pen, sandbox);

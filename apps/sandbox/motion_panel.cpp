@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/model_files.h"
+#include "apps/clip_editor.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/timeline.h"
+#include "apps/second_clip.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/motion_edit.h"
@@ -19,9 +20,45 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// The words of a command, read one by one; complains in words.
+class CommandWords {
+ public:
+  explicit CommandWords(const std::vector<std::string>& words) : words_(words) {}
+  bool atEnd() const { return at_ == words_.size(); }
+  std::string word() {
+    if (atEnd()) throw std::invalid_argument("a word is missing after '" + (words_.empty() ? std::string("do Motion") : words_.back()) + "'");
+    return words_[at_++];
+  }
+  bool take(const std::string& wanted) {
+    const bool found = !atEnd() && words_[at_] == wanted;
+    at_ += found;
+    return found;
+  }
+  double number() { return *read(parseNumber(word()), "a number"); }
+  int integer() { return *read(parseInteger(word()), "an integer"); }
+  /// All that are left.
+  std::vector<int> joints(const Skeleton& skeleton) {
+    std::vector<int> joints;
+    while (!atEnd()) joints.push_back(skeleton.jointIndex(word()));
+    return joints;
+  }
+
+ private:
+  template <class T>
+  const std::optional<T>& read(const std::optional<T>& value, const char* what) const {
+    if (!value) throw std::invalid_argument(std::string("expected ") + what + ", found '" + words_[at_ - 1] + "'");
+    return value;
+  }
+  const std::vector<std::string>& words_;
+  std::size_t at_ = 0;
+};
+
 Colour toColour(const ImVec4& c, float alpha = 1.0f) { return {c.x, c.y, c.z, alpha}; }
 
-/// Plays the model's clip: timeline, trails, contacts, limits that are left, smoothing, planted feet, keys, goals on top, export.
+/// Plays the model's clip: timeline, trails, contacts, limits that are left, edits (clip_editor.h), goals on top, export.
+///
+/// While it plays, the clip is shown as it is. At rest the session stands in the clip's pose, and the first drag, turn or undo of that pose takes over until the playhead
+/// moves: that pose can be keyed.
 class MotionPanel final : public Panel {
  public:
   std::string name() const override { return "Motion"; }
@@ -29,20 +66,18 @@ class MotionPanel final : public Panel {
   bool hasBottomStrip() const override { return true; }
 
   void modelChanged(Sandbox& sandbox) override {
-    original_ = sandbox.session().model().clip;
     solver_.reset();
     seconds_ = 0.0;
     report_.clear();
-    if (original_) {
-      validate(sandbox.session().skeleton(), *original_);
-      setClip(sandbox, *original_);
-      sandbox.showInspector(name());
-      sandbox.showBottomStrip(name());
-      sandbox.setPlaying(true);
-      lastRoot_ = onGround(sandbox, sandbox.session().frames()[0].translation());
-    } else {
-      clip_.reset();
-    }
+    editor_.reset();
+    leavePose();
+    if (!sandbox.session().model().clip) return;
+    editor_.emplace(sandbox.session().skeleton(), *sandbox.session().model().clip);
+    analyse(sandbox);
+    sandbox.showInspector(name());
+    sandbox.showBottomStrip(name());
+    sandbox.setPlaying(true);
+    lastRoot_ = onGround(sandbox, sandbox.session().frames()[0].translation());
   }
 
   bool openFile(Sandbox& sandbox, const std::string& path) override {
@@ -58,25 +93,20 @@ class MotionPanel final : public Panel {
   }
 
   void step(Sandbox& sandbox, double dt) override {
-    if (!clip_ || !showing_) return;
-    const double length = loop_ ? clip_->frameCount() / clip_->framesPerSecond : clip_->duration();
-    if (sandbox.playing()) {
-      seconds_ += speed_ * dt;
-      if (loop_)
-        seconds_ -= length * std::floor(seconds_ / length);
-      else if (seconds_ < 0.0 || seconds_ > length)
-        seconds_ = std::clamp(seconds_, 0.0, length), sandbox.setPlaying(false);
-    }
-    const Skeleton& skeleton = sandbox.session().skeleton();
-    sample(skeleton, *clip_, seconds_, loop_ ? BeyondEnd::Loop : BeyondEnd::Stay, q_);
-    if (goalsOnTop_) solveGoals(sandbox);
-    forwardKinematics(skeleton, q_, frames_);
+    if (!editor_ || !showing_) return;
+    if (analysed_ != editor_->version()) analyse(sandbox);
+    if (sandbox.playing()) advance(sandbox, speed_ * dt);
+    placeHead(sandbox);
+    const bool resting = !sandbox.playing() && !goalsOnTop_;
+    resting ? restAt(sandbox) : leavePose();
+    if (isPosed(sandbox)) return;  // the session's own pose is shown
+    forwardKinematics(sandbox.session().skeleton(), q_, frames_);
     if (follow_) followRoot(sandbox);
-    sandbox.showFrames(frames_);
+    sandbox.showFrames(frames_, resting);
   }
 
   void overlay(Sandbox& sandbox) override {
-    if (!clip_ || !showing_) return;
+    if (!editor_ || !showing_) return;
     const Palette& colours = sandbox.state().colours();
     const int frame = currentFrame();
     if (trails_) drawTrails(sandbox, frame);
@@ -89,23 +119,69 @@ class MotionPanel final : public Panel {
         sandbox.overlayInScene().annulus(at, Vector3d::UnitX(), Vector3d::UnitZ(), 0.6 * r, r, toColour(now ? colours.held : colours.textFaint, now ? 0.95f : 0.5f));
       }
     if (limitMarks_)
-      for (const int joint : outside_[frame]) sandbox.overlay().point(frames_[joint].translation(), toColour(colours.bad), 9.0f, Overlay::Shape::Ring);
+      for (const int joint : outside_[frame]) sandbox.overlay().point(sandbox.shownFrames()[joint].translation(), toColour(colours.bad), 9.0f, Overlay::Shape::Ring);
   }
 
   bool keyPressed(Sandbox& sandbox, int key, int) override {
-    constexpr int right = 262, left = 263, home = 268, end = 269;
-    if (!clip_) return false;
+    constexpr int right = 262, left = 263, home = 268, end = 269, k = 'K';
+    if (!editor_) return false;
     const int frame = currentFrame();
     if (key == right) return goTo(sandbox, frame + 1);
     if (key == left) return goTo(sandbox, frame - 1);
     if (key == home) return goTo(sandbox, 0);
-    if (key == end) return goTo(sandbox, clip_->frameCount() - 1);
+    if (key == end) return goTo(sandbox, editor_->clip().frameCount() - 1);
+    if (key == k) return tried(sandbox, [&] { keyMoved(sandbox); });
     return false;
+  }
+
+  void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
+    if (!editor_) throw std::invalid_argument("the model has no motion");
+    CommandWords w(words);
+    const std::string command = w.word();
+    const Skeleton& skeleton = sandbox.session().skeleton();
+    if (command == "frame") {
+      goTo(sandbox, w.integer() - 1);
+    } else if (command == "key") {
+      w.atEnd() ? keySelected(sandbox) : keyJoints(sandbox, w.joints(skeleton));
+    } else if (command == "key-moved") {
+      keyMoved(sandbox);
+    } else if (command == "delete-key") {
+      editor_->removeKeys(currentFrame());
+    } else if (command == "move-key") {
+      const int from = w.integer() - 1;
+      editor_->moveKeys(from, w.integer() - 1);
+    } else if (command == "turn") {
+      const double x = w.number(), y = w.number();
+      turnSelected(sandbox, {x, y, w.number()});
+    } else if (command == "smooth") {
+      smooth(sandbox, w.number());
+    } else if (command == "plant") {
+      plantFeet(sandbox);
+    } else if (command == "fade") {
+      const std::string file = w.word();
+      fade(sandbox, file, w.number());
+    } else if (command == "layer") {
+      const std::string file = w.word();
+      const double weight = w.number();
+      const bool additive = w.take("additive");
+      lay(sandbox, file, weight, additive, w.atEnd() ? std::vector<int>{} : limbBelow(skeleton, w.joints(skeleton).front()));
+    } else if (command == "undo") {
+      editor_->undo();
+    } else if (command == "redo") {
+      editor_->redo();
+    } else if (command == "goals") {
+      goalsOnTop_ = w.take("on");
+    } else if (command == "write") {
+      write(sandbox, w.word());
+    } else {
+      throw std::invalid_argument("the panel Motion knows frame N, key [JOINT...], key-moved, delete-key, move-key FROM TO, turn X Y Z, smooth HZ, plant, fade FILE SECONDS, "
+                                  "layer FILE WEIGHT [additive] [JOINT], undo, redo, goals on|off and write FILE, not '" + command + "'");
+    }
   }
 
   void drawInspector(Sandbox& sandbox) override {
     const Palette& colours = sandbox.state().colours();
-    if (!clip_) {
+    if (!editor_) {
       ImGui::PushStyleColor(ImGuiCol_Text, colours.textDim);
       ImGui::TextWrapped("This model has no motion. Open a .bvh, .glb or .gltf, or start with --asf and --amc.");
       ImGui::PopStyleColor();
@@ -120,11 +196,11 @@ class MotionPanel final : public Panel {
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
     ImGui::SliderFloat("Speed", &speed_, -2.0f, 4.0f, "%.2f x");
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
-    float rate = static_cast<float>(clip_->framesPerSecond);
+    float rate = static_cast<float>(editor_->clip().framesPerSecond);
     if (ImGui::InputFloat("Frames/s", &rate, 0.0f, 0.0f, "%.3f", ImGuiInputTextFlags_EnterReturnsTrue) && rate > 0.0f && std::isfinite(rate)) {
       const int frame = currentFrame();
-      clip_->framesPerSecond = original_->framesPerSecond = rate;
-      seconds_ = frame / clip_->framesPerSecond;
+      editor_->setFrameRate(rate);
+      seconds_ = frame / editor_->clip().framesPerSecond;
     }
     ImGui::Checkbox("Show the motion", &showing_);
     heading(sandbox.state(), "SEEING");
@@ -136,76 +212,41 @@ class MotionPanel final : public Panel {
     drawLimits(sandbox);
     heading(sandbox.state(), "EDIT");
     drawEdits(sandbox);
+    heading(sandbox.state(), "KEYS");
+    drawKeys(sandbox);
+    heading(sandbox.state(), "SECOND CLIP");
+    drawSecondClip(sandbox);
     heading(sandbox.state(), "GOALS ON TOP");
     ImGui::Checkbox("Hold pins and goals while it plays", &goalsOnTop_);
     heading(sandbox.state(), "EXPORT");
     ImGui::SetNextItemWidth(-70 * sandbox.scale());
     ImGui::InputText("##export", exportPath_, sizeof exportPath_);
     ImGui::SameLine();
-    if (ImGui::Button("Write")) write(sandbox);
+    if (ImGui::Button("Write")) tried(sandbox, [&] { write(sandbox, exportPath_); });
   }
 
   void drawBottomStrip(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();
-    const Palette& colours = s.colours();
-    const ImVec2 at = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
-    if (!clip_) {
-      ImGui::TextColored(colours.textDim, "No motion");
+    if (!editor_) {
+      ImGui::TextColored(s.colours().textDim, "No motion");
       return;
     }
-    const float margin = 12 * s.scale, left = at.x + 84 * s.scale, width = std::max(1.0f, size.x - 84 * s.scale - margin);
-    const int count = clip_->frameCount(), frame = currentFrame();
-    const auto x = [&](double f) { return left + static_cast<float>(f / std::max(1, count - 1)) * width; };
-    ImDrawList& draw = *ImGui::GetWindowDrawList();
-    ImGui::PushFont(s.gui.fonts().small);
-
-    // Ruler: seconds
-    const float ruler = at.y + 4 * s.scale, line = ImGui::GetFontSize() + 6 * s.scale;
-    const double duration = std::max(clip_->duration(), 1e-9);
-    double tick = std::pow(10.0, std::floor(std::log10(duration)));
-    while (duration / tick < 5.0) tick /= 2.0;
-    for (double t = 0.0; t <= duration + 1e-9; t += tick) {
-      const float px = x(t * clip_->framesPerSecond);
-      draw.AddLine({px, ruler + line - 5 * s.scale}, {px, at.y + size.y - 4 * s.scale}, colour32(colours.plotGrid));
-      draw.AddText({px + 3 * s.scale, ruler}, colour32(colours.textDim), fmt::format("{:.3g} s", t).c_str());
-    }
-    // Rows: feet in contact, joints beyond their limits
-    float y = ruler + line;
-    const float row = std::min(20 * s.scale, (at.y + size.y - y - 4 * s.scale) / static_cast<float>(feet_.size() + 1));
-    const auto label = [&](const char* words) { draw.AddText({at.x + 4 * s.scale, y + 0.5f * (row - ImGui::GetFontSize())}, colour32(colours.textDim), words); };
-    for (std::size_t foot = 0; foot < feet_.size(); ++foot) {
-      label(feet_[foot].name.c_str());
-      draw.AddRectFilled({left, y + 2 * s.scale}, {left + width, y + row - 2 * s.scale}, colour32(colours.plotBackground), 3 * s.scale);
-      for (const Contact& contact : contacts_)
-        if (contact.foot == static_cast<int>(foot))
-          draw.AddRectFilled({x(contact.first), y + 2 * s.scale}, {std::max(x(contact.last), x(contact.first) + 1), y + row - 2 * s.scale}, colour32(colours.held, 0.85f), 3 * s.scale);
-      y += row;
-    }
-    label("limits left");
-    draw.AddRectFilled({left, y + 2 * s.scale}, {left + width, y + row - 2 * s.scale}, colour32(colours.plotBackground), 3 * s.scale);
-    const std::size_t most = std::max<std::size_t>(1, mostOutside_);
-    for (int f = 0; f < count; ++f)
-      if (!outside_[f].empty()) {
-        const float share = static_cast<float>(outside_[f].size()) / static_cast<float>(most), bottom = y + row - 2 * s.scale;
-        draw.AddRectFilled({x(f - 0.5), bottom - share * (row - 4 * s.scale)}, {x(f + 0.5) + 0.5f, bottom}, colour32(colours.bad, 0.75f));
-      }
-    y += row;
-
-    // Playhead and scrubbing
-    const float head = x(std::min<double>(seconds_ * clip_->framesPerSecond, count - 1));
-    draw.AddLine({head, ruler}, {head, at.y + size.y - 4 * s.scale}, colour32(colours.accent), 2 * s.scale);
-    draw.AddTriangleFilled({head - 5 * s.scale, ruler}, {head + 5 * s.scale, ruler}, {head, ruler + 7 * s.scale}, colour32(colours.accent));
-    draw.AddText({at.x + 4 * s.scale, ruler}, colour32(colours.text), fmt::format("{} / {}", frame + 1, count).c_str());
-    ImGui::PopFont();
-    ImGui::SetCursorScreenPos({left, at.y});
-    ImGui::InvisibleButton("##timeline", {width, std::max(1.0f, size.y)});
-    if (ImGui::IsItemActive()) {
-      const double f = (ImGui::GetIO().MousePos.x - left) / width * std::max(1, count - 1);
-      seconds_ = std::clamp(f, 0.0, count - 1.0) / clip_->framesPerSecond;
+    const TimelineAction action = timeline_.draw(s, timelineContent(sandbox));
+    if (action.scrubTo) {
+      seconds_ = *action.scrubTo;
       sandbox.setPlaying(false);
     }
+    if (action.moveKey) editor_->moveKeys(action.moveKey->first, action.moveKey->second);
   }
 
+  std::string status() const override {
+    if (!editor_) return {};
+    nlohmann::json keys = nlohmann::json::array();
+    const std::vector<int> frames = editor_->keyFrames();
+    for (std::size_t k = 0; k < frames.size() && k < timeline_.keyPixels().size(); ++k)
+      keys.push_back({{"frame", frames[k] + 1}, {"pixel", {timeline_.keyPixels()[k].first, timeline_.keyPixels()[k].second}}});
+    return nlohmann::json{{"frame", currentFrame() + 1}, {"frames", clip().frameCount()}, {"keys", keys}}.dump();
+  }
   std::string save() const override {
     return nlohmann::json{{"seconds", seconds_}, {"loop", loop_}, {"speed", speed_}, {"trails", trails_}, {"contacts", contactMarks_}, {"limits", limitMarks_}}.dump();
   }
@@ -221,45 +262,160 @@ class MotionPanel final : public Panel {
   }
 
  private:
-  int currentFrame() const { return std::clamp(static_cast<int>(std::lround(seconds_ * clip_->framesPerSecond)), 0, clip_->frameCount() - 1); }
+  const MotionClip& clip() const { return editor_->clip(); }
+  int currentFrame() const { return std::clamp(static_cast<int>(std::lround(seconds_ * clip().framesPerSecond)), 0, clip().frameCount() - 1); }
+  /// Seconds after which it begins again.
+  double length() const { return clip().frameCount() / clip().framesPerSecond; }
 
   bool goTo(Sandbox& sandbox, int frame) {
-    seconds_ = std::clamp(frame, 0, clip_->frameCount() - 1) / clip_->framesPerSecond;
+    seconds_ = std::clamp(frame, 0, clip().frameCount() - 1) / clip().framesPerSecond;
     sandbox.setPlaying(false);
+    placeHead(sandbox);
     return true;
   }
 
-  /// Everything that is known about a clip before it plays: ways of the ends, contacts, limits left. Once, not every frame.
-  void setClip(Sandbox& sandbox, MotionClip clip) {
+  /// The pose at the playhead, which rests on whole frames only.
+  void placeHead(Sandbox& sandbox) {
+    if (!sandbox.playing()) seconds_ = currentFrame() / clip().framesPerSecond;
+    seconds_ = std::min(seconds_, loop_ ? length() : clip().duration());
+    sample(sandbox.session().skeleton(), clip(), seconds_, loop_ ? BeyondEnd::Loop : BeyondEnd::Stay, q_);
+    if (goalsOnTop_) solveGoals(sandbox);
+  }
+
+  void advance(Sandbox& sandbox, double dt) {
+    seconds_ += dt;
+    if (loop_) {
+      seconds_ -= length() * std::floor(seconds_ / length());
+    } else if (const double end = clip().duration(); seconds_ < 0.0 || seconds_ > end) {
+      seconds_ = std::clamp(seconds_, 0.0, end);
+      sandbox.setPlaying(false);
+    }
+  }
+
+  // --- the pose at the playhead
+
+  /// Brings the session into the clip's pose, anew where the playhead or the clip moved. The session keeps limits, the clip need not.
+  void restAt(Sandbox& sandbox) {
+    const bool sameClip = restedVersion_ == editor_->version() || isPosed(sandbox);
+    if (restedSeconds_ == seconds_ && sameClip) return;
+    sandbox.session().setPose(q_);
+    restedSeconds_ = seconds_;
+    restedVersion_ = editor_->version();
+    restedQ_ = sandbox.session().q();
+  }
+  void leavePose() { restedSeconds_.reset(); }
+  /// Whether something changed the session's pose since the playhead came to rest.
+  bool isPosed(const Sandbox& sandbox) const {
+    return restedSeconds_ && *restedSeconds_ == seconds_ && (sandbox.session().dragged() || sandbox.session().q() != restedQ_);
+  }
+  const Eigen::VectorXd& shownPose(const Sandbox& sandbox) const { return isPosed(sandbox) ? sandbox.session().q() : q_; }
+
+  void keyJoints(Sandbox& sandbox, const std::vector<int>& joints) {
+    editor_->setKeys(joints, currentFrame(), shownPose(sandbox));
+    report_ = fmt::format("{} {} keyed in frame {}", joints.size(), joints.size() == 1 ? "joint" : "joints", currentFrame() + 1);
+  }
+  void keySelected(Sandbox& sandbox) {
+    if (!sandbox.selectedJoint()) throw std::invalid_argument("select a joint to key it");
+    keyJoints(sandbox, {*sandbox.selectedJoint()});
+  }
+  /// Every joint that a drag, a turn or the goals on top brought out of the clip's pose.
+  void keyMoved(Sandbox& sandbox) {
     const Skeleton& skeleton = sandbox.session().skeleton();
-    clip_ = std::move(clip);
+    const auto moved = isPosed(sandbox) ? movedJoints(skeleton, restedQ_, sandbox.session().q()) : movedJoints(skeleton, sample(skeleton, clip(), seconds_), q_);
+    if (moved.empty()) throw std::invalid_argument("no joint has left the clip's pose; drag or turn one first");
+    keyJoints(sandbox, moved);
+  }
+  /// degrees: rotation vector in the joint's own frame.
+  void turnSelected(Sandbox& sandbox, const Vector3d& degrees) {
+    if (!sandbox.selectedJoint()) throw std::invalid_argument("select a joint to turn it");
+    if (sandbox.playing() || goalsOnTop_) throw std::invalid_argument("a joint can be turned while the clip rests without goals on top");
+    const Skeleton& skeleton = sandbox.session().skeleton();
+    Eigen::VectorXd q = sandbox.session().q();
+    const int joint = *sandbox.selectedJoint();
+    setJointRotation(skeleton, q, joint, (jointRotation(skeleton, q, joint) * expRotation(M_PI / 180.0 * degrees)).normalized());
+    sandbox.session().remember();
+    sandbox.session().setPose(q);
+  }
+
+  // --- edits of the whole clip
+
+  void smooth(Sandbox& sandbox, double hertz) {
+    editor_->replace(lowPassed(sandbox.session().skeleton(), clip(), hertz));
+    report_ = fmt::format("zero-phase low-pass at {:.1f} Hz", hertz);
+  }
+
+  void plantFeet(Sandbox& sandbox) {
+    const Skeleton& skeleton = sandbox.session().skeleton();
+    const FootPlantOptions options{.floor = std::min(0.0, sandbox.state().groundHeight)};
+    const auto contacts = footContacts(skeleton, clip(), feet_, options);
+    const FootFacts before = footFacts(skeleton, clip(), feet_, contacts, options.floor);
+    editor_->replace(footPlanted(skeleton, clip(), feet_, contacts, options));
+    const FootFacts after = footFacts(skeleton, clip(), feet_, contacts, options.floor);
+    report_ = fmt::format("slide {:.2f} → {:.4f} mm a frame, penetration {:.2f} → {:.2f} mm", 1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
+                          1e3 * after.deepestPenetration);
+  }
+
+  MotionClip secondClip(Sandbox& sandbox, const std::string& file) const {
+    const ModelReference& reference = sandbox.state().reference;
+    FittedClip fitted = clipFor(sandbox.session().model(), clip().framesPerSecond, file, reference.nameOrFile,
+                                {.skeleton = reference.skeletonFile, .weights = reference.weightsFile, .asf = reference.asfFile, .amc = {}, .mapping = reference.mappingFile, .figure = {}});
+    for (const std::string& note : fitted.notes) sandbox.say(note);
+    return std::move(fitted.clip);
+  }
+  void fade(Sandbox& sandbox, const std::string& file, double seconds) {
+    editor_->crossFade(secondClip(sandbox, file), seconds);
+    report_ = fmt::format("fades into {} within {:.2f} s; {} frames", stem(file), seconds, clip().frameCount());
+  }
+  void lay(Sandbox& sandbox, const std::string& file, double weight, bool additive, std::vector<int> joints) {
+    const std::string part = joints.empty() ? "" : " from " + sandbox.session().skeleton().joint(joints.front()).name + " on";
+    editor_->lay({.clip = secondClip(sandbox, file), .kind = additive ? Layer::Kind::Additive : Layer::Kind::Override, .weight = weight, .joints = std::move(joints)});
+    report_ = fmt::format("{:.0f} % of {} {}{}", 100.0 * weight, stem(file), additive ? "on top" : "in place", part);
+  }
+
+  /// Everything that is known about a clip before it plays: ways of the ends, contacts, limits left. Once a change, not every frame.
+  void analyse(Sandbox& sandbox) {
+    const Skeleton& skeleton = sandbox.session().skeleton();
+    analysed_ = editor_->version();
     feet_ = cmuFeet(skeleton);
-    contacts_ = footContacts(skeleton, *clip_, feet_);
+    contacts_ = footContacts(skeleton, clip(), feet_);
     trailJoints_.clear();
     for (const Foot& foot : feet_) trailJoints_.push_back(foot.ball);
     for (int i = skeleton.jointCount() - 1; i >= 0 && trailJoints_.size() < 8; --i)
       if (skeleton.children(i).empty() && std::none_of(feet_.begin(), feet_.end(), [&](const Foot& foot) { return skeleton.isAncestor(foot.ball, i); }))
         trailJoints_.push_back(i);
     tracks_.assign(trailJoints_.size(), {});
-    outside_.assign(clip_->frameCount(), {});
-    mostOutside_ = 0;
+    outside_.assign(clip().frameCount(), {});
     Frames frames;
     Eigen::VectorXd q;
-    for (int f = 0; f < clip_->frameCount(); ++f) {
-      q = clip_->q.col(f);
+    for (int f = 0; f < clip().frameCount(); ++f) {
+      q = clip().q.col(f);
       forwardKinematics(skeleton, q, frames);
       for (std::size_t k = 0; k < trailJoints_.size(); ++k) tracks_[k].push_back(frames[trailJoints_[k]].translation());
       for (int i = 0; i < skeleton.jointCount(); ++i)
         if (limitViolation(skeleton, q, i) > 1e-9) outside_[f].push_back(i);
-      mostOutside_ = std::max(mostOutside_, outside_[f].size());
     }
+  }
+
+  TimelineContent timelineContent(const Sandbox& sandbox) const {
+    TimelineContent content{.frameCount = clip().frameCount(), .framesPerSecond = clip().framesPerSecond, .seconds = seconds_, .rows = {}, .bars = {}, .keys = editor_->keyFrames(), .selectedKeys = {}};
+    for (std::size_t foot = 0; foot < feet_.size(); ++foot) {
+      content.rows.push_back({feet_[foot].name, {}});
+      for (const Contact& contact : contacts_)
+        if (contact.foot == static_cast<int>(foot)) content.rows.back().spans.emplace_back(contact.first, contact.last);
+    }
+    std::size_t most = 1;
+    for (const auto& joints : outside_) most = std::max(most, joints.size());
+    for (const auto& joints : outside_) content.bars.push_back(static_cast<float>(joints.size()) / static_cast<float>(most));
+    for (const int frame : content.keys)
+      if (sandbox.selectedJoint() && editor_->hasKey(*sandbox.selectedJoint(), frame)) content.selectedKeys.push_back(frame);
+    return content;
   }
 
   void drawTrails(Sandbox& sandbox, int frame) {
     const Palette& colours = sandbox.state().colours();
-    const int reach = std::max(1, static_cast<int>(0.6 * clip_->framesPerSecond));
+    const int reach = std::max(1, static_cast<int>(0.6 * clip().framesPerSecond));
     for (const auto& track : tracks_) {
-      const int from = std::max(0, frame - reach), to = std::min(clip_->frameCount() - 1, frame + reach), step = std::max(1, reach / 40);
+      const int from = std::max(0, frame - reach), to = std::min(clip().frameCount() - 1, frame + reach), step = std::max(1, reach / 40);
       for (int f = from; f + step <= to; f += step) {
         const float near = 1.0f - static_cast<float>(std::abs(f - frame)) / static_cast<float>(reach + 1);
         sandbox.overlayInScene().line(track[f], track[f + step], toColour(f < frame ? colours.accent : colours.textDim, 0.15f + 0.7f * near), 1.8f);
@@ -275,65 +431,110 @@ class MotionPanel final : public Panel {
       return;
     }
     const Skeleton& skeleton = sandbox.session().skeleton();
-    const Eigen::VectorXd q = clip_->q.col(currentFrame());
+    const Eigen::VectorXd q = clip().q.col(currentFrame());
     for (std::size_t k = 0; k < outside.size() && k < 6; ++k)
       ImGui::TextColored(colours.bad, "%s", fmt::format("{}  {:.1f}° beyond", skeleton.joint(outside[k]).name, limitViolation(skeleton, q, outside[k]) * 180.0 / M_PI).c_str());
     if (outside.size() > 6) ImGui::TextColored(colours.bad, "and %d more", static_cast<int>(outside.size()) - 6);
   }
 
+  template <class Edit>
+  static bool tried(Sandbox& sandbox, Edit edit) {
+    try {
+      edit();
+    } catch (const std::exception& error) {
+      sandbox.say(error.what(), true);
+    }
+    return true;
+  }
+
   void drawEdits(Sandbox& sandbox) {
-    const Skeleton& skeleton = sandbox.session().skeleton();
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
     ImGui::SliderFloat("##cutoff", &cutoff_, 0.5f, 20.0f, "cut-off %.1f Hz");
     ImGui::SameLine();
-    if (ImGui::Button("Smooth")) {
-      try {
-        setClip(sandbox, lowPassed(skeleton, *clip_, cutoff_));
-        report_ = fmt::format("zero-phase low-pass at {:.1f} Hz", cutoff_);
-      } catch (const std::exception& error) {
-        sandbox.say(error.what(), true);
-      }
-    }
+    if (ImGui::Button("Smooth")) tried(sandbox, [&] { smooth(sandbox, cutoff_); });
     ImGui::BeginDisabled(feet_.empty());
-    if (ImGui::Button("Plant feet")) {
-      const double floor = sandbox.state().groundHeight;
-      const FootPlantOptions options{.floor = std::min(0.0, floor)};
-      const FootFacts before = footFacts(skeleton, *clip_, feet_, contacts_, options.floor);
-      const auto contacts = contacts_;
-      setClip(sandbox, footPlanted(skeleton, *clip_, feet_, contacts, options));
-      const FootFacts after = footFacts(skeleton, *clip_, feet_, contacts, options.floor);
-      report_ = fmt::format("slide {:.2f} → {:.4f} mm a frame, penetration {:.2f} → {:.2f} mm", 1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
-                            1e3 * after.deepestPenetration);
-    }
+    if (ImGui::Button("Plant feet")) tried(sandbox, [&] { plantFeet(sandbox); });
     ImGui::EndDisabled();
     ImGui::SameLine();
-    if (ImGui::Button("Undo edits")) setClip(sandbox, *original_), report_.clear();
-    const auto joint = sandbox.selectedJoint();
-    ImGui::BeginDisabled(!joint);
-    ImGui::SetNextItemWidth(-60 * sandbox.scale());
-    ImGui::DragFloat3("##turn", keyDegrees_, 0.5f, -180.0f, 180.0f, "%.0f°");
-    ImGui::SameLine();
-    if (ImGui::Button("Key") && joint) {
-      const double degree = M_PI / 180.0;
-      const Eigen::Quaterniond turn = expRotation(degree * Vector3d(keyDegrees_[0], keyDegrees_[1], keyDegrees_[2]));
-      const JointKey key{currentFrame(), (jointRotation(skeleton, clip_->q.col(currentFrame()), *joint) * turn).normalized()};
-      setClip(sandbox, keyed(skeleton, *clip_, *joint, std::array{key}, 0.25));
-      report_ = "keyed " + skeleton.joint(*joint).name + fmt::format(" in frame {}", key.frame + 1);
-    }
+    ImGui::BeginDisabled(!editor_->canUndo());
+    if (ImGui::Button("Undo")) editor_->undo();
     ImGui::EndDisabled();
-    if (!joint) ImGui::TextColored(sandbox.state().colours().textDim, "Select a joint to key it.");
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!editor_->canRedo());
+    if (ImGui::Button("Redo")) editor_->redo();
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    if (ImGui::Button("Original")) editor_->backToOriginal();
+    tooltip("The clip as it was read, without edits and keys. Can be undone.");
     if (!report_.empty()) ImGui::TextWrapped("%s", report_.c_str());
   }
 
-  /// The clip's pose is the start and the wish; pins and held goals are reached from there.
+  void drawKeys(Sandbox& sandbox) {
+    const Skeleton& skeleton = sandbox.session().skeleton();
+    const auto joint = sandbox.selectedJoint();
+    const Palette& colours = sandbox.state().colours();
+    ImGui::TextColored(colours.textDim, "%s", joint ? skeleton.joint(*joint).name.c_str() : "Drag the body at rest, or select a joint.");
+    ImGui::BeginDisabled(!joint || sandbox.playing() || goalsOnTop_);
+    ImGui::SetNextItemWidth(-60 * sandbox.scale());
+    ImGui::DragFloat3("##turn", turnDegrees_, 0.5f, -180.0f, 180.0f, "%.0f°");
+    ImGui::SameLine();
+    if (ImGui::Button("Turn")) tried(sandbox, [&] { turnSelected(sandbox, {turnDegrees_[0], turnDegrees_[1], turnDegrees_[2]}); });
+    tooltip("Turns the joint by this rotation vector in its own frame, degrees.");
+    ImGui::EndDisabled();
+    ImGui::BeginDisabled(!joint);
+    if (ImGui::Button("Key joint")) tried(sandbox, [&] { keySelected(sandbox); });
+    tooltip("The selected joint passes through the pose shown in this frame.");
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    if (ImGui::Button("Key moved")) tried(sandbox, [&] { keyMoved(sandbox); });
+    tooltip("K. All joints that a drag, a turn or the goals on top brought out of the clip's pose.");
+    ImGui::SameLine();
+    ImGui::BeginDisabled(std::ranges::count(editor_->keyFrames(), currentFrame()) == 0);
+    if (ImGui::Button("Delete")) editor_->removeKeys(currentFrame());
+    tooltip("The keys of this frame. Keys can be dragged along the timeline.");
+    ImGui::EndDisabled();
+    float falloff = static_cast<float>(editor_->falloff());
+    ImGui::SetNextItemWidth(-90 * sandbox.scale());
+    if (ImGui::SliderFloat("Fade", &falloff, 0.0f, 2.0f, "%.2f s") && falloff >= 0.0f && std::isfinite(falloff)) editor_->setFalloff(falloff);
+    tooltip("Time in which a joint comes back to the clip before its first and after its last key.");
+  }
+
+  void drawSecondClip(Sandbox& sandbox) {
+    const auto joint = sandbox.selectedJoint();
+    ImGui::SetNextItemWidth(-1.0f);
+    ImGui::InputTextWithHint("##second", "file with a motion", secondPath_, sizeof secondPath_);
+    ImGui::BeginDisabled(secondPath_[0] == '\0');
+    ImGui::SetNextItemWidth(-90 * sandbox.scale());
+    ImGui::SliderFloat("##fade", &fadeSeconds_, 0.0f, 2.0f, "fade %.2f s");
+    ImGui::SameLine();
+    if (ImGui::Button("Append")) tried(sandbox, [&] { fade(sandbox, secondPath_, fadeSeconds_); });
+    tooltip("The end of this clip fades into the beginning of the second one.");
+    ImGui::SetNextItemWidth(-90 * sandbox.scale());
+    ImGui::SliderFloat("##weight", &layerWeight_, 0.0f, 1.0f, "weight %.2f");
+    ImGui::SameLine();
+    if (ImGui::Button("Layer"))
+      tried(sandbox, [&] { lay(sandbox, secondPath_, layerWeight_, additive_, onlyLimb_ && joint ? limbBelow(sandbox.session().skeleton(), *joint) : std::vector<int>{}); });
+    tooltip("Lays the second clip over this one, joint by joint on quaternions.");
+    ImGui::EndDisabled();
+    ImGui::Checkbox("On top", &additive_);
+    tooltip("Adds the second clip's departure from the rest pose instead of blending towards its pose.");
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!joint);
+    ImGui::Checkbox("Selected limb only", &onlyLimb_);
+    ImGui::EndDisabled();
+  }
+
+  /// The clip's pose is the start of every frame; pins and held goals are reached from there. The drag solver would pull towards the rest pose: in its place stands
+  /// Levenberg and Marquardt's method, which changes no more than the goals ask for.
   void solveGoals(Sandbox& sandbox) {
     const Session& session = sandbox.session();
-    IkProblem problem{.skeleton = &session.skeleton(), .start = q_};
-    for (const SceneGoal& goal : session.goals())
-      if (goal.state != GoalState::Free) problem.goals.push_back(goal.goal);
+    IkProblem problem = session.problem();
     if (problem.goals.empty()) return;
-    if (!solver_) solver_ = makeFrameSolver(session.solver(), session.skeleton());
-    solver_->reset();
+    problem.start = q_;
+    if (!solver_ || solverName_ != session.solver()) {
+      solverName_ = session.solver();
+      solver_ = makeFrameSolver(solverName_ == "hybrid" ? "lm-gain-ratio" : solverName_, session.skeleton());
+    }
     const IkReport report = solver_->frame(problem);
     if (report.q.size() == q_.size() && report.q.allFinite()) q_ = report.q;
   }
@@ -349,41 +550,41 @@ class MotionPanel final : public Panel {
     lastRoot_ = root;
   }
 
-  void write(Sandbox& sandbox) {
-    try {
-      const std::string path = exportPath_;
-      const Model& model = sandbox.session().model();
-      const auto kind = fileKind(path);
-      if (kind == FileKind::Bvh)
-        writeFile(path, formatBvh(model.skeleton, *clip_));
-      else if (kind == FileKind::Amc)
-        writeFile(path, formatAmc(model.skeleton, *clip_));
-      else if (kind == FileKind::Gltf)
-        writeGltf(path, model.skeleton, model.skin ? &*model.skin : nullptr, {{model.name, *clip_}});
-      else
-        throw std::invalid_argument("a motion can be written as .bvh, .amc, .glb or .gltf");
-      sandbox.say("Wrote " + path);
-    } catch (const std::exception& error) {
-      sandbox.say(error.what(), true);
-    }
+  void write(Sandbox& sandbox, const std::string& path) {
+    const Model& model = sandbox.session().model();
+    const auto kind = fileKind(path);
+    if (kind == FileKind::Bvh)
+      writeFile(path, formatBvh(model.skeleton, clip()));
+    else if (kind == FileKind::Amc)
+      writeFile(path, formatAmc(model.skeleton, clip()));
+    else if (kind == FileKind::Gltf)
+      writeGltf(path, model.skeleton, model.skin ? &*model.skin : nullptr, {{model.name, clip()}});
+    else
+      throw std::invalid_argument("a motion can be written as .bvh, .amc, .glb or .gltf");
+    sandbox.say("Wrote " + path);
   }
 
-  std::optional<MotionClip> original_, clip_;
+  std::optional<ClipEditor> editor_;
+  int analysed_ = 0;  ///< the editor's version that the facts below belong to
   double seconds_ = 0.0;
-  float speed_ = 1.0f, cutoff_ = 6.0f;
-  float keyDegrees_[3] = {0, 0, 0};
-  bool loop_ = true, follow_ = true, showing_ = true, trails_ = true, contactMarks_ = true, limitMarks_ = true, goalsOnTop_ = false;
-  char exportPath_[512] = "motion.glb";
+  float speed_ = 1.0f, cutoff_ = 6.0f, fadeSeconds_ = 0.3f, layerWeight_ = 1.0f;
+  float turnDegrees_[3] = {0, 0, 0};
+  bool loop_ = true, follow_ = true, showing_ = true, trails_ = true, contactMarks_ = true, limitMarks_ = true, goalsOnTop_ = false, additive_ = false, onlyLimb_ = false;
+  char exportPath_[512] = "motion.glb", secondPath_[512] = "";
   std::string report_;
-  Eigen::VectorXd q_;
+  Timeline timeline_;
+  Eigen::VectorXd q_;  ///< of the clip at the playhead, with the goals on top
   Frames frames_;
+  std::optional<double> restedSeconds_;  ///< where the playhead came to rest, with the session in that pose
+  int restedVersion_ = 0;
+  Eigen::VectorXd restedQ_;
   std::vector<Foot> feet_;
   std::vector<Contact> contacts_;
   std::vector<int> trailJoints_;
   std::vector<std::vector<Vector3d>> tracks_;  ///< of each trail joint, every frame; feet first
   std::vector<std::vector<int>> outside_;      ///< joints beyond their limits, every frame
-  std::size_t mostOutside_ = 0;
   std::optional<Vector3d> lastRoot_;
+  std::string solverName_;
   std::unique_ptr<FrameSolver> solver_;
 };
 

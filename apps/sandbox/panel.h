@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,9 @@ class Panel {
   /// A key that the sandbox itself has no use for (GLFW key code); true when taken.
   virtual bool keyPressed(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
 
+  /// A command of a replay, `do PANEL WORDS...`: what the panel's buttons do. Throws std::invalid_argument that says what is known.
+  virtual void act(Sandbox&, const std::vector<std::string>& /*words*/) { throw std::invalid_argument("the panel " + name() + " takes no commands"); }
+
   /// A tool that works on the view with the left mouse button, such as a brush: while true the sandbox shows and drags nothing under
   /// the mouse, presses go to pressed(), and keys to keyPressed() first.
   virtual bool takesMouse(const Sandbox&) const { return false; }
@@ -58,6 +62,9 @@ class Panel {
 
   /// A dropped or opened file that is no model and no scene (.bvh, .amc, ...); true when taken. May throw ParseError.
   virtual bool openFile(Sandbox&, const std::string& /*path*/) { return false; }
+
+  /// The panel's entry under "panels" in the status file as a JSON text, "" for none. The same replay must give the same bytes.
+  virtual std::string status() const { return {}; }
 
   /// State for the scene file as a JSON text, "" for none; load gets what save returned. load may throw std::exception.
   virtual std::string save() const { return {}; }

@@ -72,6 +72,7 @@ constexpr std::array forms{
     Form{"show", "ww", "show WHAT on|off"},
     Form{"tab", "w", "tab PANEL"},
     Form{"theme", "w", "theme light|dark"},
+    Form{"do", "r", "do PANEL COMMAND WORDS"},
 };
 
 void check(const std::string& file, const Replay::Command& command) {
@@ -147,6 +148,12 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
   if (verb == "tab") {
     const bool below = std::ranges::any_of(s.panels, [&](const auto& p) { return p->name() == command.words[0] && p->hasBottomStrip() && !p->hasInspector(); });
     below ? sandbox.showBottomStrip(command.words[0]) : sandbox.showInspector(command.words[0]);
+  }
+  if (verb == "do") {
+    const auto words = splitWords(command.words[0]);
+    const auto panel = std::ranges::find(s.panels, words[0], [](const auto& p) { return p->name(); });
+    if (panel == s.panels.end()) throw std::invalid_argument("no panel is called '" + std::string(words[0]) + "'");
+    (*panel)->act(sandbox, {words.begin() + 1, words.end()});
   }
   if (verb == "theme") s.theme = command.words[0] == "dark" ? Theme::Dark : Theme::Light;
 }

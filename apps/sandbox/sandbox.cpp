@@ -331,8 +331,9 @@ float Sandbox::scale() const { return state_->scale; }
 int Sandbox::frameNumber() const { return state_->frameNumber; }
 double Sandbox::time() const { return state_->time; }
 
-void Sandbox::showFrames(Frames worldFromJoint) {
+void Sandbox::showFrames(Frames worldFromJoint, bool withHandles) {
   state_->shownFrames = std::move(worldFromJoint);
+  state_->handlesOnShown = withHandles;
   state_->surfaceIsCurrent = state_->limbPosesAreCurrent = false;
 }
 const Frames& Sandbox::shownFrames() const { return state_->shownFrames ? *state_->shownFrames : state_->session->frames(); }

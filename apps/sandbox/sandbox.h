@@ -78,8 +78,8 @@ class Sandbox {
   double time() const;  ///< sum of dt, seconds
 
   /// Shows these frames instead of the session's pose, in this frame only; the solver rests. For poses that no q describes;
-  /// where one does, prefer session().setPose(q).
-  void showFrames(Frames worldFromJoint);
+  /// where one does, prefer session().setPose(q). withHandles: the session stands in the same pose, so that its handles can be shown and taken.
+  void showFrames(Frames worldFromJoint, bool withHandles = false);
   /// What is drawn: the frames shown, else the session's.
   const Frames& shownFrames() const;
   /// The model's surface as it was drawn last (world, metres); empty without a skin.

@@ -81,6 +81,7 @@ struct Sandbox::State {
 
   // pose and surface of this frame
   std::optional<Frames> shownFrames;
+  bool handlesOnShown = false;       ///< the session stands as shown
   SkinnedVertices surface;
   bool surfaceIsCurrent = false;
   SkinDeformer deformer;

@@ -50,6 +50,8 @@ std::string Sandbox::status() const {
             {"joint_motion", solve.jointMotion},
             {"view", {{"x", s.layout.view.x}, {"y", s.layout.view.y}, {"width", s.layout.view.width}, {"height", s.layout.view.height}}},
             {"mouse", {s.mouse.x(), s.mouse.y()}}};
+  for (const auto& panel : s.panels)
+    if (const std::string text = panel->status(); !text.empty()) tree["panels"][panel->name()] = json::parse(text);
   return tree.dump(1) + "\n";
 }
 

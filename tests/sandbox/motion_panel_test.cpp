@@ -1,11 +1,20 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
 
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox.h"
+#include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/view_picture.h"
+#include "kinematics/io/bvh.h"
 #include "kinematics/motion_clip.h"
+#include "kinematics/rotation.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "skinning/io/gltf.h"
 
 namespace gelenk {
 namespace {
@@ -45,6 +54,155 @@ TEST(MotionPanel, PlaysTheClipAtItsOwnPaceAndNeverClampsItToLimits) {
   sandbox.frame({.width = 640, .height = 480, .events = {}}, 1.0 / 60.0);
   EXPECT_LE((sandbox.shownFrames()[3].matrix() - still).norm(), 1e-12);
   EXPECT_TRUE(log.messages().empty());
+}
+
+/// A sandbox without a window, driven by a replay's text.
+class Driven : public ::testing::Test {
+ protected:
+  Driven() { target_.resize(1280, 800); }
+
+  /// Plays the lines and `after` frames of 1/60 s more; each(i) sees every frame.
+  void play(const std::string& lines, int after = 0, const std::function<void()>& each = [] {}) {
+    Replay replay = Replay::parse("test", lines);
+    InputQueue queue;
+    const int frames = replay.length() + after;
+    for (int i = 0; i < frames; ++i) {
+      replay.play(i, sandbox_, queue);
+      glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
+      sandbox_.frame({.width = 1280, .height = 800, .events = queue.take()}, 1.0 / 60.0);
+      each();
+    }
+  }
+  int joint(const char* name) const { return sandbox_.session().skeleton().jointIndex(name); }
+  Eigen::Vector3d shown(const char* name) const { return sandbox_.shownFrames()[joint(name)].translation(); }
+
+  OffscreenContext context_;
+  Sandbox sandbox_{{.model = "planar", .width = 1280, .height = 800}};
+  ViewPicture target_;
+};
+
+/// The figure, which swings its arms, nods and steps forward; as a file too.
+Model swingingFigure() {
+  Model model = openModel("figure");
+  const Skeleton& skeleton = model.skeleton;
+  MotionClip clip{.framesPerSecond = 30.0, .q = skeleton.rest().replicate(1, 61)};
+  for (int f = 0; f <= 60; ++f) {
+    const double s = std::sin(2.0 * M_PI * f / 60.0);
+    Eigen::VectorXd q = skeleton.rest();
+    for (const char* name : {"upperarm_l", "upperarm_r", "neck_01"}) {
+      const int i = skeleton.jointIndex(name);
+      setJointRotation(skeleton, q, i, jointRotation(skeleton, q, i) * expRotation(Eigen::Vector3d(0.2 * s, 0, 0.1 * s)));
+    }
+    q[2] += 0.002 * f;
+    clip.q.col(f) = q;
+  }
+  model.clip = clip;
+  return model;
+}
+
+TEST_F(Driven, GoalsAndPinsHoldWhileTheClipPlays) {
+  sandbox_.openModel(swingingFigure(), {"figure"});
+  play("0 do Motion frame 1\n1 show skin off\n");
+  const Eigen::Vector3d hand = shown("hand_r") + Eigen::Vector3d(0.02, 0.12, 0.15), foot = shown("foot_l");
+  sandbox_.session().setTarget(*sandbox_.session().findGoal("hand_r"), hand);
+  sandbox_.session().setState(*sandbox_.session().findGoal("foot_l"), GoalState::Pinned);
+  const MotionClip clip = *sandbox_.session().model().clip;
+  double worstHand = 0.0, worstFoot = 0.0, freeArm = 0.0, moved = 0.0;
+  int frame = 0;
+  play("0 do Motion goals on\n0 key space\n", 118, [&] {
+    ++frame;
+    // Judged outside: the frames shown against the targets, and the arm that no goal holds against the clip.
+    worstHand = std::max(worstHand, (shown("hand_r") - hand).norm());
+    worstFoot = std::max(worstFoot, (shown("foot_l") - foot).norm());
+    const Frames wanted = forwardKinematics(sandbox_.session().skeleton(), sample(sandbox_.session().skeleton(), clip, frame / 60.0, BeyondEnd::Loop));
+    const auto fromChest = [&](const Frames& frames) -> Eigen::Vector3d { return (frames[joint("clavicle_l")].inverse() * frames[joint("hand_l")]).translation(); };
+    freeArm = std::max(freeArm, (fromChest(sandbox_.shownFrames()) - fromChest(wanted)).norm());
+    moved = std::max(moved, (shown("head") - forwardKinematics(sandbox_.session().skeleton(), clip.q.col(0))[joint("head")].translation()).norm());
+  });
+  EXPECT_TRUE(sandbox_.playing());
+  EXPECT_LE(worstHand, 1e-4);
+  EXPECT_LE(worstFoot, 1e-4);
+  EXPECT_LE(freeArm, 1e-6);  // joints that serve no goal keep the clip's values
+  EXPECT_GE(moved, 0.05);    // and the rest of the body goes on
+  RecordProperty("hand_mm", std::to_string(1e3 * worstHand));
+  RecordProperty("foot_mm", std::to_string(1e3 * worstFoot));
+}
+
+TEST_F(Driven, ADraggedPoseIsKeyedAndTheClipGoesThroughIt) {
+  sandbox_.openModel(swingingFigure(), {"figure"});
+  play("0 do Motion frame 31\n1 show skin off\n");
+  const Eigen::Vector3d before = shown("hand_r");
+  play("0 drag hand_r -30 -80 12\n", 20);
+  const Eigen::Vector3d dragged = shown("hand_r");
+  const auto fromChest = [&]() -> Eigen::Vector3d { return (sandbox_.shownFrames()[joint("spine_03")].inverse() * sandbox_.shownFrames()[joint("hand_r")]).translation(); };
+  const Eigen::Vector3d reach = fromChest();
+  EXPECT_GE((dragged - before).norm(), 0.05);
+  EXPECT_FALSE(sandbox_.playing());
+  play("0 do Motion key-moved\n");
+  EXPECT_LE((shown("hand_r") - dragged).norm(), 1e-3);
+  play("0 do Motion frame 10\n1 do Motion frame 31\n");  // the pose is the clip's own now
+  EXPECT_LE((shown("hand_r") - dragged).norm(), 1e-3);
+  const std::string file = ::testing::TempDir() + "gelenk_keyed.bvh";
+  play("0 do Motion write " + file + "\n");
+  const BvhMotion written = readBvh(file);
+  EXPECT_LE((forwardKinematics(written.skeleton, written.clip.q.col(30))[written.skeleton.jointIndex("hand_r")].translation() - dragged).norm(), 1e-3);
+  play("0 do Motion move-key 31 41\n1 do Motion frame 41\n");
+  EXPECT_LE((fromChest() - reach).norm(), 1e-3);
+  play("0 do Motion delete-key\n1 do Motion frame 31\n");
+  EXPECT_LE((shown("hand_r") - before).norm(), 1e-9);
+  play("0 do Motion undo\n0 do Motion undo\n1 do Motion frame 31\n");
+  EXPECT_LE((shown("hand_r") - dragged).norm(), 1e-3);
+  std::filesystem::remove(file);
+}
+
+TEST_F(Driven, ATurnedJointIsKeyedAlone) {
+  sandbox_.openModel(swingingFigure(), {"figure"});
+  play("0 do Motion frame 31\n1 select lowerarm_l\n2 do Motion turn 40 0 0\n4 do Motion key\n5 do Motion frame 1\n6 do Motion frame 31\n");
+  const Skeleton& skeleton = sandbox_.session().skeleton();
+  const Frames clip = forwardKinematics(skeleton, sandbox_.session().model().clip->q.col(30));
+  EXPECT_LE((shown("lowerarm_l") - clip[joint("lowerarm_l")].translation()).norm(), 1e-9);
+  EXPECT_GE((shown("hand_l") - clip[joint("hand_l")].translation()).norm(), 0.05);
+  EXPECT_LE((shown("hand_r") - clip[joint("hand_r")].translation()).norm(), 1e-9);
+}
+
+TEST_F(Driven, KeysAreMovedAlongTheTimelineByTheMouse) {
+  sandbox_.openModel(swingingFigure(), {"figure"});
+  play("0 do Motion frame 11\n1 do Motion key hand_l\n2 do Motion frame 31\n3 do Motion key hand_l\n", 2);
+  const auto keys = [&] { return nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["keys"]; };
+  ASSERT_EQ(keys().size(), 2u);
+  EXPECT_EQ(keys()[0]["frame"], 11);
+  const double x = keys()[0]["pixel"][0], y = keys()[0]["pixel"][1], frame = (keys()[1]["pixel"][0].get<double>() - x) / 20.0;
+  play(fmt::format("0 move {} {}\n2 press left\n3 shift-by {} 0 4\n9 release left\n", x, y, 10 * frame), 3);
+  EXPECT_EQ(keys()[0]["frame"], 21);
+  EXPECT_EQ(keys()[1]["frame"], 31);
+  EXPECT_EQ(nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["frame"], 31);  // the playhead stays
+  play(fmt::format("0 move {} {}\n2 press left\n3 shift-by {} 0 4\n9 release left\n", x, y, 5 * frame), 3);
+  EXPECT_EQ(nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["frame"], 16);  // beside a key it scrubs
+}
+
+TEST_F(Driven, ASecondClipIsLaidOverAndFadedInto) {
+  const Model model = swingingFigure();
+  const std::string file = ::testing::TempDir() + "gelenk_second.glb";
+  MotionClip raised = *model.clip;
+  for (int f = 0; f < raised.frameCount(); ++f) {
+    const int i = model.skeleton.jointIndex("upperarm_l");
+    setJointRotation(model.skeleton, raised.q.col(f), i, expRotation(Eigen::Vector3d(1.2, 0, 0)));
+  }
+  writeGltf(file, model.skeleton, nullptr, {{"raised", raised}});
+  sandbox_.openModel(model, {"figure"});
+  play("0 do Motion layer " + file + " 1 upperarm_l\n1 do Motion frame 20\n");
+  const Frames base = forwardKinematics(model.skeleton, model.clip->q.col(19)), layer = forwardKinematics(model.skeleton, raised.q.col(19));
+  const auto arm = [&](const Frames& frames) -> Eigen::Vector3d { return (frames[joint("clavicle_l")].inverse() * frames[joint("hand_l")]).translation(); };
+  EXPECT_GE((arm(base) - arm(layer)).norm(), 0.1);
+  EXPECT_LE((arm(sandbox_.shownFrames()) - arm(layer)).norm(), 1e-5);  // through a file in single precision
+  EXPECT_LE((shown("hand_r") - base[joint("hand_r")].translation()).norm(), 1e-9);
+  play("0 do Motion undo\n1 do Motion fade " + file + " 0.5\n2 do Motion frame 107\n");
+  // 61 + 61 - 15 frames; the last is the second clip's last.
+  EXPECT_LE((arm(sandbox_.shownFrames()) - arm(forwardKinematics(model.skeleton, raised.q.col(60)))).norm(), 1e-5);
+  EXPECT_THROW(play("0 do Motion fade no-such-file.bvh 0.5\n"), std::exception);
+  EXPECT_THROW(play("0 do Motion dance\n"), std::invalid_argument);
+  EXPECT_THROW(play("0 do Dance key\n"), std::invalid_argument);
+  std::filesystem::remove(file);
 }
 
 }  // namespace
