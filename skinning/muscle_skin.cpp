@@ -196,6 +196,7 @@ LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint) {
 }
 
 MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFrames) {
+  for (const Limb& limb : limbs) validate(limb.shape);
   MuscleSkin body{.skin = std::move(skin), .limbs = std::move(limbs), .vertices = {}, .outside = {}, .unbound = 0};
   const std::size_t count = body.skin.mesh.positions.size();
   body.vertices.resize(count);

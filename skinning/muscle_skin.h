@@ -53,7 +53,7 @@ struct MuscleSkin {
 
 /// Binds each vertex by solving the rest lattice (built by the same seam rule from the rest frames) for its parameters, so that the
 /// rest pose is reproduced exactly however the rig rests. Fits each limb's section rectangle to the vertices that are mainly
-/// on the limb.
+/// on the limb. Throws std::invalid_argument for a limb whose planes would cross.
 MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFrames);
 
 /// Pose of every limb. muscles: one list of states a limb, or empty.

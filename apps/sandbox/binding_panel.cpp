@@ -200,6 +200,12 @@ class BindingPanel final : public Panel {
     for (const auto& [vertex, influences] : change) weights[vertex] = influences;
     replaceAll(sandbox, weights);
   }
+  void verify(const Model& model, const std::string& json) const override {
+    if (model.skin) parseBinding(json, static_cast<int>(model.skin->influences.size()), model.skeleton);
+  }
+  void reset(Sandbox& sandbox) override {
+    if (editor_) replaceAll(sandbox, editor_->start());
+  }
 
  private:
   enum class Tool { Off, Brush, Lasso };

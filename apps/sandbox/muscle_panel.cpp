@@ -142,6 +142,14 @@ class MusclePanel final : public Panel {
     rebind(sandbox);
   }
 
+  void verify(const Model& model, const std::string& json) const override {
+    if (model.skin) parseMuscleSettings(json, standardLimbs(model.skeleton, restFrames(model.skeleton)));
+  }
+  void reset(Sandbox& sandbox) override {
+    modelChanged(sandbox);
+    sandbox.setMuscles(nullptr);
+  }
+
  private:
   static Vector3d sideways(const Camera& camera, const Vector3d& up) {
     const Vector3d forward = camera.target - camera.eye();

@@ -9,6 +9,7 @@
 namespace gelenk {
 
 class Sandbox;
+struct Model;
 
 /// One room of the sandbox: an inspector tab, a menu, a tab of the bottom strip, things drawn into the view, a share of every
 /// frame. Override what is needed. All calls come from the one thread, inside Sandbox::frame, in the order of panels.cpp.
@@ -69,6 +70,10 @@ class Panel {
   /// State for the scene file as a JSON text, "" for none; load gets what save returned. load may throw std::exception.
   virtual std::string save() const { return {}; }
   virtual void load(Sandbox&, const std::string& /*json*/) {}
+  /// Throws what load would throw for this model and changes nothing: asked before a scene replaces what is open.
+  virtual void verify(const Model&, const std::string& /*json*/) const {}
+  /// A scene of the model that is open has no part of this panel: back to how the model begins.
+  virtual void reset(Sandbox&) {}
 };
 
 /// Every panel there is, in the order of their tabs: an explicit table in panels.cpp.

@@ -195,6 +195,23 @@ void Sandbox::openModel(Model model, const ModelReference& reference) {
   for (const std::string& note : s.session->model().notes) say(note);
 }
 
+namespace {
+
+/// What a panel objects to, with the file's name before it.
+void verifyPanels(const std::string& path, const Scene& scene, const std::vector<std::unique_ptr<Panel>>& panels, const Model& model) {
+  for (const auto& panel : panels) {
+    const auto it = scene.panels.find(panel->name());
+    if (it == scene.panels.end()) continue;
+    try {
+      panel->verify(model, it->second);
+    } catch (const std::exception& error) {
+      throw std::runtime_error(path + ": " + error.what());
+    }
+  }
+}
+
+}  // namespace
+
 void Sandbox::openScene(const std::string& path) {
   State& s = *state_;
   const ModelReference reference = readModelReference(path);
@@ -203,6 +220,7 @@ void Sandbox::openScene(const std::string& path) {
   const Scene scene = loadScene(path, model.skeleton);
   Session trial(model);  // a scene that does not fit must leave what is open as it is
   trial.restore(scene);
+  verifyPanels(path, scene, s.panels, model);
   if (!sameModel) openModel(std::move(model), reference);
   s.session->restore(scene);
   s.camera = scene.camera;
@@ -212,7 +230,10 @@ void Sandbox::openScene(const std::string& path) {
   s.selectedJoint = s.session->skeleton().findJoint(scene.selectedJoint);
   s.scenePath = path;
   for (const auto& panel : s.panels)
-    if (const auto it = scene.panels.find(panel->name()); it != scene.panels.end()) panel->load(*this, it->second);
+    if (const auto it = scene.panels.find(panel->name()); it != scene.panels.end())
+      panel->load(*this, it->second);
+    else if (sameModel)
+      panel->reset(*this);
 }
 
 bool Sandbox::open(const std::string& nameOrFile, const std::string& skeletonFile, const std::string& weightsFile) {

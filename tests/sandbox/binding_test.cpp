@@ -2,7 +2,9 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "apps/binding_scene.h"
 #include "apps/muscle_scene.h"
 #include "apps/muscle_report.h"
 #include "apps/sandbox/replay.h"
@@ -10,6 +12,7 @@
 #include "apps/sandbox/view_picture.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "kinematics/io/text_file.h"
 #include "skinning/weight_paint.h"
 #include "tests/skinning/resting_arm.h"
 
@@ -134,6 +137,59 @@ TEST(BindingPanel, MuscleLayersFollowAndTheSceneKeepsTheWeightsExactly) {
   EXPECT_EQ(stage.panel("Binding").save(), saved);
   EXPECT_THROW(stage.panel("Binding").load(stage.sandbox, R"({"vertices": 3, "joints": [], "changed": []})"), std::runtime_error);
   EXPECT_EQ(stage.weights(), painted);  // nothing lost
+}
+
+/// A file of its own, removed afterwards.
+struct TemporaryScene {
+  std::string path = (std::filesystem::temp_directory_path() / ("gelenk-binding-" + std::to_string(getpid()) + ".json")).string();
+  ~TemporaryScene() { std::filesystem::remove(path); }
+};
+
+/// The figure, one of its vertices bound to the root, muscles on.
+std::string editedScene(Sandbox& sandbox, const std::string& path) {
+  std::vector<Influences> weights = sandbox.session().model().skin->influences;
+  std::string binding = bindingText({{7, Influences{}}}, static_cast<int>(weights.size()), sandbox.session().skeleton());
+  for (const auto& panel : sandbox.state().panels)
+    if (panel->name() == "Binding") panel->load(sandbox, binding);
+  EXPECT_TRUE(sandbox.saveSceneTo(path));
+  return readFile(path);
+}
+
+TEST(BindingPanel, ASceneOfTheSameModelWithoutABindingGoesBackToTheModelsOwn) {
+  const OffscreenContext context;
+  Sandbox sandbox({.model = "planar", .width = 320, .height = 240});
+  const TemporaryScene file;
+  ASSERT_TRUE(sandbox.open("figure"));
+  const std::vector<Influences> own = sandbox.session().model().skin->influences;
+  nlohmann::json scene = nlohmann::json::parse(editedScene(sandbox, file.path));
+  EXPECT_NE(sandbox.session().model().skin->influences, own);
+  scene["panels"].erase("Binding");
+  writeFile(file.path, scene.dump());
+  ASSERT_TRUE(sandbox.open(file.path));
+  EXPECT_EQ(sandbox.session().model().skin->influences, own);
+}
+
+TEST(BindingPanel, ASceneWithBadMusclesOrBindingChangesNothing) {
+  const OffscreenContext context;
+  Sandbox sandbox({.model = "planar", .width = 320, .height = 240});
+  const TemporaryScene file;
+  ASSERT_TRUE(sandbox.open("figure"));
+  const std::string good = editedScene(sandbox, file.path);
+  const std::vector<Influences> edited = sandbox.session().model().skin->influences;
+  const auto refused = [&](const char* entry, const char* value, const std::string& words) {
+    nlohmann::json scene = nlohmann::json::parse(good);
+    scene.at(nlohmann::json::json_pointer(entry)) = value;
+    writeFile(file.path, scene.dump());
+    ASSERT_TRUE(sandbox.open("planar"));  // something else, which must stay open
+    EXPECT_FALSE(sandbox.open(file.path));
+    EXPECT_EQ(sandbox.session().model().name, "planar");
+    EXPECT_NE(sandbox.state().notices.back().words.find(file.path + ": " + words), std::string::npos) << sandbox.state().notices.back().words;
+  };
+  refused("/panels/Muscles/limbs/0/name", "tail", "muscles.limbs[0]: the model has no limb 'tail'; it has: left arm");
+  refused("/panels/Binding/joints/0", "tail", "binding.joints[0]: expected a joint of the model, found \"tail\"");
+  writeFile(file.path, good);
+  ASSERT_TRUE(sandbox.open(file.path));
+  EXPECT_EQ(sandbox.session().model().skin->influences, edited);
 }
 
 }  // namespace

@@ -183,18 +183,48 @@ TEST(MuscleLayer, StraightLimbIsTheIdentity) {
     }
 }
 
+std::string complaintAbout(const LimbShape& shape) {
+  try {
+    validate(shape);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
 TEST(MuscleLayer, ImpossibleProportionsAreNamed) {
   EXPECT_THROW(defaultLimbShape({}), std::invalid_argument);
   EXPECT_THROW(defaultLimbShape({0.3, 0.0}), std::invalid_argument);
-  LimbShape shape = defaultLimbShape({0.3, 0.3});
-  shape.links[0].farGap *= 0.5;
-  EXPECT_THROW(validate(shape), std::invalid_argument);
-  shape = defaultLimbShape({0.3, 0.3});
-  shape.links[1].inner = 0.2;
-  EXPECT_THROW(validate(shape), std::invalid_argument);
-  shape = defaultLimbShape({0.3, 0.3});
-  shape.sectionUpper = shape.sectionLower;
-  EXPECT_THROW(validate(shape), std::invalid_argument);
+  EXPECT_THROW(defaultLimbShape({0.3, std::nan("")}), std::invalid_argument);
+  const auto changed = [](const auto& change) {
+    LimbShape shape = defaultLimbShape({0.3, 0.3});
+    change(shape);
+    return complaintAbout(shape);
+  };
+  const double nan = std::nan("");
+  EXPECT_EQ(changed([](LimbShape&) {}), "accepted");
+  EXPECT_NE(changed([](LimbShape& s) { s.links[0].farGap *= 0.5; }).find("link 1 of the limb violates nearGap equal to farGap"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { s.links[1].inner = 0.2; }).find("link 1 of the limb violates 0 < nearGap < middle - inner"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { s.links[0].inner = 0.0; }).find("link 0 of the limb violates inner > 0"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { s.links[0].length = 0.0; }).find("link 0 of the limb violates length > 0"), std::string::npos);
+  EXPECT_NE(changed([=](LimbShape& s) { s.links[0].middle = nan; }).find("link 0"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { setJointGap(s, 0.45); }).find("middle + inner < length - farGap"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { s.sectionUpper = s.sectionLower; }).find("rectangle is empty"), std::string::npos);
+  EXPECT_NE(changed([=](LimbShape& s) { s.sectionUpper.x() = nan; }).find("rectangle is empty"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { s.wedge = 0.5; }).find("[0, 1/2)"), std::string::npos);
+}
+
+TEST(MuscleLayer, AWrongNumberOfDisplacedPointsIsNamed) {
+  const LimbShape shape = defaultLimbShape({0.3});
+  const LimbFrames frames{.joints = {{0, 0, 0}, {0, 0, 0.3}}, .rotations = {Matrix3d::Identity()}};
+  MuscleState muscle;
+  muscle.plane4.displacement.resize(15, Vector3d::Zero());
+  try {
+    poseLimb(shape, frames, {muscle});
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("15 displaced control points, expected 16"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace
