@@ -23,12 +23,19 @@ struct Sample {
   double q[maxChainDofs], frame[12];
 };
 
+/// Grows with the angle of (x, y) from 0 to 1 over the turn, without trigonometry: the perimeter of a square instead of a circle.
+double turnOf(double x, double y) {
+  const double sum = std::abs(x) + std::abs(y);
+  if (sum == 0.0) return 0.0;
+  return 0.25 * (y >= 0.0 ? 1.0 - x / sum : 3.0 + x / sum);
+}
+
 }  // namespace
 
-int SeedTable::cellOf(double radius, double height, double cosine, double azimuth) const {
+int SeedTable::cellOf(double radius, double height, double cosine, double turn) const {
   const auto bin = [&](double unit) { return std::clamp(static_cast<int>(unit * side_), 0, side_ - 1); };
   const int i = bin(radius / radius_), j = bin((height - lowest_) / (highest_ - lowest_)), k = bin(0.5 * (cosine + 1.0)),
-            l = bin(azimuth / (2.0 * M_PI) + 0.5);
+            l = bin(turn);
   return ((i * side_ + j) * side_ + k) * side_ + l;
 }
 
@@ -74,7 +81,7 @@ std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const 
     spinBack(s.frame, c, sn, x);
     spinBack(s.frame + 3, c, sn, y);
     spinBack(s.frame + 6, c, sn, z);
-    const int cell = table.cellOf(radius, p[2], z[2], std::atan2(z[1], z[0]));
+    const int cell = table.cellOf(radius, p[2], z[2], turnOf(z[0], z[1]));
     Pool& pool = pools[cell];
     int slot = pool.count;
     ++seen[cell];
@@ -150,7 +157,7 @@ int SeedTable::cellOf(const KernelTarget& target) const {
   const double c = radius > 0.0 ? target.p[0] / radius : 1.0, s = radius > 0.0 ? target.p[1] / radius : 0.0;
   double z[3];
   spinBack(target.z, c, s, z);
-  return cellOf(radius, target.p[2], z[2], std::atan2(z[1], z[0]));
+  return cellOf(radius, target.p[2], z[2], turnOf(z[0], z[1]));
 }
 
 bool SeedTable::lookUp(const ChainConstants& C, const SerialKernel& kernel, const KernelTarget& target, LaneStarts& starts) const {

@@ -36,7 +36,7 @@ class SeedTable {
   double filledCells() const;                  ///< share of the cells that have an entry, 0..1
 
  private:
-  int cellOf(double radius, double height, double cosine, double azimuth) const;
+  int cellOf(double radius, double height, double cosine, double turn) const;
   int cellOf(const KernelTarget& target) const;
   static constexpr int poolSize = 16;  ///< candidates a cell; eight of them stay
   struct Pool;

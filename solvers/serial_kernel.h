@@ -9,7 +9,7 @@ namespace gelenk {
 /// instructions would be merged by the linker.
 
 inline constexpr int maxChainDofs = 8;
-inline constexpr int kernelLanes = 8;
+inline constexpr int kernelLanes = 16;  ///< starts or problems side by side
 
 /// Modified Denavit-Hartenberg constants of a chain, see SerialChain. Entry i belongs to dof i.
 struct ChainConstants {
@@ -38,6 +38,7 @@ struct KernelAnswer {
   int iterations = 0;   ///< of all lanes and attempts together
   int attempts = 0;     ///< starts used, the first included
   double error2 = 0.0;  ///< squared error of q (chain lengths and radians)
+  double e[3] = {}, w[3] = {};  ///< where solved: the error of q, position (chain lengths) and 2 tan(theta/2) axis, in the base frame
   double q[maxChainDofs];
 };
 
@@ -47,9 +48,9 @@ struct alignas(64) SeedCell {
   float x[3][kernelLanes], y[3][kernelLanes];
 };
 
-/// Eight starts side by side: dof by dof, a start a lane; bit l of valid tells whether lane l holds one.
+/// Starts side by side: dof by dof, a start a lane; bit l of valid tells whether lane l holds one.
 struct alignas(64) LaneStarts {
-  double q[maxChainDofs][kernelLanes];
+  float q[maxChainDofs][kernelLanes];
   int valid = 0;
 };
 
@@ -58,7 +59,7 @@ struct SerialKernel {
   /// One start, one lane. answer.q: the solution, or the best point met.
   void (*attempt)(const ChainConstants&, const KernelTask&, const KernelTarget&, const double* start, KernelAnswer&);
 
-  /// One problem, eight starts side by side; lanes without a start, and lanes that fail, take random ones. Ends with the first
+  /// One problem, sixteen starts side by side; lanes without a start, and lanes that fail, take random ones. Ends with the first
   /// lane that converges, or when maxAttempts starts are spent.
   void (*race)(const ChainConstants&, const KernelTask&, const KernelTarget&, const LaneStarts&, int maxAttempts,
                std::uint64_t randomSeed, KernelAnswer&);

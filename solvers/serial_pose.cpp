@@ -162,7 +162,7 @@ void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts
     for (int l = 0; l < kernelLanes; ++l) {
       state = state * 6364136223846793005ULL + 1442695040888963407ULL;
       const double q = start[i] + most * (2.0 * static_cast<double>(state >> 11) * 0x1p-53 - 1.0);
-      starts.q[i][l] = std::clamp(q, scaled_.lower[i], scaled_.upper[i]);
+      starts.q[i][l] = static_cast<float>(std::clamp(q, scaled_.lower[i], scaled_.upper[i]));
     }
   starts.valid = (1 << kernelLanes) - 1;
 }
@@ -207,7 +207,7 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
     if (descend) nudge(kernelStart, options.seed, starts);
     else if (starts.valid != (1 << kernelLanes) - 1) {
       const int lane = __builtin_ctz(~starts.valid);
-      for (int i = 0; i < n; ++i) starts.q[i][lane] = kernelStart[i];
+      for (int i = 0; i < n; ++i) starts.q[i][lane] = static_cast<float>(kernelStart[i]);
       starts.valid |= 1 << lane;
     }
     std::uint64_t seed = options.seed;
@@ -250,11 +250,28 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
     answer.why = Stop::Stalled;
     if (found.error2 < 1e299) accept(found);
   }
+  reportErrors(goal, prepared, found, answer);
+  return answer;
+}
+
+/// The judge's errors. Of a small error the kernel's own values say the same to the last digits: the point hangs on a lever.
+void SerialPoseSolver::reportErrors(const TipGoal& goal, const Prepared& prepared, const KernelAnswer& found, SerialPoseAnswer& answer) const {
+  if (found.solved && found.error2 < 1e-10) {
+    const Vector3d e(found.e), w(found.w);
+    Vector3d lever = Vector3d::Zero();  // from the last frame's origin to the point, base frame
+    if (goal.kind == GoalKind::Pose) {
+      Matrix3d wanted;
+      wanted << Vector3d(prepared.target.x), Vector3d(prepared.target.y), Vector3d(prepared.target.z);
+      lever = wanted * (chain_.lastFromTip * goal.pointInTip);
+    }
+    answer.positionError = (chain_.length * e + w.cross(lever)).norm();
+    answer.orientationError = w.norm();
+    return;
+  }
   ChainJacobian J;
   const TipError error = tipError(goal, frameAndJacobian(answer.q, J));
   answer.positionError = error.position.norm();
   answer.orientationError = error.rotation.norm();
-  return answer;
 }
 
 /// Newton on half the judge's squared error with the exact Hessian, joints at walls taken out while the slope pushes them

@@ -78,6 +78,7 @@ class SerialPoseSolver {
   KernelTarget kernelTarget(const TipGoal& goal) const;
   void nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const;
   void toLimits(double* q, const double* start) const;
+  void reportErrors(const TipGoal& goal, const Prepared& prepared, const KernelAnswer& found, SerialPoseAnswer& answer) const;
   SerialPoseAnswer closest(const TipGoal& goal, const ChainVector& start, const SerialPoseOptions& options) const;
 
   SerialChain chain_;
