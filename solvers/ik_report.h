@@ -24,6 +24,16 @@ struct Counters {
   int hessians = 0;
   int factorisations = 0;
   int restarts = 0;
+
+  Counters& operator+=(const Counters& other) {
+    iterations += other.iterations;
+    forwardKinematics += other.forwardKinematics;
+    jacobians += other.jacobians;
+    hessians += other.hessians;
+    factorisations += other.factorisations;
+    restarts += other.restarts;
+    return *this;
+  }
 };
 
 struct IterationRecord {

@@ -36,8 +36,10 @@ struct KernelTask {
 struct KernelAnswer {
   int solved = 0;
   int iterations = 0;   ///< of all lanes and attempts together
+  int evaluations = 0;  ///< of the forward kinematics, likewise
   int attempts = 0;     ///< starts used, the first included
   double error2 = 0.0;  ///< squared error of q (chain lengths and radians)
+  double start[maxChainDofs];  ///< where attempt or race solved: the start that led there
   double e[3] = {}, w[3] = {};  ///< where solved: the error of q, position (chain lengths) and 2 tan(theta/2) axis, in the base frame
   double q[maxChainDofs];
 };

@@ -343,7 +343,7 @@ template <typename V, int N, bool Prismatic, bool Pose>
 GELENK_INLINE V step(const Constants<V>& C, const KernelTask& task, const Place<V, N>& at, const Error<V>& error, V* q) {
   using S = Scalar<V>;
   constexpr S dampingPerError = 0.05, longestStep = 1.2;
-  constexpr S leastDamping = sizeof(S) == sizeof(double) ? 1e-9 : 1e-6;  // above the rounding of J^T J
+  constexpr S leastDamping = sizeof(S) == sizeof(double) ? 1e-9 : 1e-5;  // above the rounding of J^T J
   V J[N][6], d[N], downhill[N], A[N][N];
   const V damping = error.squared * dampingPerError + leastDamping;
   GELENK_UNROLL for (int i = 0; i < N; ++i) {
@@ -430,7 +430,7 @@ struct LaneEvents {
 /// An attempt is over when the linear model promises to take away less than this share of the squared error: a local minimum.
 constexpr double leastPromise = 0.1;
 /// Squared error (chain lengths, radians) from which the step to be taken leads to where double precision finishes in one or two.
-constexpr double close2 = 1e-5;
+constexpr double close2 = 5e-7;
 
 /// One iteration of all lanes.
 template <int N, bool Prismatic, bool Pose>
@@ -469,6 +469,7 @@ static __attribute__((noinline)) bool descend(const ChainConstants& C, const Ker
     Place<double, N> at;
     Error<double> error;
     evaluate<double, N, Prismatic, Pose>(C, task, target, q, at, error);
+    ++answer.evaluations;
     const bool solved = isWithin(error, task.positionTolerance2, task.orientationTolerance2);
     if (solved || error.squared < answer.error2) {
       answer.error2 = error.squared;
@@ -527,8 +528,8 @@ struct Loops {
   static void attempt(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* start, KernelAnswer& answer) {
     Target<double> target;
     broadcast(goal, target);
-    for (int i = 0; i < N; ++i) answer.q[i] = start[i];
-    answer.iterations = 0;
+    for (int i = 0; i < N; ++i) answer.q[i] = answer.start[i] = start[i];
+    answer.iterations = answer.evaluations = 0;
     answer.attempts = 1;
     answer.solved = descend<N, Prismatic, Pose>(C, task, target, task.attemptIterations, false, answer);
   }
@@ -549,32 +550,40 @@ struct Loops {
     for (int l = 0; l < kernelLanes; ++l) state.aim(goal, l);
     const unsigned int seed = folded(randomSeed);
     firstStarts(rough, starts, seed, state);
-    answer.solved = answer.iterations = 0;
-    answer.attempts = kernelLanes;
+    answer.solved = answer.iterations = answer.evaluations = 0;
+    int live = maxAttempts < kernelLanes ? (1 << maxAttempts) - 1 : (1 << kernelLanes) - 1;  // lanes at work
+    answer.attempts = __builtin_popcount(live);
+    int number[kernelLanes];  // of a lane's random start; -1: a given one
+    for (int l = 0; l < kernelLanes; ++l) number[l] = starts.valid >> l & 1 ? -1 : l;
     answer.error2 = 1e300;
     double best = 1e300, bestQ[N] = {};
-    const auto keepBest = [&] {
-      for (int i = 0; i < N; ++i) answer.q[i] = bestQ[i];
-      answer.error2 = best;
-    };
-    while (true) {
+    while (live) {
       const LaneEvents events = iterateLanes<N, Prismatic, Pose>(rough, task, state);
-      answer.iterations += kernelLanes;
-      for (int done = events.close | events.spent; done; done &= done - 1) {
+      answer.iterations += __builtin_popcount(live);
+      answer.evaluations += __builtin_popcount(live);
+      for (int done = (events.close | events.spent) & live; done; done &= done - 1) {
         const int l = __builtin_ctz(done);
         if (events.close >> l & 1 && finish(C, task, target, state, l, answer)) {
           answer.solved = 1;
+          if (number[l] >= 0) randomStart(rough, seed, number[l], state, l);
+          for (int i = 0; i < N; ++i) answer.start[i] = number[l] >= 0 ? state.q[i][l] : starts.q[i][l];
           return;
         }
         if (state.error2[l] < best) {  // of the step before: a start for the search of the closest pose
           best = state.error2[l];
           for (int i = 0; i < N; ++i) bestQ[i] = state.q[i][l];
         }
-        if (answer.attempts >= maxAttempts) return keepBest();
+        if (answer.attempts >= maxAttempts) {
+          live &= ~(1 << l);
+          continue;
+        }
         state.age[l] = 0.0f;
-        randomStart(rough, seed, answer.attempts++, state, l);
+        number[l] = answer.attempts++;
+        randomStart(rough, seed, number[l], state, l);
       }
     }
+    for (int i = 0; i < N; ++i) answer.q[i] = bestQ[i];
+    answer.error2 = best;
   }
 
   /// Lanes of problems in work; those that come close wait until eight of them are finished side by side.
@@ -613,7 +622,7 @@ struct Loops {
       } else if (next < count) {
         problem[lane] = next++;
         KernelAnswer& answer = answers[problem[lane]];
-        answer.solved = answer.iterations = answer.attempts = 0;
+        answer.solved = answer.iterations = answer.evaluations = answer.attempts = 0;
         answer.error2 = 1e300;
       } else {
         busy &= ~(1 << lane);
@@ -638,6 +647,7 @@ struct Loops {
         waiting.read(first, q, target);
         GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = smaller<Doubles>(larger<Doubles>(q[i], fill<Doubles>(C.lower[i])), fill<Doubles>(C.upper[i]));
         constexpr int all = (1 << lanesIn<Doubles>) - 1;
+        Doubles steps = fill<Doubles>(0);
         for (int taken = 0;; ++taken) {
           Place<Doubles, N> at;
           Error<Doubles> error;
@@ -647,12 +657,14 @@ struct Loops {
           if (solvedHere == all || taken == together) {
             solved |= solvedHere << first;
             store(error.squared, waiting.error2 + first);
+            store(steps, waiting.age + first);
             break;
           }
           Doubles moved[N];
           GELENK_UNROLL for (int i = 0; i < N; ++i) moved[i] = q[i];
           step<Doubles, N, Prismatic, Pose>(C, task, at, error, moved);
           GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = select(within, q[i], moved[i]);
+          steps = steps + select(within, fill<Doubles>(0), fill<Doubles>(1));
         }
         GELENK_UNROLL for (int i = 0; i < N; ++i) store(q[i], waiting.q[i] + first);
       }
@@ -663,6 +675,8 @@ struct Loops {
     void settle(int w, bool solved) {
       KernelAnswer& answer = answers[waitingFor[w]];
       KernelAnswer here;
+      here.iterations = static_cast<int>(waiting.age[w]);
+      here.evaluations = here.iterations + 1;
       here.error2 = waiting.error2[w];
       for (int i = 0; i < N; ++i) here.q[i] = waiting.q[i][w];
       if (!solved) {
@@ -670,7 +684,8 @@ struct Loops {
         broadcast(goals[waitingFor[w]], target);
         solved = descend<N, Prismatic, Pose>(C, task, target, 8, true, here);
       }
-      answer.iterations += 1 + here.iterations;
+      answer.iterations += here.iterations;
+      answer.evaluations += here.evaluations;
       if (solved || here.error2 < answer.error2) {
         answer.solved = solved;
         answer.error2 = here.error2;
@@ -692,6 +707,7 @@ struct Loops {
           const int l = __builtin_ctz(done);
           KernelAnswer& answer = answers[problem[l]];
           answer.iterations += static_cast<int>(state.age[l]);
+          answer.evaluations += static_cast<int>(state.age[l]);
           if (events.close >> l & 1) {
             for (int i = 0; i < N; ++i) waiting.q[i][waitingCount] = state.q[i][l];
             waiting.aim(goals[problem[l]], waitingCount);

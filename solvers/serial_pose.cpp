@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
@@ -21,6 +22,7 @@ using Clock = std::chrono::steady_clock;
 using ChainMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, maxChainDofs, maxChainDofs>;
 using Twist = Eigen::Matrix<double, 6, 1>;
 
+constexpr double farJump = 0.5;  // radians or chain lengths: more than a dragged goal should ask of a joint at once
 constexpr double margin = 0.98;  // of the tolerances: what the kernel accepts, the judge's own arithmetic accepts too
 
 bool hasPosition(GoalKind kind) { return kind == GoalKind::Position || kind == GoalKind::Pose; }
@@ -111,6 +113,8 @@ KernelTarget SerialPoseSolver::kernelTarget(const TipGoal& goal) const {
   Vector3d point = goal.target;
   if (goal.kind == GoalKind::Pose) point -= worldFromLast * (chain_.lastFromTip * goal.pointInTip);
   point = baseFromWorld * (point - chain_.worldFromBase.translation()) / chain_.length;
+  constexpr double farthest = 1e6;  // out of reach in any case, and its square still fits single precision
+  if (point.norm() > farthest) point *= farthest / point.norm();
   KernelTarget target;
   for (int k = 0; k < 3; ++k) {
     target.x[k] = wanted(k, 0);
@@ -127,6 +131,7 @@ SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal, const 
   Prepared prepared;
   prepared.target = kernelTarget(goal);
   KernelTask& task = prepared.task;
+  task.attemptIterations = std::clamp(options.maxIterations, 1, task.attemptIterations);
   task.position = hasPosition(goal.kind);
   task.orientation = hasOrientation(goal.kind);
   const Vector3d pointInLast = chain_.lastFromTip * goal.pointInTip;
@@ -154,7 +159,18 @@ void SerialPoseSolver::toLimits(double* q, const double* start) const {
   }
 }
 
-/// Eight starts close to one whose own descent failed: the goal is near, and so should the answer be.
+/// The largest change of a dof (radians, chain lengths) between a start and a solution; infinite where there is none.
+double SerialPoseSolver::jump(const double* start, const KernelAnswer& found) const {
+  if (!found.solved) return std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  for (int i = 0; i < chain_.n; ++i) {
+    const double change = found.q[i] - start[i];
+    largest = std::max(largest, std::abs(chain_.wraps[i] ? std::remainder(change, 2.0 * M_PI) : change));
+  }
+  return largest;
+}
+
+/// Starts close to one whose own descent failed or led far away: the goal is near, and so should the answer be.
 void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const {
   constexpr double most = 0.3;  // radians or chain lengths
   std::uint64_t state = seed;
@@ -167,90 +183,113 @@ void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts
   starts.valid = (1 << kernelLanes) - 1;
 }
 
-SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector& wantedStart, const SerialPoseOptions& options) const {
-  Clock::time_point begin;
-  const int n = chain_.n;
-  SerialPoseAnswer answer;
-  ChainVector start = wantedStart;
-  for (int i = 0; i < n; ++i) start[i] = std::clamp(start[i], chain_.lower[i], chain_.upper[i]);
-  answer.q = start;
-  const Prepared prepared = prepare(goal, options);
-  double kernelStart[maxChainDofs];
-  for (int i = 0; i < n; ++i) {
-    kernelStart[i] = scaled_.revolute[i] != 0.0 ? start[i] : start[i] / chain_.length;
-    if (chain_.wraps[i] && std::abs(start[i]) > 100.0) kernelStart[i] = std::remainder(start[i], 2.0 * M_PI);
-  }
-  KernelAnswer found;
-  const auto accept = [&](const KernelAnswer& kernelAnswer) {
-    for (int i = 0; i < n; ++i) answer.q[i] = kernelAnswer.q[i];
-    toLimits(answer.q.data(), start.data());
-  };
-  const auto count = [&](const KernelAnswer& kernelAnswer) {
-    answer.counters.iterations += kernelAnswer.iterations;
-    answer.counters.forwardKinematics += kernelAnswer.iterations;
-    answer.counters.jacobians += kernelAnswer.iterations;
-    answer.counters.factorisations += kernelAnswer.iterations;
-  };
+/// One problem in the kernel's terms, and what was found and spent so far.
+struct SerialPoseSolver::Search {
+  const SerialPoseSolver& solver;
+  const SerialPoseOptions& options;
+  Prepared prepared;
+  double start[maxChainDofs] = {};
+  KernelAnswer found = {};
+  Counters counters = {};
 
-  constexpr double near2 = 0.5;  // squared error (chain lengths, radians): within it the start's own descent is tried first
-  const bool descend = options.restarts == 0 || kernel_->error(scaled_, prepared.task, prepared.target, kernelStart) < near2;
-  if (descend) {
+  void count(const KernelAnswer& answer) {
+    counters.iterations += answer.iterations;
+    counters.forwardKinematics += answer.evaluations;
+    counters.jacobians += answer.iterations;
+    counters.factorisations += answer.iterations;
+  }
+
+  void race(const LaneStarts& starts, int attempts, std::uint64_t seed, KernelAnswer& answer) {
+    solver.kernel_->race(solver.scaled_, prepared.task, prepared.target, starts, attempts, seed, answer);
+    count(answer);
+    counters.restarts += answer.attempts;
+  }
+
+  bool isNear() const {
+    constexpr double near2 = 0.5;  // squared error, chain lengths and radians
+    return solver.kernel_->error(solver.scaled_, prepared.task, prepared.target, start) < near2;
+  }
+
+  /// The start's own descent; where it fails or leads far away, starts close to it.
+  void nearStart() {
     KernelTask task = prepared.task;
     if (options.restarts == 0) task.attemptIterations = std::clamp(options.maxIterations, 1, 30);
-    kernel_->attempt(scaled_, task, prepared.target, kernelStart, found);
+    solver.kernel_->attempt(solver.scaled_, task, prepared.target, start, found);
     count(found);
-    if (found.solved) accept(found);
-  }
-  if (!(descend && found.solved) && options.restarts > 0) {
+    if (options.restarts == 0 || solver.jump(start, found) <= farJump) return;
     LaneStarts starts;
-    if (table_ && goal.kind == GoalKind::Pose) table_->lookUp(scaled_, *kernel_, prepared.target, starts);
-    if (descend) nudge(kernelStart, options.seed, starts);
-    else if (starts.valid != (1 << kernelLanes) - 1) {
+    solver.nudge(start, options.seed, starts);
+    KernelAnswer other;
+    race(starts, std::min(options.restarts, kernelLanes), options.seed, other);
+    if (solver.jump(start, other) < solver.jump(start, found)) found = other;
+  }
+
+  /// The race: the given starts, the problem's own, then random ones, in portions to look at the clock in between.
+  void anywhere(LaneStarts& starts) {
+    if (starts.valid != (1 << kernelLanes) - 1) {
       const int lane = __builtin_ctz(~starts.valid);
-      for (int i = 0; i < n; ++i) starts.q[i][lane] = static_cast<float>(kernelStart[i]);
+      for (int i = 0; i < solver.chain_.n; ++i) starts.q[i][lane] = static_cast<float>(start[i]);
       starts.valid |= 1 << lane;
     }
     std::uint64_t seed = options.seed;
-    int left = options.restarts;
-    while (left > 0) {  // in portions, to look at the clock in between
+    Clock::time_point begin;
+    for (int left = options.restarts; left > 0;) {
       const int portion = std::min(left, 64);
-      kernel_->race(scaled_, prepared.task, prepared.target, starts, portion, seed, found);
-      count(found);
-      answer.counters.restarts += found.attempts;
-      if (found.solved) {
-        accept(found);
-        break;
-      }
+      race(starts, portion, seed, found);
+      if (found.solved) return;
       if (left == options.restarts) begin = Clock::now();  // a portion takes microseconds: the clock is for those that need many
       left -= portion;
       starts.valid = 0;
       seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-      if (left > 0 && std::chrono::duration<double>(Clock::now() - begin).count() > options.maxSeconds) break;
+      if (std::chrono::duration<double>(Clock::now() - begin).count() > options.maxSeconds) return;
     }
   }
-  if (found.solved) {
-    answer.why = Stop::Converged;
-  } else if (options.closestPose) {
-    SerialPoseAnswer fromStart = closest(goal, start, options);
-    if (found.error2 < 1e299) {
-      ChainVector other(n);
-      for (int i = 0; i < n; ++i) other[i] = found.q[i];
-      toLimits(other.data(), start.data());
-      SerialPoseAnswer fromBest = closest(goal, other, options);
-      const auto cost = [](const SerialPoseAnswer& a) { return std::hypot(a.positionError, a.orientationError); };
-      if ((fromBest.why == Stop::Converged && fromStart.why != Stop::Converged) || cost(fromBest) < 0.99 * cost(fromStart)) fromStart = fromBest;
-    }
-    fromStart.counters.iterations += answer.counters.iterations;
-    fromStart.counters.forwardKinematics += answer.counters.forwardKinematics;
-    fromStart.counters.jacobians += answer.counters.jacobians;
-    fromStart.counters.factorisations += answer.counters.factorisations;
-    fromStart.counters.restarts = answer.counters.restarts;
-    return fromStart;
+};
+
+SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector& wantedStart, const SerialPoseOptions& options) const {
+  const int n = chain_.n;
+  if (!wantedStart.allFinite() || !goal.target.allFinite() || !goal.orientation.allFinite())
+    throw std::invalid_argument("the start and the goal of a solve must be finite numbers");
+  ChainVector start = wantedStart;
+  for (int i = 0; i < n; ++i) start[i] = std::clamp(start[i], chain_.lower[i], chain_.upper[i]);
+  Search search{.solver = *this, .options = options, .prepared = prepare(goal, options)};
+  for (int i = 0; i < n; ++i) {
+    search.start[i] = scaled_.revolute[i] != 0.0 ? start[i] : start[i] / chain_.length;
+    if (chain_.wraps[i] && std::abs(start[i]) > 100.0) search.start[i] = std::remainder(start[i], 2.0 * M_PI);
+  }
+  if (options.restarts == 0 || search.isNear()) search.nearStart();
+  if (!search.found.solved && options.restarts > 0) {
+    LaneStarts starts;
+    if (table_ && goal.kind == GoalKind::Pose) table_->lookUp(scaled_, *kernel_, search.prepared.target, starts);
+    search.anywhere(starts);
+  }
+
+  const KernelAnswer& found = search.found;
+  SerialPoseAnswer answer;
+  answer.q = start;
+  answer.from = start;
+  const bool hasPose = found.error2 < 1e299;
+  if (hasPose) {
+    for (int i = 0; i < n; ++i) answer.q[i] = found.q[i];
+    toLimits(answer.q.data(), start.data());
+  }
+  if (found.solved || !options.closestPose) {
+    answer.why = found.solved ? Stop::Converged : Stop::Stalled;
+    if (found.solved)
+      for (int i = 0; i < n; ++i) answer.from[i] = found.start[i] * (scaled_.revolute[i] != 0.0 ? 1.0 : chain_.length);
+    reportErrors(goal, search.prepared, found, answer);
+    answer.counters = search.counters;
   } else {
-    answer.why = Stop::Stalled;
-    if (found.error2 < 1e299) accept(found);
+    const ChainVector best = answer.q;
+    answer = closest(goal, start, options);
+    if (hasPose) {
+      SerialPoseAnswer fromBest = closest(goal, best, options);
+      const auto cost = [](const SerialPoseAnswer& a) { return std::hypot(a.positionError, a.orientationError); };
+      fromBest.from = best;
+      if ((fromBest.why == Stop::Converged && answer.why != Stop::Converged) || cost(fromBest) < 0.99 * cost(answer)) answer = std::move(fromBest);
+    }
+    answer.counters += search.counters;
   }
-  reportErrors(goal, prepared, found, answer);
   return answer;
 }
 
@@ -280,7 +319,7 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
   const int n = chain_.n;
   const bool position = hasPosition(goal.kind), rotation = hasOrientation(goal.kind);
   SerialPoseAnswer answer;
-  answer.q = start;
+  answer.q = answer.from = start;
   answer.why = Stop::Budget;
   ChainJacobian J(6, n), moved(6, n);
   ChainMatrix H(n, n);
@@ -483,11 +522,35 @@ class SerialPose final : public IkSolver {
     report.counters = answer.counters;
     report.residual = std::sqrt(goal.weight) * std::hypot(answer.positionError, answer.orientationError);
     if (trace == TraceLevel::Off) return;
-    ChainJacobian J;  // the inner loops keep no history: the trace holds the start and the answer
-    const TipError atStart = tipError(tip, solver.frameAndJacobian(start, J));
-    const bool full = trace == TraceLevel::Full;
-    report.trace.push_back({.q = full ? problem.start : VectorXd(), .residual = std::sqrt(goal.weight * atStart.squared())});
-    report.trace.push_back({.q = full ? report.q : VectorXd(), .residual = report.residual});
+    recordPath(solver, tip, answer, problem, trace, report);
+  }
+
+  /// The inner loops keep no history: the descent that won is run again from its start, in double precision and a step longer each time.
+  static void recordPath(const SerialPoseSolver& solver, const TipGoal& tip, const SerialPoseAnswer& answer, const IkProblem& problem, TraceLevel trace,
+                         IkReport& report) {
+    const SerialChain& chain = solver.chain();
+    const double weight = std::sqrt(problem.goals.front().weight);
+    VectorXd q = report.q, before = problem.start;
+    const auto record = [&](const ChainVector& dofs) {
+      ChainJacobian J;
+      for (int i = 0; i < chain.n; ++i) q[chain.qIndex[i]] = dofs[i];
+      if (!report.trace.empty()) report.trace.back().stepNorm = (q - before).norm();
+      before = q;
+      report.trace.push_back({.q = trace == TraceLevel::Full ? q : VectorXd(),
+                              .residual = weight * std::sqrt(tipError(tip, solver.frameAndJacobian(dofs, J)).squared())});
+    };
+    ChainVector start(chain.n);
+    for (int i = 0; i < chain.n; ++i) start[i] = problem.start[chain.qIndex[i]];
+    record(start);
+    if (answer.from != start) record(answer.from);
+    const bool newton = answer.why != Stop::Converged;
+    for (int steps = 1; steps < 30; ++steps) {
+      const SerialPoseOptions options{.restarts = 0, .maxIterations = steps, .closestPose = newton};
+      const SerialPoseAnswer along = newton ? solver.closest(tip, answer.from, options) : solver.solve(tip, answer.from, options);
+      if (along.why == Stop::Converged || along.why == Stop::Stationary) break;
+      record(along.q);
+    }
+    record(answer.q);
   }
 
   /// Prepared for a skeleton with the same joints (its address may have been used again).

@@ -34,17 +34,20 @@ struct SerialPoseOptions {
 
 struct SerialPoseAnswer {
   ChainVector q;                   ///< within limits
+  ChainVector from;                ///< the start of the descent that led to q
   Stop why = Stop::Failure;
   double positionError = 0.0;      ///< metres; 0 where the goal has no position part
   double orientationError = 0.0;   ///< radians
   Counters counters;
 };
 
-/// The default solver of serial chains: box-limited Levenberg-Marquardt on the Denavit-Hartenberg form of the chain, restarts eight
-/// at a time in the lanes of the processor, and an exact Newton method for the closest pose where there is no solution.
+/// The default solver of serial chains: box-limited Levenberg-Marquardt on the Denavit-Hartenberg form of the chain, restarts
+/// sixteen at a time in the lanes of the processor, and an exact Newton method for the closest pose where there is no solution.
 ///
-/// 1. A descent from the start, when the start is near the goal or no restart is allowed.
-/// 2. The race: eight starts side by side (of the seed table where there is one, then random), the first to converge wins.
+/// 1. A descent from the start, when the start is near the goal or no restart is allowed; where it fails or a joint goes more than half a
+///    radian, sixteen starts close by, and the nearer answer of the two.
+/// 2. The race: sixteen starts side by side (of the seed table where there is one, then random) in single precision; the first to come
+///    close is finished in double precision and wins.
 /// 3. No solution: Newton with the exact Hessian from the start and from the best pose met, on the judge's own error; the
 ///    start's answer is kept unless the other is better by a hundredth, so that a dragged goal out of reach does not jitter.
 ///
@@ -62,8 +65,11 @@ class SerialPoseSolver {
 
   const SerialChain& chain() const { return chain_; }
 
-  /// start: n entries, clamped to the limits.
+  /// start: n entries, clamped to the limits. Throws std::invalid_argument for a start or goal that is not finite.
   SerialPoseAnswer solve(const TipGoal& goal, const ChainVector& start, const SerialPoseOptions& options = {}) const;
+
+  /// Newton with the exact Hessian from start, alone: the closest pose nearby.
+  SerialPoseAnswer closest(const TipGoal& goal, const ChainVector& start, const SerialPoseOptions& options) const;
 
   /// World frame of the tip; J (6 x n, resized): rows 0-2 the velocity of the tip's origin, 3-5 the angular velocity, world axes.
   Eigen::Isometry3d frameAndJacobian(const ChainVector& q, ChainJacobian& J) const;
@@ -74,12 +80,13 @@ class SerialPoseSolver {
 
  private:
   struct Prepared;
+  struct Search;
   Prepared prepare(const TipGoal& goal, const SerialPoseOptions& options) const;
   KernelTarget kernelTarget(const TipGoal& goal) const;
+  double jump(const double* start, const KernelAnswer& found) const;
   void nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const;
   void toLimits(double* q, const double* start) const;
   void reportErrors(const TipGoal& goal, const Prepared& prepared, const KernelAnswer& found, SerialPoseAnswer& answer) const;
-  SerialPoseAnswer closest(const TipGoal& goal, const ChainVector& start, const SerialPoseOptions& options) const;
 
   SerialChain chain_;
   ChainConstants scaled_;  ///< lengths in units of chain_.length

@@ -213,5 +213,94 @@ TEST(SerialPose, ABatchSolvesWhatSinglesSolve) {
   }
 }
 
+TEST(SerialPose, ADraggedGoalDoesNotMakeJointsJump) {
+  for (const Robot& robot : robots()) {
+    SCOPED_TRACE(robot.name);
+    const Skeleton skeleton = toSkeleton(robot.table());
+    const int tip = skeleton.jointCount() - 1;
+    const SerialPoseSolver solver(extractSerialChain(skeleton, tip).chain);
+    std::mt19937_64 random(17);
+    int jumps = 0;
+    for (int i = 0; i < problems; ++i) {
+      IkProblem problem{.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random)};
+      const Eigen::Isometry3d target = forwardKinematics(skeleton, problem.start)[tip];
+      for (double& q : problem.start) q += 0.15 * (2.0 * uniform01(random) - 1.0);
+      problem.start = projectToLimits(skeleton, problem.start);
+      problem.goals = {{.kind = GoalKind::Pose, .joint = tip, .target = target.translation(), .orientation = Eigen::Quaterniond(target.linear())}};
+      const SerialPoseAnswer answer = solver.solve({.target = target.translation(), .orientation = target.linear()}, problem.start);
+      EXPECT_TRUE(judge(problem, answer.q).solved);
+      jumps += (answer.q - problem.start).cwiseAbs().maxCoeff() > 0.5;
+    }
+    EXPECT_LE(jumps, problems / 1000);
+  }
+}
+
+TEST(SerialPose, TheTraceLeadsFromTheStartToTheAnswer) {
+  const Skeleton skeleton = toSkeleton(robotTable("panda"));
+  const auto solver = makeSolver("serial-pose");
+  solver->prepare(skeleton);
+  std::mt19937_64 random(18);
+  for (const double reach : {1.0, 3.0}) {  // a pose within reach, and three times as far away
+    IkProblem problem = reachablePose(skeleton, random);
+    problem.goals[0].target *= reach;
+    const IkReport report = solver->solve(problem, {.restarts = 100}, TraceLevel::Full);
+    ASSERT_GT(report.trace.size(), 3u);
+    EXPECT_EQ(report.trace.front().q, problem.start);
+    EXPECT_EQ(report.trace.back().q, report.q);
+    for (const IterationRecord& record : report.trace) {
+      const GoalError error = judge(problem, record.q).goals[0];
+      EXPECT_NEAR(record.residual, std::hypot(error.position, error.orientation), 1e-9);
+    }
+    for (size_t k = 2; k < report.trace.size(); ++k) EXPECT_LE(report.trace[k].residual, report.trace[k - 1].residual * (1.0 + 1e-9));
+  }
+}
+
+TEST(SerialPose, WhatIsNotFiniteIsRefused) {
+  const Skeleton skeleton = toSkeleton(robotTable("panda"));
+  const SerialPoseSolver solver(extractSerialChain(skeleton, skeleton.jointCount() - 1).chain);
+  const ChainVector start = ChainVector::Zero(7);
+  ChainVector bad = start;
+  bad[3] = std::nan("");
+  EXPECT_THROW(solver.solve({}, bad), std::invalid_argument);
+  EXPECT_THROW(solver.solve({.target = {0.0, INFINITY, 0.0}}, start), std::invalid_argument);
+  const SerialPoseAnswer far = solver.solve({.target = {1e200, 0.0, 0.0}}, start, {.restarts = 32});
+  EXPECT_TRUE(far.q.allFinite());
+  EXPECT_NE(far.why, Stop::Converged);
+}
+
+TEST(SeedTable, FirstStartsLeadToMorePosesThanRandomOnes) {
+  const Skeleton skeleton = toSkeleton(robotTable("panda"));
+  const SerialChain chain = extractSerialChain(skeleton, skeleton.jointCount() - 1).chain;
+  SerialPoseSolver solver(chain);
+  EXPECT_EQ(solver.seedTable(), nullptr);
+  ASSERT_TRUE(solver.buildSeedTable({.samples = 100'000}));
+  EXPECT_EQ(solver.seedTable()->bytes(), 4096 * (sizeof(SeedCell) + 1));
+  EXPECT_GT(solver.seedTable()->filledCells(), 0.8);
+  std::mt19937_64 random(19);
+  std::vector<Eigen::Isometry3d> targets;
+  std::vector<double> starts;
+  for (int i = 0; i < problems; ++i) {
+    const IkProblem problem = reachablePose(skeleton, random);
+    targets.push_back(Eigen::Translation3d(problem.goals[0].target) * problem.goals[0].orientation);
+    starts.insert(starts.end(), problem.start.begin(), problem.start.end());
+  }
+  const auto solvedAtOnce = [&](const SerialPoseSolver& with) {
+    std::vector<KernelAnswer> answers(targets.size());
+    with.solveBatch(targets, starts, answers);
+    return std::count_if(answers.begin(), answers.end(), [](const KernelAnswer& a) { return a.solved && a.attempts == 1; });
+  };
+  const auto withTable = solvedAtOnce(solver), without = solvedAtOnce(SerialPoseSolver(chain));
+  std::printf("  first start leads to the pose: table %ld, random %ld of %d\n", withTable, without, problems);
+  EXPECT_GT(withTable, without + problems / 10);
+}
+
+TEST(SeedTable, ChainsThatEndInASlideHaveNone) {
+  const Skeleton skeleton = toSkeleton(robotTable("panda"));
+  SerialChain chain = extractSerialChain(skeleton, skeleton.jointCount() - 1).chain;
+  chain.constants.revolute[chain.n - 1] = 0.0;
+  chain.hasPrismatic = true;
+  EXPECT_FALSE(SerialPoseSolver(chain).buildSeedTable());
+}
+
 }  // namespace
 }  // namespace gelenk
