@@ -303,12 +303,21 @@ GELENK_INLINE typename Of<V>::Mask isWithin(const Error<V>& error, double positi
   return (error.position2 <= S(position2)) & (error.orientation2 <= S(orientation2)) & error.faces;
 }
 
-/// Solves A d = b in place: A = L D L^T, lower triangle in A[j][i], i <= j. Positive definite by the damping.
+/// Solves A d = b in place: A = L D L^T, lower triangle in A[j][i], i <= j. Positive definite by the damping. The second pivot of a
+/// pair comes from the pair's determinant, so that its division need not wait for the first one's.
 template <typename V, int N>
 GELENK_INLINE void solveSymmetric(V A[N][N], V* b) {
   using S = Scalar<V>;
+  constexpr S least = 1e-12;
+  V inverse, next = fill<V>(0);
   GELENK_UNROLL for (int i = 0; i < N; ++i) {
-    const V inverse = S(1) / larger<V>(A[i][i], fill<V>(S(1e-12)));
+    if (i % 2 == 0) {
+      const V pivot = larger<V>(A[i][i], fill<V>(least));
+      inverse = S(1) / pivot;
+      if (i + 1 < N) next = pivot / larger<V>(pivot * A[i + 1][i + 1] - A[i + 1][i] * A[i + 1][i], least * pivot);
+    } else {
+      inverse = next;
+    }
     GELENK_UNROLL for (int j = i + 1; j < N; ++j) {
       const V l = A[j][i] * inverse;
       GELENK_UNROLL for (int k = i + 1; k <= j; ++k) A[j][k] = A[j][k] - l * A[k][i];
