@@ -329,6 +329,14 @@ bool keepsNoHistory(const Group& group, const Results& results, const std::strin
   return true;
 }
 
+/// For the caption: who is not drawn, and why.
+std::string withoutHistory(const Group& group, const Results& results) {
+  std::string names;
+  for (const std::string& solver : group.solvers)
+    if (!neverSupported(group, solver) && keepsNoHistory(group, results, solver)) names += (names.empty() ? " Not drawn, since they keep no history of iterations: " : ", ") + solver;
+  return names.empty() ? names : names + ".";
+}
+
 /// Residual curves of one solver by problem: (x, residual) steps, held at their last value.
 std::string residualPlot(const Group& group, const Results& results, const ReportStyle& style, bool overTime) {
   Curves curves(style);
@@ -617,7 +625,7 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
             pairsTable(summary["sets"][group.set]["pairs"]);
     if (!canPlot) continue;
     html += "<div class=\"plots\">\n";
-    const auto figure = [&](const std::string& name, const std::string& script, const char* caption, int height = 0) {
+    const auto figure = [&](const std::string& name, const std::string& script, const std::string& caption, int height = 0) {
       if (script.empty()) return;
       if (height == 0) height = std::max(380, 60 + 17 * static_cast<int>(group.solvers.size()));
       const std::string svg = plotSvg(script, 760, height);
@@ -630,8 +638,9 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     };
     figure("profile", profilePlot(group, style), "Performance profile (Dolan, Moré 2002) of the times.");
     figure("success", successPlot(group, style), "Share of problems solved within a time.");
-    figure("residual-by-iteration", residualPlot(group, results, style, false), "Residual by iteration: median and quartiles of the traced problems.");
-    figure("residual-by-time", residualPlot(group, results, style, true), "Residual by time: median and quartiles of the traced problems.");
+    const std::string missing = withoutHistory(group, results);
+    figure("residual-by-iteration", residualPlot(group, results, style, false), "Residual by iteration: median and quartiles of the traced problems." + missing);
+    figure("residual-by-time", residualPlot(group, results, style, true), "Residual by time: median and quartiles of the traced problems." + missing);
     figure("hardness", hardnessPlot(group), "Share solved by the smallest singular value at the solution and the distance to the nearest limit (1: middle of every range).", group.solvers.size() > 3 ? 500 : 300);
     figure("displacement", displacementPlot(group, style), "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
     if (group.drag) figure("jitter", jitterPlot(group, style), "Jitter against lag, one point a drag speed.");
