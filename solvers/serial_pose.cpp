@@ -8,6 +8,7 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
+#include "solvers/judge.h"
 
 namespace gelenk {
 
@@ -518,7 +519,8 @@ class SerialPose final : public IkSolver {
                                                   .maxSeconds = budget.maxSeconds,
                                                   .seed = budget.seed});
     for (int i = 0; i < chain.n; ++i) report.q[chain.qIndex[i]] = answer.q[i];
-    report.why = answer.why;
+    // The last step of the budget may have arrived unnoticed.
+    report.why = answer.why == Stop::Budget && judge(problem, report.q).solved ? Stop::Converged : answer.why;
     report.counters = answer.counters;
     report.residual = std::sqrt(goal.weight) * std::hypot(answer.positionError, answer.orientationError);
     if (trace == TraceLevel::Off) return;

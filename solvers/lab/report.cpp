@@ -222,7 +222,11 @@ const std::string logY = "set logscale y\nset format y '10^{%L}'\n";
 
 class Curves {
  public:
-  explicit Curves(const ReportStyle& style) : style_(style) {}
+  /// Of the solvers (all of a set, drawn or not) those of one colour are told apart by their dashes.
+  Curves(const ReportStyle& style, const std::vector<std::string>& solvers) : style_(style) {
+    std::map<std::string, int> uses;
+    for (const std::string& solver : solvers) dashes_[solver] = 1 + uses[style.colour(solver)]++ % 5;
+  }
   void add(const std::string& solver, const std::vector<std::vector<double>>& rows) {
     if (rows.empty()) return;
     const std::string name = "d" + std::to_string(++count_);
@@ -249,25 +253,15 @@ class Curves {
     plots_ += fmt::format("{}${} using 1:2 with points pt {} ps 1.1 lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
                           symbol(solver), style_.colour(solver), solver);
   }
-  int symbol(const std::string& solver) {
-    dash(solver);
-    return std::array{7, 5, 9, 13, 15}[dashes_[solver] - 1];
-  }
+  int symbol(const std::string& solver) const { return std::array{7, 5, 9, 13, 15}[dashes_.at(solver) - 1]; }
   bool empty() const { return plots_.empty(); }
   std::string script(const std::string& settings) const { return preamble() + blocks_ + settings + "plot " + plots_ + "\n"; }
 
  private:
-  /// Solvers of one colour are told apart by their dashes.
-  std::string dash(const std::string& solver) {
-    if (!dashes_.count(solver)) {
-      const int earlier = ++uses_[style_.colour(solver)];
-      dashes_[solver] = 1 + (earlier - 1) % 5;
-    }
-    return fmt::format("dt {}", dashes_[solver]);
-  }
+  std::string dash(const std::string& solver) const { return fmt::format("dt {}", dashes_.at(solver)); }
   const ReportStyle& style_;
   std::string blocks_, plots_;
-  std::map<std::string, int> uses_, dashes_;
+  std::map<std::string, int> dashes_;
   int count_ = 0;
 };
 
@@ -291,7 +285,7 @@ std::string profilePlot(const Group& group, const ReportStyle& style) {
   for (auto& t : times) t.resize(n);
   const std::vector<double> taus = logSteps(1.0, 1000.0, 300);
   const auto profile = performanceProfile(times, taus);
-  Curves curves(style);
+  Curves curves(style, group.solvers);
   for (std::size_t m = 0; m < times.size(); ++m) {
     if (neverSupported(group, group.solvers[m])) continue;
     std::vector<std::vector<double>> rows;
@@ -302,7 +296,7 @@ std::string profilePlot(const Group& group, const ReportStyle& style) {
 }
 
 std::string successPlot(const Group& group, const ReportStyle& style) {
-  Curves curves(style);
+  Curves curves(style, group.solvers);
   double low = 1e300, high = 0.0;
   for (const auto& [solver, rows] : group.rows)
     for (const ResultRow* row : rows)
@@ -339,7 +333,7 @@ std::string withoutHistory(const Group& group, const Results& results) {
 
 /// Residual curves of one solver by problem: (x, residual) steps, held at their last value.
 std::string residualPlot(const Group& group, const Results& results, const ReportStyle& style, bool overTime) {
-  Curves curves(style);
+  Curves curves(style, group.solvers);
   for (const std::string& solver : group.solvers) {
     std::map<int, std::vector<std::pair<double, double>>> traces;
     double longest = overTime ? 0.0 : 1.0, shortest = 1e300;
@@ -406,7 +400,7 @@ std::string hardnessPlot(const Group& group) {
 }
 
 std::string displacementPlot(const Group& group, const ReportStyle& style) {
-  Curves curves(style);
+  Curves curves(style, group.solvers);
   for (const std::string& solver : group.solvers) {
     std::vector<double> ratios;
     for (const ResultRow* row : group.rows.at(solver))
@@ -422,7 +416,7 @@ std::string displacementPlot(const Group& group, const ReportStyle& style) {
 }
 
 std::string jitterPlot(const Group& group, const ReportStyle& style) {
-  Curves curves(style);
+  Curves curves(style, group.solvers);
   for (const std::string& solver : group.solvers) {
     std::map<double, std::vector<const ResultRow*>> levels;
     for (const ResultRow* row : group.rows.at(solver))
@@ -641,7 +635,7 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     const std::string missing = withoutHistory(group, results);
     figure("residual-by-iteration", residualPlot(group, results, style, false), "Residual by iteration: median and quartiles of the traced problems." + missing);
     figure("residual-by-time", residualPlot(group, results, style, true), "Residual by time: median and quartiles of the traced problems." + missing);
-    figure("hardness", hardnessPlot(group), "Share solved by the smallest singular value at the solution and the distance to the nearest limit (1: middle of every range).", group.solvers.size() > 3 ? 500 : 300);
+    figure("hardness", hardnessPlot(group), "Share solved by the smallest singular value at the solution and the distance to the nearest limit (1: middle of every range), of the first six solvers that do the problems.", group.solvers.size() > 3 ? 500 : 300);
     figure("displacement", displacementPlot(group, style), "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
     if (group.drag) figure("jitter", jitterPlot(group, style), "Jitter against lag, one point a drag speed.");
     html += "</div>\n";
