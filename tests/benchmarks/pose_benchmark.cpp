@@ -1,6 +1,6 @@
 // Pose inverse kinematics: ours against Orocos KDL, in one run, every answer judged outside the solvers.
 //   pose_benchmark [--problems=N] [--rounds=R] [--robot=NAME] [--no-peers] [--fresh=N] [google-benchmark flags]
-// --fresh=N: N fresh targets for panda alone, counting failures (1000000 in the mark). Means: processor time of this
+// --fresh=N: N fresh targets a robot, counting failures (1000000 in the mark). Means: processor time of this
 // thread over all problems, failures included, the least and the median of the rounds; p50 and p99: wall time of single solves in
 // one more round, which other programs on the machine may stretch.
 
@@ -210,8 +210,8 @@ void drag() {
   fmt::print("answers that jump more than 0.5 rad: {} of {}\n", jumps, set.goals.size());
 }
 
-void freshTargets() {
-  const Skeleton skeleton = toSkeleton(robotTable("panda"));
+void freshTargets(const Robot& robot) {
+  const Skeleton skeleton = toSkeleton(robot.table());
   const SerialPoseSolver solver(extractSerialChain(skeleton, skeleton.jointCount() - 1).chain);
   long failures = 0, done = 0;
   for (std::uint64_t seed = 1000; done < settings.fresh; ++seed) {
@@ -220,7 +220,7 @@ void freshTargets() {
     for (size_t i = 0; i < set.goals.size(); ++i) failures += !judge(set.problems[i], solver.solve(set.goals[i], set.starts[i]).q).solved;
     done += static_cast<long>(set.goals.size());
   }
-  fmt::print("\npanda, {} fresh targets (seeds from 1000, 10,000 each): {} failures\n", done, failures);
+  fmt::print("\n{}, {} fresh targets (seeds from 1000, 10,000 each): {} failures\n", robot.name, done, failures);
 }
 
 void BM_PandaFrameAndJacobian(benchmark::State& state) {
@@ -255,12 +255,11 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&restCount, rest.data());
   if (benchmark::ReportUnrecognizedArguments(restCount, rest.data())) return 1;
   fmt::print("{}; kernels chosen here: {}\n", processor(), toString(bestInstructionSet()));
-  if (settings.fresh > 0) {
-    freshTargets();
-    return 0;
+  for (const Robot& robot : robots()) {
+    if (robot.name == "scara" || (!settings.robot.empty() && settings.robot != robot.name)) continue;
+    settings.fresh > 0 ? freshTargets(robot) : compareOn(robot);
   }
-  for (const Robot& robot : robots())
-    if (robot.name != "scara" && (settings.robot.empty() || settings.robot == robot.name)) compareOn(robot);
+  if (settings.fresh > 0) return 0;
   drag();
   fmt::print("\n");
   benchmark::RunSpecifiedBenchmarks();
