@@ -39,11 +39,6 @@ int SeedTable::cellOf(double radius, double height, double cosine, double turn) 
   return ((i * side_ + j) * side_ + k) * side_ + l;
 }
 
-struct SeedTable::Pool {
-  SeedCell half[poolSize / kernelLanes];
-  int count = 0;
-};
-
 std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const SerialKernel& kernel, const SeedTableOptions& options) {
   if (n < 3 || C.revolute[0] == 0.0 || C.revolute[n - 1] == 0.0) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
@@ -69,7 +64,6 @@ std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const 
   table.highest_ = std::max(table.highest_, table.lowest_ + 1e-9);
   const int cells = table.side_ * table.side_ * table.side_ * table.side_;
   table.cells_.resize(cells, SeedCell{});
-  std::vector<Pool> pools(cells);
   table.counts_.assign(cells, 0);
   std::vector<int> seen(cells, 0);
   for (int trial = 0; trial < options.samples; ++trial) {
@@ -82,73 +76,68 @@ std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const 
     spinBack(s.frame + 3, c, sn, y);
     spinBack(s.frame + 6, c, sn, z);
     const int cell = table.cellOf(radius, p[2], z[2], turnOf(z[0], z[1]));
-    Pool& pool = pools[cell];
-    int slot = pool.count;
+    int slot = table.counts_[cell];
     ++seen[cell];
-    if (slot == poolSize) {  // a fair sample of all that came (Vitter's reservoir)
+    if (slot == kernelLanes) {  // a fair sample of all that came (Vitter's reservoir)
       slot = static_cast<int>(uniform01(random) * seen[cell]);
-      if (slot >= poolSize) continue;
+      if (slot >= kernelLanes) continue;
     } else {
-      ++pool.count;
+      ++table.counts_[cell];
     }
-    SeedCell& half = pool.half[slot / kernelLanes];
-    const int lane = slot % kernelLanes;
-    for (int i = 0; i < n; ++i) half.q[i][lane] = static_cast<float>(s.q[i]);
-    half.q[0][lane] = static_cast<float>(-azimuth);
-    for (int k = 0; k < 3; ++k) half.x[k][lane] = static_cast<float>(x[k]), half.y[k][lane] = static_cast<float>(y[k]);
+    SeedCell& starts = table.cells_[cell];
+    for (int i = 0; i < n; ++i) starts.q[i][slot] = static_cast<float>(s.q[i]);
+    starts.q[0][slot] = static_cast<float>(-azimuth);
+    for (int k = 0; k < 3; ++k) starts.x[k][slot] = static_cast<float>(x[k]), starts.y[k][slot] = static_cast<float>(y[k]);
   }
-  for (int cell = 0; cell < cells; ++cell) table.choose(C, kernel, pools[cell], cell);
+  for (int cell = 0; cell < cells; ++cell) table.order(C, kernel, cell);
   table.seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return table;
 }
 
-/// Greedy cover: the candidate that leads to most of the cell's poses first, then the one that adds most.
-void SeedTable::choose(const ChainConstants& C, const SerialKernel& kernel, const Pool& pool, int cell) {
-  const int count = pool.count;
+/// Greedy cover: the start that leads to most of the cell's poses first, then the one that adds most, soonest.
+void SeedTable::order(const ChainConstants& C, const SerialKernel& kernel, int cell) {
+  constexpr int most = kernelLanes;
+  const SeedCell from = cells_[cell];
+  const int count = counts_[cell];
+  if (count == 0) return;
   const double base[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, origin[3] = {0, 0, 0};
   const double middle = C.lower[0] > -1e299 && C.upper[0] < 1e299 ? 0.5 * (C.lower[0] + C.upper[0]) : 0.0;
-  KernelTarget targets[poolSize * poolSize];
-  double starts[poolSize * poolSize * maxChainDofs], frame[12], jacobian[6 * maxChainDofs], q[maxChainDofs];
-  KernelAnswer answers[poolSize * poolSize];
-  const auto angle = [&](int candidate, int dof) { return pool.half[candidate / kernelLanes].q[dof][candidate % kernelLanes]; };
+  KernelTarget targets[most * most];
+  double starts[most * most * maxChainDofs], frame[12], jacobian[6 * maxChainDofs], q[maxChainDofs];
+  KernelAnswer answers[most * most];
   for (int t = 0; t < count; ++t) {
-    for (int i = 0; i < n_; ++i) q[i] = angle(t, i);
+    for (int i = 0; i < n_; ++i) q[i] = from.q[i][t];
     q[0] = middle;  // the pose in the middle of the first joint's range
     kernel.frameAndJacobian(C, base, origin, q, frame, jacobian);
     KernelTarget target;
     for (int k = 0; k < 3; ++k) target.x[k] = frame[k], target.y[k] = frame[3 + k], target.z[k] = frame[6 + k], target.p[k] = frame[9 + k];
-    for (int half = 0; half * kernelLanes < count; ++half) {
-      LaneStarts turned;
-      kernel.turnSeeds(C, target, pool.half[half], kernelLanes, turned);
-      for (int s = half * kernelLanes; s < std::min(count, (half + 1) * kernelLanes); ++s) {
-        targets[t * count + s] = target;
-        for (int i = 0; i < n_; ++i) starts[(t * count + s) * n_ + i] = turned.q[i][s % kernelLanes];
-      }
+    LaneStarts turned;
+    kernel.turnSeeds(C, target, from, count, turned);
+    for (int s = 0; s < count; ++s) {
+      targets[t * count + s] = target;
+      for (int i = 0; i < n_; ++i) starts[(t * count + s) * n_ + i] = turned.q[i][s];
     }
   }
   kernel.batch(C, KernelTask{.attemptIterations = trainingIterations}, targets, count * count, starts, 1, 1, 1, answers);
-  unsigned long long covered = 0, taken = 0;
-  counts_[cell] = static_cast<std::uint8_t>(std::min(count, kernelLanes));
-  for (int place = 0; place < counts_[cell]; ++place) {
+  unsigned covered = 0, taken = 0;
+  for (int place = 0; place < count; ++place) {
     int best = -1, bestValue = -1;
-    unsigned long long bestReach = 0;
+    unsigned bestReach = 0;
     for (int s = 0; s < count; ++s) {
       if (taken >> s & 1) continue;
-      unsigned long long reach = 0;
+      unsigned reach = 0;
       int value = 0;
       for (int t = 0; t < count; ++t) {
         if (t == s || !answers[t * count + s].solved) continue;
-        reach |= 1ull << t;
+        reach |= 1u << t;
         value += (covered >> t & 1 ? 1 : 16) * (2 * trainingIterations - answers[t * count + s].iterations);
       }
       if (value > bestValue) best = s, bestValue = value, bestReach = reach;
     }
-    taken |= 1ull << best;
+    taken |= 1u << best;
     covered |= bestReach;
-    const SeedCell& from = pool.half[best / kernelLanes];
-    const int lane = best % kernelLanes;
-    for (int i = 0; i < n_; ++i) cells_[cell].q[i][place] = from.q[i][lane];
-    for (int k = 0; k < 3; ++k) cells_[cell].x[k][place] = from.x[k][lane], cells_[cell].y[k][place] = from.y[k][lane];
+    for (int i = 0; i < n_; ++i) cells_[cell].q[i][place] = from.q[i][best];
+    for (int k = 0; k < 3; ++k) cells_[cell].x[k][place] = from.x[k][best], cells_[cell].y[k][place] = from.y[k][best];
   }
 }
 

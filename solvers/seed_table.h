@@ -20,8 +20,8 @@ struct SeedTableOptions {
 /// Turning the first joint spins the whole pose about the base's axis, turning the last one rolls the frame about its own: both
 /// are factored out in closed form, so that a six-dimensional pose needs a key of four: radius and height of the last frame's
 /// origin in the base frame, and the direction of the last axis seen from the azimuth of that origin (cosine to the base's axis
-/// and azimuth). Every cell keeps up to eight configurations that reach into it; looking them up means choosing q_1 from the azimuth
-/// and q_n so that the remaining rotation is smallest. A cell's candidates are their own training set: each is tried as a start
+/// and azimuth). Every cell keeps up to sixteen configurations that reach into it; looking them up means choosing q_1 from the azimuth
+/// and q_n so that the remaining rotation is smallest. A cell's starts are their own training set: each is tried as a start
 /// for the poses of the others; the one that leads to most of them, soonest, comes first, then the one that adds most, and so on.
 class SeedTable {
  public:
@@ -38,9 +38,7 @@ class SeedTable {
  private:
   int cellOf(double radius, double height, double cosine, double turn) const;
   int cellOf(const KernelTarget& target) const;
-  static constexpr int poolSize = 16;  ///< candidates a cell; eight of them stay
-  struct Pool;
-  void choose(const ChainConstants& C, const SerialKernel& kernel, const Pool& pool, int cell);
+  void order(const ChainConstants& C, const SerialKernel& kernel, int cell);
 
   int n_ = 0, side_ = 0;
   double radius_ = 0.0, lowest_ = 0.0, highest_ = 0.0;  ///< the reached region

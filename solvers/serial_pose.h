@@ -59,7 +59,7 @@ class SerialPoseSolver {
   /// Throws std::invalid_argument where the instruction set is not available.
   explicit SerialPoseSolver(SerialChain chain, InstructionSet set = bestInstructionSet());
 
-  /// Fills the table of starts (about 0.1 s; see seed_table.h). False where the chain has none: it goes on without.
+  /// Fills the table of starts (0.2 to 0.4 s; see seed_table.h). False where the chain has none: it goes on without.
   bool buildSeedTable(const SeedTableOptions& options = {});
   const SeedTable* seedTable() const { return table_ ? &*table_ : nullptr; }
 
