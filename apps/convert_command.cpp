@@ -92,13 +92,7 @@ void write(const Imported& imported, FileKind kind, const Request& request) {
     }
     case FileKind::PinocchioWeights: {
       if (!imported.model.skin) throw std::invalid_argument("'" + request.in + "' has no body whose weights could be written");
-      SparseWeights weights;
-      for (const Influences& influence : imported.model.skin->influences) {
-        weights.emplace_back();
-        for (int k = 0; k < 4; ++k)
-          if (influence.weights[k] > 0.0) weights.back().emplace_back(influence.joints[k], influence.weights[k]);
-      }
-      return writeFile(request.out, formatPinocchioWeights(boneWeights(weights, skeleton)));
+      return writeFile(request.out, formatPinocchioWeights(boneWeights(imported.model.skin->influences, skeleton)));
     }
     default: throw std::invalid_argument("writing " + describe(kind) + " is not possible; read only");
   }

@@ -37,6 +37,39 @@ int dominantJoint(const Skin& skin, const SurfacePoint& point) {
   return static_cast<int>(std::ranges::max_element(share) - share.begin());
 }
 
+namespace {
+
+double distanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d ab = b - a;
+  const double t = ab.squaredNorm() > 0.0 ? std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0) : 0.0;
+  return (a + t * ab - p).norm();
+}
+
+}  // namespace
+
+std::optional<LatticePoint> pickLattice(const LimbPose& limb, const Camera& camera, const Viewport& viewport,
+                                        const Eigen::Vector2d& pixel, double reach) {
+  std::optional<LatticePoint> nearest;
+  double smallest = reach, depth = 0.0;
+  for (int plane = 0; plane < static_cast<int>(limb.planes.size()); ++plane) {
+    std::array<Projected, 16> at;
+    std::ranges::transform(limb.controlPoints(plane), at.begin(), [&](const Eigen::Vector3d& p) { return project(camera, viewport, p); });
+    if (std::ranges::any_of(at, [](const Projected& p) { return p.depth <= 0.0; })) continue;
+    double distance = reach;
+    for (int c = 0; c < 16; ++c) {
+      if (c % 4 > 0) distance = std::min(distance, distanceToSegment(pixel, at[c - 1].pixel, at[c].pixel));
+      if (c >= 4) distance = std::min(distance, distanceToSegment(pixel, at[c - 4].pixel, at[c].pixel));
+    }
+    const auto point = std::ranges::min_element(at, {}, [&](const Projected& p) { return (p.pixel - pixel).norm(); });
+    const bool nearer = distance < smallest - 0.5 || (distance < smallest + 0.5 && nearest && point->depth < depth);
+    if (distance >= reach || !(nearer || !nearest)) continue;
+    smallest = distance;
+    depth = point->depth;
+    nearest = {.plane = plane, .point = static_cast<int>(point - at.begin())};
+  }
+  return nearest;
+}
+
 std::optional<Eigen::Vector3d> dragTarget(const Camera& camera, const Viewport& viewport, const Eigen::Vector2d& pixel,
                                           const Eigen::Vector3d& start, DragConstraint constraint) {
   constexpr double steepest = 0.05;  // sine of the smallest angle between ray and plane, about 3 degrees

@@ -5,6 +5,7 @@
 
 #include "apps/camera.h"
 #include "apps/scene.h"
+#include "skinning/muscle_layer.h"
 #include "skinning/skin.h"
 
 namespace gelenk {
@@ -23,6 +24,15 @@ std::optional<SurfaceHit> pickSurface(const std::vector<std::array<int, 3>>& tri
 
 /// The joint that carries most of a point of the skin.
 int dominantJoint(const Skin& skin, const SurfacePoint& point);
+
+/// A control point of a limb's lattice: plane 6 link + (0 ... 6), point 4 j + i.
+struct LatticePoint {
+  int plane = -1, point = -1;
+};
+/// The plane whose grid of lines passes the pixel nearest, within so many pixels, and its control point nearest to the pixel; of planes
+/// equally near the one nearer to the eye. What lies behind the eye is not picked.
+std::optional<LatticePoint> pickLattice(const LimbPose& limb, const Camera& camera, const Viewport& viewport,
+                                        const Eigen::Vector2d& pixel, double reach = 8.0);
 
 /// What the mouse may do to a dragged point: stay in the plane through `start` that faces the viewer, on the horizontal plane
 /// through it, or on the line through it along one world axis.

@@ -9,8 +9,10 @@
 #include "apps/muscle_report.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "kinematics/io/text_file.h"
 #include "kinematics/symmetry.h"
 #include "skinning/bone_heat.h"
+#include "skinning/io/pinocchio_weights.h"
 #include "skinning/weight_paint.h"
 
 namespace gelenk {
@@ -303,6 +305,27 @@ class BindingPanel final : public Panel {
     if (ImGui::Button("Original")) replaceAll(sandbox, editor_->start());
     tooltip("The model's own weights. Can be undone.");
     ImGui::TextColored(sandbox.state().colours().textDim, "Saved with the scene, to the last bit.");
+    ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
+    ImGui::InputText("##attachment", attachmentPath_, sizeof attachmentPath_);
+    tooltip("File of the button beside it.");
+    ImGui::SameLine();
+    if (ImGui::Button("Export")) exportTo(sandbox, attachmentPath_);
+    tooltip("Writes the weights as a Pinocchio attachment file, one line a vertex and one column a bone, as --weights takes it.");
+  }
+
+  void exportTo(Sandbox& sandbox, const std::string& path) {
+    try {
+      writeFile(path, formatPinocchioWeights(boneWeights(editor_->weights(), skeleton_)));
+      const auto onTip = std::ranges::count_if(editor_->weights(), [&](const Influences& in) {
+        for (int k = 0; k < 4; ++k)
+          if (in.weights[k] > 0.0 && skeleton_.children(in.joints[k]).empty()) return true;
+        return false;
+      });
+      sandbox.say(onTip == 0 ? "Wrote " + path
+                             : fmt::format("Wrote {}; {} vertices follow joints without a child, which come back on the parent", path, onTip));
+    } catch (const std::exception& error) {
+      sandbox.say(error.what(), true);
+    }
   }
 
   VertexSelection everyVertex(double share) const {
@@ -454,6 +477,7 @@ class BindingPanel final : public Panel {
 
   std::optional<Vector3d> lastStamp_;
   std::vector<Vector2d> lasso_;
+  char attachmentPath_[512] = "weights.attachment";
 };
 
 }  // namespace

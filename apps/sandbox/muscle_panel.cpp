@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "apps/muscle_report.h"
 #include "apps/muscle_scene.h"
@@ -12,6 +13,7 @@
 namespace gelenk {
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double degree = M_PI / 180.0;
@@ -43,6 +45,8 @@ class MusclePanel final : public Panel {
     limbs_ = standardLimbs(model.skeleton, restFrames(model.skeleton));
     for (const Limb& limb : limbs_)
       settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
+    under_.reset();
+    dragged_.reset();
     shownLimb_ = 0;
     selectedPlane_ = 2;
     selectedLink_ = 0;
@@ -54,6 +58,7 @@ class MusclePanel final : public Panel {
 
   void drawInspector(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();
+    shownAt_ = sandbox.frameNumber();
     if (limbs_.empty()) {
       ImGui::TextWrapped("%s", sandbox.session().model().skin
                                    ? "No limb of a known name (upperarm_l, lowerarm_l, hand_l, ...) was found in this model."
@@ -68,7 +73,8 @@ class MusclePanel final : public Panel {
       return;
     }
     ImGui::Checkbox("Lattice", &settings_.lattice);
-    tooltip("The control planes of the chosen limb: seven a link, 4 x 4 points each. Teal: connecting planes, amber: inner planes.");
+    tooltip("The control planes of the chosen limb: seven a link, 4 x 4 points each. Teal: connecting planes, amber: inner planes. Click "
+            "a plane to select it; drag one of planes 2 and 4 to scale it, with Shift to turn it about the bone.");
     ImGui::SameLine();
     ImGui::Checkbox("LBS beside", &settings_.split);
     tooltip("Split view: the same pose with linear blend skinning alone, to the left.");
@@ -96,7 +102,7 @@ class MusclePanel final : public Panel {
     curvePlot(s, curve);
 
     heading(s, "PLANE");
-    changed |= planeEditor(limb);
+    changed |= planeEditor();
 
     heading(s, "JOINT");
     bool proportions = slider("Gap", limb.jointGap, 0.05, 0.30, "%.2f L", "Distance of the connecting planes from the joint, of the shorter link. Larger: rounder, like a hose.");
@@ -114,12 +120,21 @@ class MusclePanel final : public Panel {
   }
 
   void overlay(Sandbox& sandbox) override {
+    if (!dragged_) under_.reset();
     if (!rig_) return;
     const std::vector<LimbPose>& limbs = sandbox.limbPoses();
+    if (settings_.lattice && !dragged_ && sandbox.frameNumber() - shownAt_ <= 1) {
+      const Sandbox::State& s = sandbox.state();
+      if (s.layout.view.contains(s.mouse.x(), s.mouse.y()))
+        under_ = pickLattice(limbs[shownLimb_], s.camera, s.viewport(), s.toView(s.mouse), 8.0 * s.scale);
+    }
     if (settings_.lattice && shownLimb_ < static_cast<int>(limbs.size())) {
       const Palette& colours = sandbox.state().colours();
       addLattice(sandbox.overlay(), limbs[shownLimb_],
-                 {.connecting = colourOf(colours.pinned), .inner = colourOf(colours.held), .selectedPlane = 6 * selectedLink_ + selectedPlane_});
+                 {.connecting = colourOf(colours.pinned),
+                  .inner = colourOf(colours.held),
+                  .selectedPlane = under_ ? under_->plane : 6 * selectedLink_ + selectedPlane_,
+                  .selectedPoint = under_ ? under_->point : -1});
     }
     if (settings_.split) {
       Frames beside = sandbox.shownFrames();
@@ -131,6 +146,37 @@ class MusclePanel final : public Panel {
       sandbox.ghosts().push_back({.worldFromJoint = beside, .tint = {0.80f, 0.76f, 0.71f}, .opacity = 1.0f});
     }
   }
+
+  /// Near a line of the lattice the mouse is the lattice's.
+  bool takesMouse(const Sandbox&) const override { return under_.has_value(); }
+
+  bool pressed(Sandbox& sandbox, const Vector2d& pixel) override {
+    const int links = static_cast<int>(limbs_[shownLimb_].shape.links.size());
+    selectedLink_ = std::min(under_->plane / 6, links - 1);
+    selectedPlane_ = under_->plane - 6 * selectedLink_;
+    if (MusclePlane* plane = selectedMuscle()) dragged_ = {.before = *plane, .from = fromCentre(sandbox, pixel)};
+    return true;
+  }
+
+  /// Scales the plane by the mouse's distance from its middle, or with Shift turns it with the mouse about its middle.
+  void moved(Sandbox& sandbox, const Vector2d& pixel) override {
+    MusclePlane* plane = selectedMuscle();
+    if (!dragged_ || !plane || !rig_) return;
+    const Vector2d from = dragged_->from, to = fromCentre(sandbox, pixel);
+    if (from.norm() < 2.0) return;
+    if (sandbox.state().shift) {
+      const double angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));  // clockwise on the screen: y points down
+      const FfdPlane& shown = sandbox.limbPoses()[shownLimb_].planes[6 * selectedLink_ + selectedPlane_];
+      const Vector3d normal = shown.axes.col(0).cross(shown.axes.col(1));
+      const double facing = normal.dot(sandbox.camera().axes().col(2)) > 0.0 ? -1.0 : 1.0;
+      plane->stretch = Eigen::Rotation2Dd(facing * angle).toRotationMatrix() * dragged_->before.stretch;
+    } else {
+      plane->stretch = std::clamp(to.norm() / from.norm(), 0.3, 2.0) * dragged_->before.stretch;
+    }
+    applyControls();
+  }
+
+  void released(Sandbox&) override { dragged_.reset(); }
 
   std::string save() const override { return limbs_.empty() ? "" : muscleSettingsText(settings_); }
   void load(Sandbox& sandbox, const std::string& json) override {
@@ -151,6 +197,24 @@ class MusclePanel final : public Panel {
   }
 
  private:
+  /// A plane under the mouse between press and release.
+  struct DraggedPlane {
+    MusclePlane before;
+    Vector2d from;  ///< the press, seen from the plane's middle, pixels
+  };
+
+  /// The hand's edits of the selected plane; nullptr for planes that follow from others.
+  MusclePlane* selectedMuscle() {
+    if (selectedPlane_ != 2 && selectedPlane_ != 4) return nullptr;
+    MuscleState& state = settings_.limbs[shownLimb_].second.control.sculpted[selectedLink_];
+    return selectedPlane_ == 2 ? &state.plane2 : &state.plane4;
+  }
+
+  Vector2d fromCentre(Sandbox& sandbox, const Vector2d& pixel) const {
+    const FfdPlane& plane = sandbox.limbPoses()[shownLimb_].planes[6 * selectedLink_ + selectedPlane_];
+    return pixel - sandbox.state().toWindow(plane.point(0.5, 0.5)).pixel;
+  }
+
   static Vector3d sideways(const Camera& camera, const Vector3d& up) {
     const Vector3d forward = camera.target - camera.eye();
     const Vector3d right = forward.cross(up);
@@ -164,6 +228,7 @@ class MusclePanel final : public Panel {
   /// Binds anew: after switching on, and whenever proportions change, because the rest lattice does.
   void rebind(Sandbox& sandbox) {
     rig_.reset();
+    under_.reset();
     if (settings_.enabled) {
       const Model& model = sandbox.session().model();
       const Frames rest = restFrames(model.skeleton);
@@ -245,14 +310,18 @@ class MusclePanel final : public Panel {
     tooltip("Scale of the planes against the bend, 0 to 180 degrees: blue the belly, amber the plane nearer the joint, grey the outside.");
   }
 
-  bool planeEditor(LimbSettings& limb) {
+  bool planeEditor() {
     for (const int plane : {2, 4}) {
       if (plane == 4) ImGui::SameLine();
       if (ImGui::RadioButton(fmt::format("Plane {}", plane).c_str(), selectedPlane_ == plane)) selectedPlane_ = plane;
       tooltip("The free inner planes 2 and 4; plane 3 stays their middle, so the seam stays smooth.");
     }
-    MuscleState& state = limb.control.sculpted[selectedLink_];
-    MusclePlane& plane = selectedPlane_ == 2 ? state.plane2 : state.plane4;
+    if (!selectedMuscle()) {
+      ImGui::TextWrapped(selectedPlane_ == 3 ? "Plane 3 is the middle of planes 2 and 4, so that the seam stays smooth."
+                                             : "Connecting planes follow from the joint's pose and the seam's constraints; Gap and Wedge below place them.");
+      return false;
+    }
+    MusclePlane& plane = *selectedMuscle();
     double angle = std::atan2(plane.stretch(1, 0) - plane.stretch(0, 1), plane.stretch(0, 0) + plane.stretch(1, 1));
     const Eigen::Matrix2d S = Eigen::Rotation2Dd(-angle).toRotationMatrix() * plane.stretch;  // polar: rotation times symmetric
     double across = S(0, 0), sideways = S(1, 1), shear = 0.5 * (S(0, 1) + S(1, 0)), turned = angle / degree;
@@ -295,6 +364,9 @@ class MusclePanel final : public Panel {
   std::vector<Limb> limbs_;
   MuscleSettings settings_;
   std::shared_ptr<MuscleRig> rig_;
+  std::optional<LatticePoint> under_;  ///< the mouse
+  std::optional<DraggedPlane> dragged_;
+  int shownAt_ = -10;  ///< frame in which the inspector was drawn last
   int shownLimb_ = 0, selectedLink_ = 0, selectedPlane_ = 2;
 };
 

@@ -70,10 +70,16 @@ void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::v
   if (!out.sculpted) return;
   out.layers.resize(4 * firstDisplacementRow, 0.0f);
   for (std::size_t l = 0; l < limbs.size(); ++l)
-    for (int i = 0; i < links(body.limbs[l]); ++i)
-      for (const int plane : {6 * i + 2, 6 * i + 4})
-        for (int c = 0; c < 16; ++c)
-          append(out.layers, limbs[l].displacement.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : limbs[l].displacement[plane][c]);
+    for (int i = 0; i < links(body.limbs[l]); ++i) {
+      const std::size_t first = out.layers.size();
+      if (limbs[l].displacement.empty())
+        out.layers.resize(first + 128, 0.0f);
+      else
+        for (const int plane : {6 * i + 2, 6 * i + 4})
+          for (const Eigen::Vector3d& d : limbs[l].displacement[plane]) append(out.layers, d);
+      const bool displaced = std::any_of(out.layers.begin() + first, out.layers.end(), [](float x) { return x != 0.0f; });
+      out.layers[first + 3] = displaced ? 1.0f : 0.0f;
+    }
 }
 
 std::string layerDefines(const SkinPose& pose) {

@@ -18,7 +18,7 @@ struct SkinPose {
   std::vector<float> rows;
   /// Muscle layers, rows of four floats; empty: none. First every limb's planes as (origin, axis u, axis v), 6 links + 1 of the limb
   /// and then 4 + 4 that carry the near and far end rigidly. Where muscles are sculpted, from row firstDisplacementRow on 16
-  /// displacements for plane 2 and 16 for plane 4 of every link of every limb.
+  /// displacements for plane 2 and 16 for plane 4 of every link of every limb; the fourth number of the link's first is 1 where any is not zero.
   std::vector<float> layers = {};
   bool sculpted = false;  ///< some displacement is not zero
   int jointCount() const { return static_cast<int>(rows.size()) / 12; }

@@ -102,4 +102,12 @@ BoneWeights boneWeights(const SparseWeights& jointWeights, const Skeleton& skele
   return weights;
 }
 
+BoneWeights boneWeights(const std::vector<Influences>& influences, const Skeleton& skeleton) {
+  SparseWeights weights(influences.size());
+  for (std::size_t v = 0; v < influences.size(); ++v)
+    for (int k = 0; k < 4; ++k)
+      if (influences[v].weights[k] > 0.0) weights[v].emplace_back(influences[v].joints[k], influences[v].weights[k]);
+  return boneWeights(weights, skeleton);
+}
+
 }  // namespace gelenk

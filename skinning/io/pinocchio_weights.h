@@ -30,5 +30,8 @@ SparseWeights jointWeights(const BoneWeights& boneWeights, const Skeleton& skele
 
 /// The other way: each joint's weight goes to the bone to its first child, that of a joint without a child to its own bone.
 BoneWeights boneWeights(const SparseWeights& jointWeights, const Skeleton& skeleton);
+/// The same of a skin. Reading it back gives the same weights exactly, but for those on joints without a child: these have no column of
+/// their own and come back on the parent.
+BoneWeights boneWeights(const std::vector<Influences>& influences, const Skeleton& skeleton);
 
 }  // namespace gelenk

@@ -22,6 +22,49 @@ TEST(Pick, TheNearestTriangleThatFacesTheRayIsHit) {
   EXPECT_FALSE(pickSurface(triangles, positions, {{0.1, -0.2, -5.0}, {0, 0, -1}}));
 }
 
+/// A straight limb of two links along x, seen from the front.
+LimbPose limbAlongX() {
+  LimbFrames frames{.joints = {{-0.3, 0, 0}, {0, 0, 0}, {0.3, 0, 0}}, .rotations = {}};
+  Eigen::Matrix3d R;
+  R << 0, 0, 1, 0, 1, 0, -1, 0, 0;  // z of the link is x of the world
+  frames.rotations = {R, R};
+  return poseLimb(defaultLimbShape({0.3, 0.3}), frames);
+}
+
+TEST(PickLattice, EveryControlPointOfEveryPlaneIsPickedByItsPixel) {
+  const LimbPose limb = limbAlongX();
+  const Camera camera{.distance = 1.5, .azimuth = 0.5, .elevation = 0.35};  // no two points on one pixel
+  const Viewport viewport{1600, 1000};
+  for (int plane = 0; plane < 13; ++plane)
+    for (int c = 0; c < 16; ++c) {
+      const Projected at = project(camera, viewport, limb.controlPoints(plane)[c]);
+      const auto hit = pickLattice(limb, camera, viewport, at.pixel, 1.0);
+      ASSERT_TRUE(hit) << plane << " " << c;
+      if (hit->plane != plane) {  // another plane's line crosses here, nearer to the eye
+        EXPECT_LT(project(camera, viewport, limb.controlPoints(hit->plane)[hit->point]).depth, at.depth) << plane << " " << c;
+        continue;
+      }
+      EXPECT_EQ(hit->point, c);
+    }
+}
+
+TEST(PickLattice, LinesCountAndTheVoidDoesNot) {
+  const LimbPose limb = limbAlongX();
+  const Camera camera{.distance = 1.5, .orthographic = true};  // planes are seen edge on
+  const Viewport viewport{1600, 1000};
+  const auto points = limb.controlPoints(9);  // plane 3 of the second link
+  const auto between = project(camera, viewport, 0.5 * (points[5] + points[6]));
+  const auto hit = pickLattice(limb, camera, viewport, between.pixel + Eigen::Vector2d(3.0, 0.0));
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->plane, 9);
+  EXPECT_FALSE(pickLattice(limb, camera, viewport, between.pixel + Eigen::Vector2d(12.0, 0.0)));
+  EXPECT_FALSE(pickLattice(limb, camera, viewport, {5.0, 5.0}));
+  Camera away = camera;
+  away.orthographic = false;
+  away.target.z() = -5.0;  // the limb lies behind the eye
+  EXPECT_FALSE(pickLattice(limb, away, viewport, {800.0, 500.0}, 1e6));
+}
+
 TEST(DragTarget, LiesUnderThePixelAndInThePlaneThatFacesTheViewer) {
   const Camera camera{.target = {0.1, 1.0, 0.0}, .distance = 3.0, .azimuth = 0.6, .elevation = 0.3};
   const Viewport viewport{960, 600};

@@ -54,7 +54,7 @@ LayeredBody armBody() {
   return body;
 }
 
-enum Way { LinearBlend, Layers, SculptedLayers };
+enum Way { LinearBlend, Layers, OneSculpted, AllSculpted };
 
 void vertexStage(benchmark::State& state, LayeredBody (*make)(), Way way) {
   std::unique_ptr<OffscreenContext> context;
@@ -64,9 +64,11 @@ void vertexStage(benchmark::State& state, LayeredBody (*make)(), Way way) {
     return state.SkipWithError(error.what());
   }
   LayeredBody body = make();
-  if (way == SculptedLayers)
+  const std::vector<Eigen::Vector3d> sculpted(16, Eigen::Vector3d(1e-3, 0.0, 0.0));
+  if (way == OneSculpted) body.rig->controls()[0].sculpted[0].plane2.displacement = sculpted;  // one muscle of one limb
+  if (way == AllSculpted)
     for (MuscleControl& control : body.rig->controls())
-      for (MuscleState& muscle : control.sculpted) muscle.plane2.displacement.assign(16, Eigen::Vector3d(1e-3, 0.0, 0.0));
+      for (MuscleState& muscle : control.sculpted) muscle.plane2.displacement = muscle.plane4.displacement = sculpted;
   const MuscleSkin& skin = body.rig->body();
   const SkinnedMeshGl mesh(skin);
   SkinPose pose;
@@ -88,10 +90,12 @@ void vertexStage(benchmark::State& state, LayeredBody (*make)(), Way way) {
 
 BENCHMARK_CAPTURE(vertexStage, figure_lbs, figureBody, LinearBlend)->Unit(benchmark::kMicrosecond)->UseRealTime();
 BENCHMARK_CAPTURE(vertexStage, figure_layers, figureBody, Layers)->Unit(benchmark::kMicrosecond)->UseRealTime();
-BENCHMARK_CAPTURE(vertexStage, figure_sculpted, figureBody, SculptedLayers)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(vertexStage, figure_one_sculpted, figureBody, OneSculpted)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(vertexStage, figure_all_sculpted, figureBody, AllSculpted)->Unit(benchmark::kMicrosecond)->UseRealTime();
 BENCHMARK_CAPTURE(vertexStage, arm_lbs, armBody, LinearBlend)->Unit(benchmark::kMicrosecond)->UseRealTime();
 BENCHMARK_CAPTURE(vertexStage, arm_layers, armBody, Layers)->Unit(benchmark::kMicrosecond)->UseRealTime();
-BENCHMARK_CAPTURE(vertexStage, arm_sculpted, armBody, SculptedLayers)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(vertexStage, arm_one_sculpted, armBody, OneSculpted)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(vertexStage, arm_all_sculpted, armBody, AllSculpted)->Unit(benchmark::kMicrosecond)->UseRealTime();
 
 }  // namespace
 }  // namespace gelenk

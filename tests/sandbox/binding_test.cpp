@@ -139,6 +139,36 @@ TEST(BindingPanel, MuscleLayersFollowAndTheSceneKeepsTheWeightsExactly) {
   EXPECT_EQ(stage.weights(), painted);  // nothing lost
 }
 
+TEST(MusclePanel, AClickOnTheLatticeSelectsThePlaneAndADragScalesIt) {
+  PaintStage stage;
+  MuscleSettings muscles{.enabled = true, .limbs = {}};
+  stage.panel("Muscles").load(stage.sandbox, muscleSettingsText(muscles));
+  stage.play("0 tab Muscles\n1 move 5 5\n");
+  const LimbPose limb = stage.sandbox.limbPoses()[0];
+  const int plane = 8;  // plane 2 of the second link
+  const Vector2d corner = stage.sandbox.state().toWindow(limb.controlPoints(plane)[15]).pixel;
+  const Vector2d centre = stage.sandbox.state().toWindow(limb.planes[plane].point(0.5, 0.5)).pixel;
+  const Eigen::VectorXd q = stage.sandbox.session().q();
+  const auto stretch = [&](int link, int of) {
+    const auto limbs = standardLimbs(stage.sandbox.session().skeleton(), restFrames(stage.sandbox.session().skeleton()));
+    const MuscleState state = parseMuscleSettings(stage.panel("Muscles").save(), limbs).limbs[0].second.control.sculpted[link];
+    return Eigen::Matrix2d(of == 2 ? state.plane2.stretch : state.plane4.stretch);
+  };
+  const Vector2d out = centre + 1.25 * (corner - centre);
+  stage.play("0 move " + at(corner) + "\n1 press left\n2 move " + at(out) + "\n3 release left\n");
+  EXPECT_LT((stretch(1, 2) - 1.25 * Eigen::Matrix2d::Identity()).norm(), 0.02);
+  EXPECT_EQ(stretch(1, 4), Eigen::Matrix2d::Identity());
+  EXPECT_EQ(stretch(0, 2), Eigen::Matrix2d::Identity());
+  EXPECT_EQ(stage.sandbox.session().q(), q);
+
+  // Beside the lattice a press goes to the view as before, and a connecting plane does not move.
+  const std::string before = stage.panel("Muscles").save();
+  const Vector2d seam = stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].controlPoints(6)[0]).pixel;
+  stage.play("0 move " + at(seam) + "\n1 press left\n2 move " + at(seam + Vector2d(30, 30)) + "\n3 release left\n");
+  EXPECT_EQ(stage.panel("Muscles").save(), before);
+  EXPECT_TRUE(stage.log.messages().empty());
+}
+
 /// A file of its own, removed afterwards.
 struct TemporaryScene {
   std::string path = (std::filesystem::temp_directory_path() / ("gelenk-binding-" + std::to_string(getpid()) + ".json")).string();

@@ -69,7 +69,9 @@ void deformLimb(out vec3 x, out vec3 n) {
   x = origin + u * xu + v * xv;
   vec3 xw = originW + u * uW + v * vW;
 #ifdef SCULPTED
-  if (limbPlanes.y != 65535u) displaceMuscle(bw, dw, x, xu, xv, xw);
+  // A loop of one turn or none: unlike a condition, a software renderer passes over it where no vertex needs it.
+  int displaced = limbPlanes.y != 65535u ? int(layerRows[firstDisplacementRow + 32 * int(limbPlanes.y >> 1u)].w) : 0;
+  for (; displaced > 0; --displaced) displaceMuscle(bw, dw, x, xu, xv, xw);
 #endif
   n = normalize(limbNormal.x * cross(xv, xw) + limbNormal.y * cross(xw, xu) + limbNormal.z * cross(xu, xv));
 }

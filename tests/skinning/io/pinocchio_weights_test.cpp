@@ -1,6 +1,8 @@
 #include "skinning/io/pinocchio_weights.h"
 
+#include <cmath>
 #include <filesystem>
+#include <random>
 
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "skinning/io/obj.h"
@@ -30,6 +32,32 @@ TEST(PinocchioWeights, JointWeightsOnOneBoneAJointSurviveTheWayThroughTheFile) {
   const Skeleton skeleton = parsePinocchioSkeleton("a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 0 1 0 a\n", "tree.skel");
   const SparseWeights weights{{{0, 0.75}, {1, 0.25}}, {{1, 1.0}}};
   EXPECT_EQ(jointWeights(boneWeights(weights, skeleton), skeleton), weights);
+}
+
+/// A joint's weight at a vertex.
+double weightOn(const Influences& in, int joint) {
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) sum += in.joints[k] == joint ? in.weights[k] : 0.0;
+  return sum;
+}
+
+TEST(PinocchioWeights, ASkinsWeightsComeBackExactly) {
+  const Skeleton skeleton = parsePinocchioSkeleton("a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 3 0 0 c\ne 4 0 0 d\nf 2 1 0 b\ng 3 1 0 f\n", "tree.skel");
+  const int inner[] = {0, 1, 2, 3, 5};  // joints with a child
+  std::mt19937_64 random(7);
+  std::vector<Influences> skin;
+  for (int v = 0; v < 500; ++v) {  // edited weights: multiples of 2^-30 with sum 1
+    const int first = static_cast<int>(random() % 5), second = (first + 1 + static_cast<int>(random() % 4)) % 5;
+    const double share = std::ldexp(static_cast<double>(random() % (1u << 30)), -30);
+    skin.push_back({{inner[first], inner[second], 0, 0}, {1.0 - share, share, 0.0, 0.0}});
+  }
+  const std::string text = formatPinocchioWeights(boneWeights(skin, skeleton));
+  const auto again = fourLargest(jointWeights(parsePinocchioWeights(text, "tree.attachment", 6, 500), skeleton), skeleton.jointCount());
+  for (int v = 0; v < 500; ++v)
+    for (int j = 0; j < skeleton.jointCount(); ++j) EXPECT_EQ(weightOn(again[v], j), weightOn(skin[v], j)) << v << " " << j;
+
+  const std::vector<Influences> onTip{{{4, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}}};  // a tip has no column: its bone turns about the parent
+  EXPECT_EQ(weightOn(fourLargest(jointWeights(boneWeights(onTip, skeleton), skeleton), 7)[0], 3), 1.0);
 }
 
 TEST(PinocchioWeights, BadInputIsRefusedWithItsLine) {
