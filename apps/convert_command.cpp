@@ -5,6 +5,7 @@
 
 #include "apps/commands.h"
 #include "apps/model_files.h"
+#include "kinematics/io/dh_text.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/skeleton_transform.h"
@@ -22,6 +23,7 @@ struct Request {
   std::string unitIn, unitOut;
   std::string upIn = "y", upOut = "y";
   std::string bvhPositions = "auto";
+  std::string end;
   double fps = 0.0;
   int frame = 0;
 };
@@ -94,6 +96,14 @@ void write(const Imported& imported, FileKind kind, const Request& request) {
       if (!imported.model.skin) throw std::invalid_argument("'" + request.in + "' has no body whose weights could be written");
       return writeFile(request.out, formatPinocchioWeights(boneWeights(imported.model.skin->influences, skeleton)));
     }
+    case FileKind::DhTable: {
+      if (!request.unitOut.empty()) throw std::invalid_argument("a Denavit-Hartenberg table is in metres; leave --unit-out away");
+      DhChain chain = dhFromSkeleton(skeleton, request.end.empty() ? -1 : skeleton.jointIndex(request.end));
+      chain.table.name = imported.model.name;
+      for (char& c : chain.table.name)
+        if (c == ' ' || c == '\t' || c == '#') c = '_';
+      return writeFile(request.out, formatDhTable(chain.table));
+    }
     default: throw std::invalid_argument("writing " + describe(kind) + " is not possible; read only");
   }
 }
@@ -137,6 +147,7 @@ void addConvertCommand(CLI::App& app) {
   command->add_option("--bvh-positions", request->bvhPositions, "What position channels mean: stand in place of OFFSET or are added to it")
       ->check(CLI::IsMember({"auto", "replace", "add"}));
   command->add_option("--fps", request->fps, "Frame rate of an AMC; default 120")->check(CLI::PositiveNumber);
+  command->add_option("--end", request->end, "Last joint of the chain that a DH table shall hold");
   command->add_option("--frame", request->frame, "Write only this frame, from 1")->check(CLI::PositiveNumber);
   command->callback([request] { run(*request); });
 }

@@ -64,6 +64,22 @@ std::vector<std::string> builtInModels() {
   return names;
 }
 
+Frames bindFrames(const Model& model) {
+  const Frames rest = restFrames(model.skeleton);
+  if (restsAsBound(model)) return rest;
+  Frames bound(rest.size());
+  for (std::size_t i = 0; i < bound.size(); ++i) bound[i] = model.skin->jointFromRestWorld[i].inverse(Eigen::Isometry);
+  return bound;
+}
+
+bool restsAsBound(const Model& model) {
+  if (!model.skin) return true;
+  const Frames rest = restFrames(model.skeleton);
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    if (!((model.skin->jointFromRestWorld[i] * rest[i]).matrix().isIdentity(1e-6))) return false;
+  return true;
+}
+
 Model openModel(const std::string& nameOrFile) {
   for (const BuiltIn& entry : builtIns())
     if (entry.name == nameOrFile) return entry.make();

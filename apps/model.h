@@ -27,6 +27,12 @@ struct Model {
 /// Throws std::invalid_argument listing the names, or ParseError.
 Model openModel(const std::string& nameOrFile);
 
+/// Frames of the pose in which the skin is bound, worldFromJoint; without a skin the rest frames. The two differ where a body was bound in a pose that the skeleton's
+/// dofs need not reach (a fitted body on an ASF skeleton, some glTF files): what is built on the surface must begin here, not at restFrames.
+Frames bindFrames(const Model& model);
+/// Whether the skin is bound in the skeleton's rest pose, to 1e-6 m and rad.
+bool restsAsBound(const Model& model);
+
 /// The model with a rounded body around its bones (skinning/body_around.h) where it has none; for everything that shows it. Taken from the
 /// cache when the same skeleton was shown before. A skeleton around which no body can be made stays bare, and a note says why.
 Model withBody(Model model);

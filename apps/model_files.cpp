@@ -160,6 +160,20 @@ std::string joined(const std::vector<std::string>& words) {
   return list;
 }
 
+/// CMU's bones on Pinocchio's human where both have those names, else by equal names.
+std::vector<BonePath> pathsFor(const AsfSkeleton& asf, const Skeleton& fitted) {
+  std::vector<BonePath> table = cmuOnPinocchioHuman();
+  const bool known = std::ranges::all_of(table, [&](const BonePath& path) {
+    return std::ranges::all_of(path.bones, [&](const std::string& bone) { return asf.findBone(bone).has_value(); }) &&
+           std::ranges::all_of(path.joints, [&](const std::string& joint) { return fitted.findJoint(joint).has_value(); });
+  });
+  if (known) return table;
+  std::vector<BonePath> paths = bonePathsByName(asf, fitted);
+  const bool fromRoot = std::ranges::any_of(paths, [&](const BonePath& path) { return asf.skeleton.parent(*asf.findBone(path.bones.front())) == 0; });
+  if (!fromRoot) throw std::invalid_argument("the fitted skeleton and the ASF skeleton have no joints of equal names from the root on: say which bones lie on which joints with --mapping");
+  return paths;
+}
+
 /// The exercise sheet: the fitted skeleton on the ASF skeleton, Pinocchio's weights on its bones.
 Imported exerciseSheet(const std::string& objPath, const Companions& files, const ImportOptions& options) {
   Mesh mesh = readMesh(objPath);
@@ -168,7 +182,7 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
   const BoneWeights bones = readPinocchioWeights(files.weights, fitted.jointCount() - 1, mesh);
   Imported result;
   result.asf = readAsf(files.asf, options.metresPerUnit);
-  const auto paths = files.mapping.empty() ? cmuOnPinocchioHuman() : parseBonePaths(readFile(files.mapping), files.mapping);
+  const auto paths = files.mapping.empty() ? pathsFor(*result.asf, fitted) : parseBonePaths(readFile(files.mapping), files.mapping);
   const TransferredSkeleton transferred = transferSkeleton(*result.asf, fitted, paths);
   result.model = {.name = stem(objPath), .skeleton = transferred.skeleton};
   WeightLoss loss;

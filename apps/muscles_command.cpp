@@ -71,6 +71,8 @@ void run(const Options& options) {
                           : openBody(options.model, options.skeleton,
                                      options.weights.empty() ? std::nullopt : std::optional(options.weights));
   if (!model.skin) throw std::runtime_error("model '" + model.name + "' has no skin to deform");
+  if (!restsAsBound(model))
+    throw std::runtime_error("model '" + model.name + "' is bound in another pose than its skeleton's rest pose, from which the report bends the limbs");
   const Frames rest = restFrames(model.skeleton);
   std::vector<Limb> limbs;
   if (!options.limb.empty())

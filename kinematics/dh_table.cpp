@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <stdexcept>
+
+#include "kinematics/configuration.h"
 
 namespace gelenk {
 
@@ -213,6 +216,77 @@ DhTable dhFromAxes(std::span<const AxisLine> axes, std::span<const DhJoint> kind
     table.rows.push_back(row);
   }
   return table;
+}
+
+namespace {
+
+/// Joints that move, on the way from the root to `end`; -1: to the end described in the header.
+std::vector<int> movingChain(const Skeleton& skeleton, int& end) {
+  std::vector<int> moving, leaves;
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    if (skeleton.vCount(i) > 0) moving.push_back(i);
+    if (skeleton.children(i).empty()) leaves.push_back(i);
+  }
+  if (moving.empty()) throw std::invalid_argument("a Denavit-Hartenberg table needs a joint that moves; there is none");
+  const bool chosen = end >= 0;
+  if (!chosen) end = leaves.size() == 1 ? leaves[0] : moving.back();
+  std::vector<int> chain;
+  for (const int i : moving) {
+    if (!skeleton.isAncestor(i, end)) {
+      if (chosen) continue;
+      throw std::invalid_argument("a Denavit-Hartenberg table is one chain; joint '" + skeleton.joint(i).name + "' is not on the way to '" + skeleton.joint(end).name +
+                                  "'. Name the end of the chain to be written");
+    }
+    if (skeleton.joint(i).ball || skeleton.vCount(i) != 1)
+      throw std::invalid_argument("a Denavit-Hartenberg row has one degree of freedom, turning or sliding; joint '" + skeleton.joint(i).name + "' has " +
+                                  std::to_string(skeleton.vCount(i)));
+    chain.push_back(i);
+  }
+  if (chain.empty()) throw std::invalid_argument("no joint moves on the way to '" + skeleton.joint(end).name + "'");
+  return chain;
+}
+
+/// Largest difference of the end's frames, metres and entries of the rotation, over poses of all ranges.
+double disagreement(const DhChain& chain, const Skeleton& skeleton, int end) {
+  std::mt19937_64 random(1);
+  double worst = 0.0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const VectorXd q = randomWithinLimits(skeleton, random);
+    VectorXd variables(chain.joints.size());
+    for (std::size_t k = 0; k < chain.joints.size(); ++k) variables[k] = q[skeleton.qIndex(chain.joints[k])];
+    worst = std::max(worst, (dhFrames(chain.table, variables).back().matrix() - forwardKinematics(skeleton, q)[end].matrix()).cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
+}  // namespace
+
+DhChain dhFromSkeleton(const Skeleton& skeleton, int end) {
+  DhChain chain;
+  chain.joints = movingChain(skeleton, end);
+  VectorXd zero = skeleton.rest();
+  for (const int i : chain.joints) zero[skeleton.qIndex(i)] = 0.0;
+  const Frames frames = forwardKinematics(skeleton, zero);
+  std::vector<AxisLine> lines;
+  std::vector<DhJoint> kinds;
+  for (const int i : chain.joints) {
+    const AxisDof& dof = skeleton.joint(i).axes[0];
+    lines.push_back({frames[i].translation(), frames[i].linear() * dof.axis});
+    kinds.push_back(dof.kind == AxisDof::Kind::Rotation ? DhJoint::Revolute : DhJoint::Prismatic);
+  }
+  chain.table = dhFromAxes(lines, kinds);
+  VectorXd rest(chain.joints.size());
+  for (std::size_t k = 0; k < chain.joints.size(); ++k) {
+    const AxisDof& dof = skeleton.joint(chain.joints[k]).axes[0];
+    chain.table.rows[k].lower = dof.lower, chain.table.rows[k].upper = dof.upper;
+    rest[k] = skeleton.rest()[skeleton.qIndex(chain.joints[k])];
+  }
+  chain.table.rest = rest;
+  const VectorXd none = VectorXd::Zero(chain.joints.size());
+  chain.table.tool = dhFrames(chain.table, none).back().inverse() * frames[end];
+  if (const double difference = disagreement(chain, skeleton, end); !(difference <= 1e-9))
+    throw std::invalid_argument("two neighbouring axes are so nearly parallel that the table would be off by " + std::to_string(difference) + " m or rad");
+  return chain;
 }
 
 std::vector<AxisLine> jointAxes(const DhTable& table, const VectorXd& q) {

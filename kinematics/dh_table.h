@@ -97,6 +97,17 @@ CommonNormal commonNormal(const AxisLine& first, const AxisLine& second, const E
 /// kinds: one an axis, or empty for revolute joints. Throws std::invalid_argument for no axis or another count of kinds.
 DhTable dhFromAxes(std::span<const AxisLine> axes, std::span<const DhJoint> kinds = {});
 
+/// A serial chain of a skeleton as a table (modified convention), by the common normals of its axes in the zero pose. Fixed joints go into base, rows and tool; the
+/// variables, their limits and the rest pose are the skeleton's, and the tool is the frame of `end` (a joint; -1: the only leaf, else the last moving
+/// joint). joints: the moving joints in order, one a row. Positions and orientations agree to 1e-9 m and rad, which is checked at random poses. Throws
+/// std::invalid_argument: no moving joint, a joint with more than one degree of freedom or a ball, moving joints beside the way to the
+/// default end (with an end given they are left out), and axes so nearly parallel that their common normal is lost.
+struct DhChain {
+  DhTable table;
+  std::vector<int> joints;
+};
+DhChain dhFromSkeleton(const Skeleton& skeleton, int end = -1);
+
 /// The way back: the joint axes of the table's variables at q, as lines in the world.
 std::vector<AxisLine> jointAxes(const DhTable& table, const Eigen::VectorXd& q);
 

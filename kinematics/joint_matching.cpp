@@ -55,17 +55,6 @@ std::optional<Side> sideOf(const std::string& word) {
   return std::nullopt;
 }
 
-/// What all names but the root's begin with, up to a separator, if that is no side.
-std::string_view sharedPrefix(const Skeleton& skeleton) {
-  if (skeleton.jointCount() < 3) return {};
-  const std::string_view first = skeleton.joint(1).name;
-  const std::size_t separator = first.find_first_of(" _-.");
-  if (separator == std::string_view::npos || sideOf(wordsOf(first)[0])) return {};
-  const std::string_view prefix = first.substr(0, separator + 1);
-  const auto has = [&](const Joint& joint) { return std::string_view(joint.name).starts_with(prefix) && joint.name.size() > prefix.size(); };
-  return separator > 0 && std::all_of(skeleton.joints().begin() + 1, skeleton.joints().end(), has) ? prefix : std::string_view{};
-}
-
 PlainName withoutSide(const std::vector<std::string>& words) {
   PlainName name;
   for (const std::string& word : words) {
@@ -76,6 +65,20 @@ PlainName withoutSide(const std::vector<std::string>& words) {
       name.part += word;
   }
   return name;
+}
+
+/// What all names but the root's begin with, up to a separator, if that is no side and leaves a part of the body in every name.
+std::string_view sharedPrefix(const Skeleton& skeleton) {
+  if (skeleton.jointCount() < 3) return {};
+  const std::string_view first = skeleton.joint(1).name;
+  const std::size_t separator = first.find_first_of(" _-.");
+  if (separator == std::string_view::npos || sideOf(wordsOf(first)[0])) return {};
+  const std::string_view prefix = first.substr(0, separator + 1);
+  const auto has = [&](const Joint& joint) {
+    const std::string_view name = joint.name;
+    return name.starts_with(prefix) && !withoutSide(wordsOf(name.substr(prefix.size()))).part.empty();
+  };
+  return separator > 0 && std::all_of(skeleton.joints().begin() + 1, skeleton.joints().end(), has) ? prefix : std::string_view{};
 }
 
 /// "lfemur" and "rfemur" are the two sides of "femur".

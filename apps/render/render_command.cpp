@@ -202,7 +202,7 @@ class Studio {
   /// Muscle layers as the scene has them, or as --layers asks.
   void addMuscles() {
     if (!model_.skin) return;
-    const Frames rest = restFrames(model_.skeleton);
+    const Frames rest = bindFrames(model_);
     std::vector<Limb> limbs;
     MuscleSettings settings;
     const auto saved = scene_.panels.find("Muscles");

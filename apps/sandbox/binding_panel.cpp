@@ -79,7 +79,7 @@ class BindingPanel final : public Panel {
     editor_.emplace(model.skin->influences);
     skeleton_ = model.skeleton;
     neighbours_ = vertexNeighbours(model.skin->mesh);
-    const Frames rest = restFrames(model.skeleton);
+    const Frames rest = bindFrames(model);
     bones_ = bonesOf(model.skeleton, rest);
     for (const Limb& limb : standardLimbs(model.skeleton, rest))
       layers_.emplace_back(limb.name, layerOf({limb.joints.begin(), limb.joints.end() - 1}));

@@ -42,7 +42,7 @@ class MusclePanel final : public Panel {
     settings_ = {};
     const Model& model = sandbox.session().model();
     if (!model.skin) return;
-    limbs_ = standardLimbs(model.skeleton, restFrames(model.skeleton));
+    limbs_ = standardLimbs(model.skeleton, bindFrames(model));
     for (const Limb& limb : limbs_)
       settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
     under_.reset();
@@ -231,7 +231,7 @@ class MusclePanel final : public Panel {
     under_.reset();
     if (settings_.enabled) {
       const Model& model = sandbox.session().model();
-      const Frames rest = restFrames(model.skeleton);
+      const Frames rest = bindFrames(model);
       std::vector<Limb> limbs = limbs_;
       try {
         for (std::size_t l = 0; l < limbs.size(); ++l) applyProportions(limbs[l], settings_.limbs[l].second);

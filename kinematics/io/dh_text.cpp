@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
@@ -212,6 +213,8 @@ std::string formatDhTable(const DhTable& table) {
   for (const DhRow& row : table.rows) {
     text += toString(row.kind);
     for (const double value : {row.a, row.alpha, row.d, row.phi}) text += " " + exactNumber(value);
+    if (std::isfinite(row.lower) != std::isfinite(row.upper))
+      throw std::invalid_argument("a row of a DH table has both limits or none; one has " + exactNumber(row.lower) + " and " + exactNumber(row.upper));
     if (std::isfinite(row.lower) && std::isfinite(row.upper))
       text += " " + exactNumber(row.lower) + " " + exactNumber(row.upper);
     text += "\n";

@@ -1,8 +1,13 @@
 #include "kinematics/dh_table.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "kinematics/configuration.h"
 #include "kinematics/io/dh_text.h"
+#include "kinematics/io/urdf.h"
 #include "kinematics/robots.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/random_skeleton.h"
@@ -183,6 +188,77 @@ TEST(DhFromAxes, EveryRobotIsRecoveredFromItsAxesAlone) {
     for (std::size_t k = 0; k < expected.size(); ++k)
       EXPECT_LE(distanceBetweenLines(expected[k], found[k]), 1e-12) << robot.name << " axis " << k;
   }
+}
+
+void expectSameMotion(const Skeleton& skeleton, int end, const DhChain& chain) {
+  std::mt19937_64 random(5);
+  const DhTable again = parseDhTable(formatDhTable(chain.table), "again.dh");
+  for (int trial = 0; trial < 100; ++trial) {
+    const VectorXd q = randomWithinLimits(skeleton, random);
+    VectorXd variables(chain.joints.size());
+    for (std::size_t k = 0; k < chain.joints.size(); ++k) variables[k] = q[skeleton.qIndex(chain.joints[k])];
+    const Matrix4d wanted = forwardKinematics(skeleton, q)[end].matrix();
+    EXPECT_LE((dhFrames(again, variables).back().matrix() - wanted).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LE((forwardKinematics(toSkeleton(again), variables).back().matrix() - wanted).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
+TEST(DhFromSkeleton, RobotsOfTablesComeBackWithTheirMotion) {
+  for (const Robot& robot : robots()) {
+    SCOPED_TRACE(robot.name);
+    const Skeleton skeleton = toSkeleton(robot.table());
+    const DhChain chain = dhFromSkeleton(skeleton);
+    EXPECT_EQ(chain.table.variableCount(), skeleton.nv());
+    expectSameMotion(skeleton, skeleton.jointCount() - 1, chain);
+  }
+}
+
+TEST(DhFromSkeleton, RandomChainsOfTurningSlidingAndFixedJoints) {
+  std::mt19937_64 random(8);
+  for (int trial = 0; trial < 200; ++trial) {
+    const DhTable table = randomTable(random, DhConvention::Modified);
+    if (table.variableCount() == 0) continue;
+    const Skeleton skeleton = toSkeleton(table);
+    expectSameMotion(skeleton, skeleton.jointCount() - 1, dhFromSkeleton(skeleton));
+  }
+}
+
+TEST(DhFromSkeleton, RobotsOfUrdfFiles) {
+  const std::string folder = std::string(GELENK_DATA_DIR) + "/robots/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no trial data at " << folder;
+  struct Case {
+    const char *file, *end;
+    int rows;
+  };
+  for (const Case& c : {Case{"ur5/urdf/ur5_robot.urdf", "wrist_3_joint", 6}, Case{"kuka_iiwa/model.urdf", "lbr_iiwa_joint_7", 7}, Case{"panda/urdf/panda.urdf", "panda_joint7", 7},
+                        Case{"panda/urdf/panda.urdf", "panda_finger_joint1", 8}}) {
+    SCOPED_TRACE(c.file);
+    const Skeleton skeleton = readUrdf(folder + c.file).skeleton;
+    const int end = skeleton.jointIndex(c.end);
+    const DhChain chain = dhFromSkeleton(skeleton, end);
+    EXPECT_EQ(chain.table.variableCount(), c.rows);
+    expectSameMotion(skeleton, end, chain);
+  }
+}
+
+TEST(DhFromSkeleton, SaysWhatIsNoChain) {
+  const auto complaint = [](const Skeleton& skeleton) -> std::string {
+    try {
+      dhFromSkeleton(skeleton);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "no complaint";
+  };
+  using ::testing::HasSubstr;
+  const Joint root{.name = "root"}, turning{.name = "a", .parent = 0, .axes = {AxisDof{}}}, beside{.name = "b", .parent = 0, .axes = {AxisDof{}}}, ball{.name = "c", .parent = 0, .ball = true};
+  EXPECT_THAT(complaint(Skeleton({root})), HasSubstr("needs a joint that moves"));
+  EXPECT_THAT(complaint(Skeleton({root, turning, beside})), HasSubstr("joint 'a' is not on the way to 'b'"));
+  EXPECT_THAT(complaint(Skeleton({root, ball})), HasSubstr("joint 'c' has 3"));
+  Joint tilted{.name = "d", .parent = 1, .axes = {AxisDof{}}};
+  tilted.parentFromZero.translation().x() = 1.0;
+  tilted.parentFromZero.linear() = expRotation(Vector3d(0, 3e-9, 0)).toRotationMatrix();
+  EXPECT_THAT(complaint(Skeleton({root, turning, tilted})), ::testing::AnyOf(HasSubstr("nearly parallel"), HasSubstr("no complaint")));
 }
 
 TEST(DhText, ReadsBackWhatItWrites) {

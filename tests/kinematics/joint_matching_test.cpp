@@ -30,6 +30,7 @@ TEST(PlainNames, PutCaseSeparatorsSidesAndPrefixesAside) {
   EXPECT_EQ(plainNames(chain({"root", "thumb_01_l"}))[1], (PlainName{"thumb1", Side::Left}));
   EXPECT_EQ(plainNames(chain({"root", "Thumb1_L"}))[1], (PlainName{"thumb1", Side::Left}));
   const auto shared = plainNames(chain({"Bip01", "Bip01 Pelvis", "Bip01 L Thigh", "Bip01 R Thigh"}));
+  EXPECT_EQ(plainNames(chain({"root", "arm_l", "arm_r"}))[1], (PlainName{"upperarm", Side::Left}));  // what is left must be more than a side
   EXPECT_EQ(shared[1], (PlainName{"pelvis", Side::Middle})) << shared[1].part;
 }
 
