@@ -1,7 +1,7 @@
 #include "kinematics/motion_retarget.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "kinematics/forward_kinematics.h"
@@ -20,16 +20,18 @@ struct Directions {
   std::vector<Vector3d> source, target;  ///< unit vectors in the rest poses
 };
 
-/// The rotation that brings the target's directions nearest to the source's; `above` where there are none.
-Matrix3d alignment(const Directions& directions, const Matrix3d& above) {
-  if (directions.target.empty()) return above;
-  if (directions.target.size() == 1) return rotationBetween(directions.target[0], directions.source[0]).toRotationMatrix();
-  Matrix3d sum = Matrix3d::Zero();
-  for (std::size_t k = 0; k < directions.target.size(); ++k) sum += directions.source[k] * directions.target[k].transpose();
-  const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (svd.singularValues()[1] < 1e-3 * svd.singularValues()[0]) return rotationBetween(directions.target[0], directions.source[0]).toRotationMatrix();
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  return svd.matrixU() * Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
+/// The turn about y from where the target faces to where the source faces, told from matched pairs of left and right joints; identity where there are none.
+Matrix3d facing(const Frames& source, const Frames& target, const std::vector<PlainName>& targetNames, const std::vector<int>& sourceOf) {
+  Vector3d inSource = Vector3d::Zero(), inTarget = Vector3d::Zero();
+  for (std::size_t t = 0; t < sourceOf.size(); ++t) {
+    if (sourceOf[t] < 0 || targetNames[t].side == Side::Middle) continue;
+    const double sign = targetNames[t].side == Side::Left ? 1.0 : -1.0;
+    inSource += sign * source[sourceOf[t]].translation();
+    inTarget += sign * target[t].translation();
+  }
+  inSource.y() = inTarget.y() = 0.0;
+  if (!(inSource.norm() > 1e-6) || !(inTarget.norm() > 1e-6)) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(std::atan2(inTarget.cross(inSource).y(), inTarget.dot(inSource)), Vector3d::UnitY()).toRotationMatrix();
 }
 
 double lowest(const Frames& frames) {
@@ -70,10 +72,19 @@ class Retargeter {
       directions[matchedAbove[t]].source.push_back(inSource.normalized());
       directions[matchedAbove[t]].target.push_back(inTarget.normalized());
     }
+    // The path is the pelvis' where both have one: a rig's root may stand on the floor.
+    const auto names = plainNames(target);
+    for (int t = 0; t < target.jointCount(); ++t)
+      if (sourceOf_[t] >= 0 && names[t] == PlainName{"pelvis"}) top_ = t;
+    const Matrix3d whole = facing(sourceRest_, targetRest_, names, sourceOf_);
     for (int t = 0; t < target.jointCount(); ++t) {
       if (sourceOf_[t] < 0) continue;
-      const Matrix3d above = matchedAbove[t] >= 0 ? aligned_[matchedAbove[t]] : Matrix3d(Matrix3d::Identity());
-      aligned_[t] = alignment(directions[t], above);
+      const Directions& bones = directions[t];
+      const bool isBone = bones.target.size() == 1 && !target.isAncestor(t, top_);
+      if (isBone)
+        aligned_[t] = rotationBetween(bones.target[0], bones.source[0]).toRotationMatrix();
+      else
+        aligned_[t] = bones.target.empty() && matchedAbove[t] >= 0 ? aligned_[matchedAbove[t]] : whole;
     }
     moving_ = movingJoint(target, top_);
     sourceFloor_ = lowest(sourceRest_), targetFloor_ = lowest(targetRest_);
@@ -113,7 +124,7 @@ class Retargeter {
   Frames sourceRest_, targetRest_;
   std::vector<int> sourceOf_;      ///< of each target joint; -1: none
   std::vector<Matrix3d> aligned_;  ///< A, of matched joints
-  int top_ = -1, moving_ = -1;
+  int top_ = -1, moving_ = -1;  ///< what carries the path, and the joint whose translations follow
   double sourceFloor_ = 0.0, targetFloor_ = 0.0, scale_ = 1.0;
 };
 

@@ -41,7 +41,10 @@ void ModelView::showWeights(int joint) {
 }
 
 RenderScene ModelView::compose(const Eigen::VectorXd& q, const ViewOptions& options, Theme theme, std::optional<int> selected) {
-  const Frames frames = forwardKinematics(model_->skeleton, q);
+  return compose(forwardKinematics(model_->skeleton, q), options, theme, selected);
+}
+
+RenderScene ModelView::compose(const Frames& frames, const ViewOptions& options, Theme theme, std::optional<int> selected) {
   RenderScene scene;
   scene.theme = theme;
   scene.size = size_;

@@ -24,6 +24,7 @@ class ModelView {
 
   /// What the options ask for, in this pose: body, bones, joint frames, weights of the selected joint. q: nq. The scene
   /// points into this object and is valid until the next call.
+  RenderScene compose(const Frames& worldFromJoint, const ViewOptions& options, Theme theme, std::optional<int> selected = {});
   RenderScene compose(const Eigen::VectorXd& q, const ViewOptions& options, Theme theme, std::optional<int> selected = {});
 
   /// Draws the skin with these muscle layers, and the lattice of every limb where asked for. nullptr: without.

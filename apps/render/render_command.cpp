@@ -29,7 +29,9 @@ constexpr double degrees = std::numbers::pi / 180.0;
 /// The command's arguments as they were given; empty or nullopt: not given.
 struct Request {
   std::string input, output;
-  std::string skeleton, weights;
+  std::string skeleton, weights, asf, amc, mapping;
+  int frame = 0;
+  bool bindPose = false;
   std::string size = "1280x800", theme, view, focus, weightsOf;
   double scale = 1.0, zoom = 1.0, seconds = 6.0;
   std::optional<double> azimuth, elevation;
@@ -61,6 +63,11 @@ Viewport parseSize(const Request& request) {
 Model openInput(const Request& request, const ModelReference& reference) {
   const std::string& skeleton = request.skeleton.empty() ? reference.skeletonFile : request.skeleton;
   const std::string& weights = request.weights.empty() ? reference.weightsFile : request.weights;
+  const std::string& asf = request.asf.empty() ? reference.asfFile : request.asf;
+  const std::string& amc = request.amc.empty() ? reference.amcFile : request.amc;
+  const std::string& mapping = request.mapping.empty() ? reference.mappingFile : request.mapping;
+  if (!asf.empty() || !amc.empty())
+    return withBody(importFiles(reference.nameOrFile, {.skeleton = skeleton, .weights = weights, .asf = asf, .amc = amc, .mapping = mapping, .figure = {}}).model);
   if (skeleton.empty()) return withBody(openModel(reference.nameOrFile));
   return openBody(reference.nameOrFile, skeleton, weights.empty() ? std::nullopt : std::optional(weights));
 }
@@ -159,7 +166,8 @@ class Studio {
     renderer_.emplace();
     renderer_->setSupersampling(smoothing());
     target_.emplace(viewport_.width, viewport_.height);
-    camera_ = cameraOf(request, *view_, forwardKinematics(model_.skeleton, q_), viewport_,
+    frames_ = request.bindPose ? bindFrames(model_) : forwardKinematics(model_.skeleton, q_);
+    camera_ = cameraOf(request, *view_, frames_, viewport_,
                        isScene_ ? std::optional(scene_.camera) : std::nullopt);
   }
 
@@ -168,9 +176,9 @@ class Studio {
 
   /// The picture with the camera turned by so many radians about up.
   Image picture(double turn = 0.0) {
-    RenderScene picture = view_->compose(q_, options(), theme(), selected_);
+    RenderScene picture = view_->compose(frames_, options(), theme(), selected_);
     if (scene_.options.handles || request_.handles)
-      addGoals(picture, scene_.goals, forwardKinematics(model_.skeleton, q_), view_->size());
+      addGoals(picture, scene_.goals, frames_, view_->size());
     Camera camera = camera_;
     camera.azimuth += turn;
     renderer_->draw(picture, camera, viewport_, target_->framebuffer(), static_cast<float>(request_.scale));
@@ -187,8 +195,15 @@ class Studio {
     if (isScene_)
       scene_ = loadScene(request_.input, model_.skeleton);
     else
-      scene_.q = model_.skeleton.rest();
+      scene_.q = poseOfFrame();
     if (!scene_.selectedJoint.empty()) selected_ = model_.skeleton.jointIndex(scene_.selectedJoint);
+  }
+
+  Eigen::VectorXd poseOfFrame() const {
+    if (request_.frame == 0) return model_.skeleton.rest();
+    const int count = model_.clip ? model_.clip->frameCount() : 0;
+    if (request_.frame > count) throw std::invalid_argument(fmt::format("--frame: the motion has {} frames, {} was asked for", count, request_.frame));
+    return model_.clip->q.col(request_.frame - 1);
   }
 
   /// Weights that were edited by hand.
@@ -258,6 +273,7 @@ class Studio {
   Model model_;
   Scene scene_;
   Eigen::VectorXd q_;
+  Frames frames_;
   std::optional<int> selected_;
   std::optional<OffscreenContext> context_;  // before all that lives in it
   std::optional<ModelView> view_;
@@ -327,6 +343,11 @@ void addRenderCommand(CLI::App& app) {
   command->add_option("-o,--output", request->output, "Picture or video to write")->required();
   command->add_option("--skeleton", request->skeleton, "Skeleton file that goes with an OBJ");
   command->add_option("--weights", request->weights, "Weights file that goes with an OBJ and a skeleton");
+  command->add_option("--asf", request->asf, "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
+  command->add_option("--amc", request->amc, "Motion for the ASF skeleton");
+  command->add_option("--mapping", request->mapping, "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command->add_option("--frame", request->frame, "Pose of this frame of the motion, from 1")->check(CLI::PositiveNumber);
+  command->add_flag("--bind-pose", request->bindPose, "The pose in which the skin is bound, where that is not the skeleton's rest pose");
   command->add_option("--size", request->size, "Pixels at scale 1")->capture_default_str();
   command->add_option("--scale", request->scale, "Enlarges the picture, and lines and marks with it")
       ->check(CLI::Range(0.1, 8.0))
