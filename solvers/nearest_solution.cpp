@@ -8,6 +8,7 @@
 #include <random>
 
 #include "kinematics/configuration.h"
+#include "solvers/ceres_options.h"
 
 namespace gelenk {
 namespace {
@@ -52,13 +53,8 @@ NearestSolution descend(const PlanarChain& chain, const VectorXd& phiOld, const 
   for (int outer = 0; outer < 30; ++outer) {
     ceres::Problem problem;
     problem.AddResidualBlock(new AugmentedLagrangian(chain, phiOld, X, lambda, mu, size), nullptr, phi.data());
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_QR;
-    options.max_num_iterations = 200;
-    options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-15;
-    options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    ceres::Solve(smallDenseOptions(200), &problem, &summary);
     found.iterations += static_cast<int>(summary.iterations.size());
     const Vector2d g = (endEffector(chain, phi) - X) / size;
     if (g.norm() < 1e-14) break;

@@ -6,6 +6,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "solvers/ceres_options.h"
+
 namespace gelenk {
 namespace {
 
@@ -68,13 +70,8 @@ QuaternionChainFit fitQuaternionChain(const std::vector<double>& lengths, const 
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<UnitLengthPenalty, 1, 4>(new UnitLengthPenalty{penaltyWeight}), nullptr,
                                block.data());
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 500;
-  options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-15;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  ceres::Solve(smallDenseOptions(500), &problem, &summary);
 
   QuaternionChainFit fit;
   for (const auto& block : q) {
