@@ -47,24 +47,17 @@ inline Eigen::Vector4d bernsteinDerivative(double t) {
 /// collapses to x = sum_k B_k(w) plane_k(u, v). Several times cheaper, and an independent route for tests.
 inline FfdSample evaluateAffine(const FfdPlane* plane, const Eigen::Vector3d& uvw) {
   const Eigen::Vector4d b = bernstein(uvw.z()), d = bernsteinDerivative(uvw.z());
-  double blend[9] = {}, slope[9] = {};  // origin, axis u, axis v: plain loops, which vectorise
+  FfdSample sample{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
+  double *x = sample.position.data(), *xu = sample.derivatives.data(), *xv = xu + 3, *xw = xu + 6;
   for (int k = 0; k < 4; ++k) {
-    const double *origin = plane[k].origin.data(), *axes = plane[k].axes.data();
-    for (int i = 0; i < 3; ++i) {
-      blend[i] += b[k] * origin[i];
-      slope[i] += d[k] * origin[i];
+    const double *origin = plane[k].origin.data(), *u = plane[k].axes.data(), *v = u + 3;
+    for (int i = 0; i < 3; ++i) {  // the plane's point at u, v, and its axes
+      const double point = origin[i] + uvw.x() * u[i] + uvw.y() * v[i];
+      x[i] += b[k] * point;
+      xu[i] += b[k] * u[i];
+      xv[i] += b[k] * v[i];
+      xw[i] += d[k] * point;
     }
-    for (int i = 0; i < 6; ++i) {
-      blend[i + 3] += b[k] * axes[i];
-      slope[i + 3] += d[k] * axes[i];
-    }
-  }
-  FfdSample sample;
-  for (int i = 0; i < 3; ++i) {
-    sample.position[i] = blend[i] + blend[i + 3] * uvw.x() + blend[i + 6] * uvw.y();
-    sample.derivatives(i, 0) = blend[i + 3];
-    sample.derivatives(i, 1) = blend[i + 6];
-    sample.derivatives(i, 2) = slope[i] + slope[i + 3] * uvw.x() + slope[i + 6] * uvw.y();
   }
   return sample;
 }
