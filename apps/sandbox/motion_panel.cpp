@@ -78,6 +78,7 @@ class MotionPanel final : public Panel {
     sandbox.showBottomStrip(name());
     sandbox.setPlaying(true);
     lastRoot_ = onGround(sandbox, sandbox.session().frames()[0].translation());
+    standOnClip(sandbox);
   }
 
   bool openFile(Sandbox& sandbox, const std::string& path) override {
@@ -290,6 +291,25 @@ class MotionPanel final : public Panel {
       seconds_ = std::clamp(seconds_, 0.0, end);
       sandbox.setPlaying(false);
     }
+  }
+
+  /// The ground under the clip's first frame and everything in view, where the rest pose stands elsewhere (a BVH's hips often rest in the origin).
+  void standOnClip(Sandbox& sandbox) {
+    Sandbox::State& s = sandbox.state();
+    const Model& model = sandbox.session().model();
+    if (model.planar) return;
+    const Frames frames = forwardKinematics(model.skeleton, clip().q.col(0));
+    Eigen::AlignedBox3d box;
+    if (s.posedBounds)
+      box = (*s.posedBounds)(poseSkin(*model.skin, frames));
+    else
+      for (const auto& frame : frames) box.extend(frame.translation());
+    const double height = std::min(model.up.dot(box.min()), model.up.dot(box.max()));
+    if (std::abs(height - s.groundHeight) < 0.1 * s.size) return;
+    s.groundHeight = height;
+    s.bounds = box;
+    frameEverything(sandbox, false);
+    lastRoot_ = onGround(sandbox, frames[0].translation());
   }
 
   // --- the pose at the playhead
