@@ -151,13 +151,19 @@ SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal, const 
   return prepared;
 }
 
-void SerialPoseSolver::toLimits(double* q, const double* start) const {
+bool SerialPoseSolver::toLimits(double* q, const double* start) const {
+  bool moved = false;
   for (int i = 0; i < chain_.n; ++i) {
-    if (chain_.constants.revolute[i] == 0.0)
-      q[i] = std::clamp(q[i] * chain_.length, chain_.lower[i], chain_.upper[i]);
-    else if (chain_.wraps[i])
+    if (chain_.constants.revolute[i] == 0.0) q[i] *= chain_.length;
+    if (chain_.wraps[i]) {
       q[i] = nearestWithin(q[i], start[i], chain_.lower[i], chain_.upper[i]);
+    } else {
+      const double within = std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
+      moved = moved || std::abs(within - q[i]) > 1e-12 * (1.0 + chain_.length);
+      q[i] = within;
+    }
   }
+  return moved;
 }
 
 /// The largest change of a dof (radians, chain lengths) between a start and a solution; infinite where there is none.
@@ -270,11 +276,12 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
   answer.q = start;
   answer.from = start;
   const bool hasPose = found.error2 < 1e299;
+  bool moved = false;  // walls are rounded to single precision in the race: at one of them the last step is taken below
   if (hasPose) {
     for (int i = 0; i < n; ++i) answer.q[i] = found.q[i];
-    toLimits(answer.q.data(), start.data());
+    moved = toLimits(answer.q.data(), start.data());
   }
-  if (found.solved || !options.closestPose) {
+  if ((found.solved && !moved) || !options.closestPose) {
     answer.why = found.solved ? Stop::Converged : Stop::Stalled;
     if (found.solved)
       for (int i = 0; i < n; ++i) answer.from[i] = found.start[i] * (scaled_.revolute[i] != 0.0 ? 1.0 : chain_.length);
