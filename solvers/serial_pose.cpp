@@ -151,19 +151,12 @@ SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal, const 
   return prepared;
 }
 
-bool SerialPoseSolver::toLimits(double* q, const double* start) const {
-  bool moved = false;
+/// What the race gives up on may be beyond a wall by the rounding to single precision.
+void SerialPoseSolver::toLimits(double* q, const double* start) const {
   for (int i = 0; i < chain_.n; ++i) {
     if (chain_.constants.revolute[i] == 0.0) q[i] *= chain_.length;
-    if (chain_.wraps[i]) {
-      q[i] = nearestWithin(q[i], start[i], chain_.lower[i], chain_.upper[i]);
-    } else {
-      const double within = std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
-      moved = moved || std::abs(within - q[i]) > 1e-12 * (1.0 + chain_.length);
-      q[i] = within;
-    }
+    q[i] = chain_.wraps[i] ? nearestWithin(q[i], start[i], chain_.lower[i], chain_.upper[i]) : std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
   }
-  return moved;
 }
 
 /// The largest change of a dof (radians, chain lengths) between a start and a solution; infinite where there is none.
@@ -276,12 +269,11 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
   answer.q = start;
   answer.from = start;
   const bool hasPose = found.error2 < 1e299;
-  bool moved = false;  // walls are rounded to single precision in the race: at one of them the last step is taken below
   if (hasPose) {
     for (int i = 0; i < n; ++i) answer.q[i] = found.q[i];
-    moved = toLimits(answer.q.data(), start.data());
+    toLimits(answer.q.data(), start.data());
   }
-  if ((found.solved && !moved) || !options.closestPose) {
+  if (found.solved || !options.closestPose) {
     answer.why = found.solved ? Stop::Converged : Stop::Stalled;
     if (found.solved)
       for (int i = 0; i < n; ++i) answer.from[i] = found.start[i] * (scaled_.revolute[i] != 0.0 ? 1.0 : chain_.length);

@@ -85,7 +85,7 @@ class SerialPoseSolver {
   KernelTarget kernelTarget(const TipGoal& goal) const;
   double jump(const double* start, const KernelAnswer& found) const;
   void nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const;
-  bool toLimits(double* q, const double* start) const;  ///< true where a wall moved a dof
+  void toLimits(double* q, const double* start) const;
   void reportErrors(const TipGoal& goal, const Prepared& prepared, const KernelAnswer& found, SerialPoseAnswer& answer) const;
 
   SerialChain chain_;
