@@ -159,12 +159,13 @@ double limbVolume(const MuscleSkin& body, const LimbSurface& surface, const Fram
 }
 
 std::vector<MuscleState> scaled(std::vector<MuscleState> states, double s) {
-  for (MuscleState& state : states)
+  for (MuscleState& state : states) {
+    state.swell *= s;
     for (MusclePlane* plane : {&state.plane2, &state.plane4}) {
       plane->stretch *= s;
       plane->offset *= s;
-      for (Vector3d& d : plane->displacement) d.head<2>() *= s;
     }
+  }
   return states;
 }
 

@@ -173,8 +173,9 @@ LimbPose poseLimb(const LimbShape& shape, const LimbFrames& frames, const std::v
     pose.planes[6 * i + 3] = onRectangle({0.5 * (second.centre + fourth.centre), 0.5 * (second.axes + fourth.axes)}, shape);
     pose.planes[6 * i + 4] = onRectangle(fourth, shape);
 
+    const Matrix3d turned = R * Eigen::AngleAxisd(middleTwist, Vector3d::UnitZ()) * Vector3d(muscle.swell, muscle.swell, 1.0).asDiagonal();
+    pose.worldFromDisplacement.push_back(turned);
     if (!displaced) continue;
-    const Matrix3d turned = R * Eigen::AngleAxisd(middleTwist, Vector3d::UnitZ());
     const auto displace = [&](const MusclePlane& control, int plane) {
       if (!control.displacement.empty() && control.displacement.size() != 16)
         throw std::invalid_argument("a muscle plane has " + std::to_string(control.displacement.size()) +
@@ -197,6 +198,19 @@ LimbPose poseLimb(const LimbShape& shape, const LimbFrames& frames, const std::v
   pose.worldFromNearEnd = endFrame(seams.front(), frames.joints.front());
   pose.worldFromFarEnd = endFrame(seams.back(), frames.joints.back());
   return pose;
+}
+
+FfdLattice displacementLattice(const MuscleState& muscle, int half) {
+  FfdLattice lattice;
+  lattice.points.fill(Vector3d::Zero());
+  const auto add = [&](const MusclePlane& control, int plane, double share) {  // plane of the half's four
+    for (std::size_t c = 0; c < control.displacement.size(); ++c) lattice.points[16 * plane + c] += share * control.displacement[c];
+  };
+  const int middle = half == 0 ? 3 : 0;
+  add(muscle.plane2, middle, 0.5);
+  add(muscle.plane4, middle, 0.5);
+  add(half == 0 ? muscle.plane2 : muscle.plane4, half == 0 ? 2 : 1, 1.0);
+  return lattice;
 }
 
 std::array<Vector3d, 16> LimbPose::controlPoints(int plane) const {

@@ -68,6 +68,7 @@ struct MusclePlane {
 };
 struct MuscleState {
   MusclePlane plane2, plane4;
+  double swell = 1.0;  ///< factor on x and y of the free displacements (volume rule)
 };
 
 /// The control planes of a posed limb: link i's seven planes are planes[6 i] ... planes[6 i + 6].
@@ -75,6 +76,8 @@ struct LimbPose {
   std::vector<FfdPlane> planes;
   /// Displacement of the control points beyond the affine planes, one 4 x 4 block a plane (index 4 j + i), world; empty if none.
   std::vector<std::array<Eigen::Vector3d, 16>> displacement;
+  /// What carries the free displacements of each link's planes 2 and 4 into the world: the section's turn, after the swell.
+  std::vector<Eigen::Matrix3d> worldFromDisplacement;
   Eigen::Isometry3d worldFromNearEnd;  ///< frames of the first and last plane, which the body beyond the limb continues rigidly
   Eigen::Isometry3d worldFromFarEnd;
 
@@ -88,6 +91,10 @@ struct LimbPose {
 
 /// Seam and inner-plane rules. muscles: one a link, or empty for the limb without muscles.
 LimbPose poseLimb(const LimbShape& shape, const LimbFrames& frames, const std::vector<MuscleState>& muscles = {});
+
+/// The free displacements of a link's muscles as a lattice of their own, in the frame they are given in: half 0 planes 0-3, half 1
+/// planes 3-6. Its sample at a vertex's (u, v, w), turned by worldFromDisplacement, is what they add there.
+FfdLattice displacementLattice(const MuscleState& muscle, int half);
 
 /// Total bend and twist of a joint between two links, q = R_i^T R_{i+1} = swing * twist about z.
 struct JointBend {

@@ -55,6 +55,7 @@ RenderScene ModelView::compose(const Frames& frames, const ViewOptions& options,
     if (muscles_) {
       const std::vector<LimbPose> limbs = muscles_->pose(frames);
       poseSkin(muscles_->body(), frames, limbs, pose_);
+      mesh_->setSculpture(*muscles_);
       if (lattice_)
         for (const LimbPose& limb : limbs) addLattice(scene.overlayOnTop, limb);
     } else {

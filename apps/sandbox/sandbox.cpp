@@ -67,6 +67,7 @@ SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
   if (!s.mesh || !(s.show.skin || s.show.wireframe)) return nullptr;
   if (s.muscles) {
     poseSkin(s.muscles->body(), sandbox.shownFrames(), sandbox.limbPoses(), s.pose);
+    s.layeredMesh->setSculpture(*s.muscles);
     return s.layeredMesh.get();
   }
   if (!s.deformer) return s.mesh.get();

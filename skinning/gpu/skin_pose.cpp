@@ -47,17 +47,13 @@ int links(const Limb& limb) { return static_cast<int>(limb.shape.links.size()); 
 
 }  // namespace
 
-int firstLayerPlane(const MuscleSkin& body, int limb) {
-  int plane = 0;
-  for (int l = 0; l < limb; ++l) plane += 6 * links(body.limbs[l]) + 9;
-  return plane;
+int firstLayerRow(const MuscleSkin& body, int limb) {
+  int row = 0;
+  for (int l = 0; l < limb; ++l) row += 3 * (6 * links(body.limbs[l]) + 9) + 3 * links(body.limbs[l]);
+  return row;
 }
 
-int firstLayerLink(const MuscleSkin& body, int limb) {
-  int link = 0;
-  for (int l = 0; l < limb; ++l) link += links(body.limbs[l]);
-  return link;
-}
+int firstLinkRow(const MuscleSkin& body, int limb) { return firstLayerRow(body, limb) + 3 * (6 * links(body.limbs[limb]) + 9); }
 
 void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs, SkinPose& out) {
   poseSkin(body.skin, worldFromJoint, out);
@@ -65,21 +61,10 @@ void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::v
     for (const FfdPlane& plane : limb.planes) append(out.layers, plane);
     appendRigid(out.layers, limb.worldFromNearEnd);
     appendRigid(out.layers, limb.worldFromFarEnd);
+    for (const Eigen::Matrix3d& matrix : limb.worldFromDisplacement)
+      for (int k = 0; k < 3; ++k) append(out.layers, matrix.col(k));
   }
   out.sculpted = std::any_of(limbs.begin(), limbs.end(), [](const LimbPose& limb) { return !limb.displacement.empty(); });
-  if (!out.sculpted) return;
-  out.layers.resize(4 * firstDisplacementRow, 0.0f);
-  for (std::size_t l = 0; l < limbs.size(); ++l)
-    for (int i = 0; i < links(body.limbs[l]); ++i) {
-      const std::size_t first = out.layers.size();
-      if (limbs[l].displacement.empty())
-        out.layers.resize(first + 128, 0.0f);
-      else
-        for (const int plane : {6 * i + 2, 6 * i + 4})
-          for (const Eigen::Vector3d& d : limbs[l].displacement[plane]) append(out.layers, d);
-      const bool displaced = std::any_of(out.layers.begin() + first, out.layers.end(), [](float x) { return x != 0.0f; });
-      out.layers[first + 3] = displaced ? 1.0f : 0.0f;
-    }
 }
 
 std::string layerDefines(const SkinPose& pose) {

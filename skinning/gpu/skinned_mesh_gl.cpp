@@ -1,5 +1,6 @@
 #include "skinning/gpu/skinned_mesh_gl.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -20,10 +21,12 @@ struct InfluenceVertex {
 struct LayerVertex {
   float uvw[3], weight;
   float normal[3];
-  std::uint16_t firstPlane, link;  ///< link: 2 * link + (1 for its second volume), or noLink
+  std::uint16_t planeRow, linkRow;  ///< of SkinPose::layers
 };
-constexpr std::uint16_t noLink = 0xffff;
-static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 32);
+struct SculptureVertex {
+  float columns[4][3];  ///< displacement, d/du, d/dv, d/dw
+};
+static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 32 && sizeof(SculptureVertex) == 48);
 
 template <class T>
 void fill(GLenum target, const GlBuffer& buffer, const std::vector<T>& data, GLenum usage = GL_STATIC_DRAW) {
@@ -55,7 +58,7 @@ std::vector<InfluenceVertex> influenceVertices(const std::vector<Influences>& in
 }
 
 std::vector<LayerVertex> layerVertices(const MuscleSkin& body) {
-  std::vector<LayerVertex> vertices(body.vertices.size(), LayerVertex{{0, 0, 0}, 0.0f, {0, 0, 0}, 0, noLink});
+  std::vector<LayerVertex> vertices(body.vertices.size(), LayerVertex{{0, 0, 0}, 0.0f, {0, 0, 0}, 0, 0});
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const LimbVertex& from = body.vertices[v];
     if (from.limb < 0) continue;
@@ -66,11 +69,42 @@ std::vector<LayerVertex> layerVertices(const MuscleSkin& body) {
                                                              : 3 * from.volume;
     LayerVertex& to = vertices[v];
     to.weight = static_cast<float>(from.weight);
-    to.firstPlane = static_cast<std::uint16_t>(firstLayerPlane(body, from.limb) + plane);
-    if (from.volume >= 0) to.link = static_cast<std::uint16_t>(2 * firstLayerLink(body, from.limb) + from.volume);
+    to.planeRow = static_cast<std::uint16_t>(firstLayerRow(body, from.limb) + 3 * plane);
+    to.linkRow = static_cast<std::uint16_t>(firstLinkRow(body, from.limb) + 3 * std::max(from.volume / 2, 0));
     for (int k = 0; k < 3; ++k) {
       to.uvw[k] = static_cast<float>(from.uvw[k]);
       to.normal[k] = static_cast<float>(from.normal[k]);
+    }
+  }
+  return vertices;
+}
+
+/// The displaced control points of every volume of every limb; empty where there are none.
+std::vector<FfdLattice> displacementLattices(const MuscleRig& rig) {
+  std::vector<FfdLattice> lattices;
+  bool any = false;
+  for (std::size_t l = 0; l < rig.controls().size(); ++l) {
+    std::vector<MuscleState> states = rig.controls()[l].sculpted;
+    states.resize(rig.body().limbs[l].shape.links.size());
+    for (const MuscleState& state : states) {
+      any = any || !state.plane2.displacement.empty() || !state.plane4.displacement.empty();
+      for (const int half : {0, 1}) lattices.push_back(displacementLattice(state, half));
+    }
+  }
+  return any ? lattices : std::vector<FfdLattice>{};
+}
+
+std::vector<SculptureVertex> sculptureVertices(const MuscleSkin& body, const std::vector<FfdLattice>& lattices) {
+  std::vector<std::size_t> firstOfLimb{0};
+  for (const Limb& limb : body.limbs) firstOfLimb.push_back(firstOfLimb.back() + 2 * limb.shape.links.size());
+  std::vector<SculptureVertex> vertices(body.vertices.size(), SculptureVertex{});
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const LimbVertex& from = body.vertices[v];
+    if (from.limb < 0 || from.volume < 0) continue;
+    const FfdSample at = lattices[firstOfLimb[from.limb] + from.volume].evaluate(from.uvw);
+    for (int k = 0; k < 3; ++k) {
+      vertices[v].columns[0][k] = static_cast<float>(at.position[k]);
+      for (int c = 0; c < 3; ++c) vertices[v].columns[c + 1][k] = static_cast<float>(at.derivatives(k, c));
     }
   }
   return vertices;
@@ -159,11 +193,9 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
 
 SkinnedMeshGl::SkinnedMeshGl(const MuscleSkin& body) : SkinnedMeshGl(body.skin) {
   const int limbs = static_cast<int>(body.limbs.size());
-  const int planes = firstLayerPlane(body, limbs), links = firstLayerLink(body, limbs);
-  if (3 * planes > firstDisplacementRow || 32 * links > maxLayerRows - firstDisplacementRow)
-    throw std::invalid_argument("the muscle layers have " + std::to_string(planes) + " planes and " + std::to_string(links) +
-                                " links, the shader holds " + std::to_string(firstDisplacementRow / 3) + " and " +
-                                std::to_string((maxLayerRows - firstDisplacementRow) / 32));
+  if (const int rows = firstLayerRow(body, limbs); rows > maxLayerRows)
+    throw std::invalid_argument("the muscle layers of " + std::to_string(limbs) + " limbs need " + std::to_string(rows) +
+                                " rows, the shader holds " + std::to_string(maxLayerRows));
   layeredArray_ = GlVertexArray::create();
   outside_ = GlBuffer::create();
   layers_ = GlBuffer::create();
@@ -175,8 +207,23 @@ SkinnedMeshGl::SkinnedMeshGl(const MuscleSkin& body) : SkinnedMeshGl(body.skin) 
   floatAttribute(5, 4, sizeof(LayerVertex), offsetof(LayerVertex, uvw));
   floatAttribute(6, 3, sizeof(LayerVertex), offsetof(LayerVertex, normal));
   glEnableVertexAttribArray(7);
-  glVertexAttribIPointer(7, 2, GL_UNSIGNED_SHORT, sizeof(LayerVertex), offset(offsetof(LayerVertex, firstPlane)));
+  glVertexAttribIPointer(7, 2, GL_UNSIGNED_SHORT, sizeof(LayerVertex), offset(offsetof(LayerVertex, planeRow)));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+void SkinnedMeshGl::setSculpture(const MuscleRig& rig) {
+  requireOnePerVertex(rig.body().vertices.size());
+  std::vector<FfdLattice> now = displacementLattices(rig);
+  const auto same = [](const FfdLattice& a, const FfdLattice& b) { return a.points == b.points; };
+  if (std::equal(now.begin(), now.end(), displacements_.begin(), displacements_.end(), same)) return;
+  displacements_ = std::move(now);
+  if (displacements_.empty()) return;  // poses are then drawn without SCULPTED
+  if (sculpture_ == 0) sculpture_ = GlBuffer::create();
+  fill(GL_ARRAY_BUFFER, sculpture_, sculptureVertices(rig.body(), displacements_), GL_DYNAMIC_DRAW);
+  glBindVertexArray(layeredArray_);
+  for (int c = 0; c < 4; ++c) floatAttribute(8 + c, 3, sizeof(SculptureVertex), sizeof(float) * 3 * c);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }

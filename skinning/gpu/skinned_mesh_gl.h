@@ -8,6 +8,7 @@
 #include "skinning/gpu/skin_pose.h"
 #include "skinning/gpu/shader_program.h"
 #include "skinning/linear_blend.h"
+#include "skinning/muscle_control.h"
 
 namespace gelenk {
 
@@ -37,13 +38,14 @@ class PoseGl {
 /// A skin's constant part in GPU memory: rest positions, normals, four joints and weights a vertex, triangles.
 /// Vertex attributes: 0 position, 1 normal, 2 joints (uvec4), 3 weights, 4 colour (linear).
 /// Vertex shaders include "skinning.glsl", whose skinVertex() gives posed position and normal. With LAYERS defined, muscle layers
-/// join the skinning sum: attributes 5 (u, v, w, W), 6 (m), 7 (first plane, link), 2 and 3 then hold what is left of the influences.
+/// join the skinning sum: attributes 5 (u, v, w, W), 6 (m), 7 (rows of its planes and link), 2 and 3 then hold what is left of the influences. With SCULPTED,
+/// 8 to 11 hold what setSculpture() found.
 class SkinnedMeshGl {
  public:
   /// Throws std::invalid_argument on a skin whose influences or normals do not match its vertices.
   explicit SkinnedMeshGl(const Skin& skin);
   /// The same, ready to be drawn with and without its muscle layers. Throws std::invalid_argument where the limbs need more
-  /// rows than the shader holds (eight limbs of two links).
+  /// rows than the shader holds (14 limbs of two links).
   explicit SkinnedMeshGl(const MuscleSkin& body);
 
   bool hasLayers() const { return layeredArray_ != 0; }
@@ -59,6 +61,10 @@ class SkinnedMeshGl {
   /// std::invalid_argument on another length.
   void setShape(const SkinnedVertices& deformed);
 
+  /// Control points displaced by hand: what they do to each vertex in its link's own frame, position and three derivatives. Computed
+  /// and uploaded only where they changed since the last call. rig: of the body this mesh was made from.
+  void setSculpture(const MuscleRig& rig);
+
   /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array bound.
   /// layered: the program has LAYERS defined.
   void drawTriangles(bool layered = false) const;
@@ -72,7 +78,8 @@ class SkinnedMeshGl {
   void attachShape(const GlBuffer& influences) const;
 
   GlVertexArray triangleArray_, layeredArray_;
-  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_;
+  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, sculpture_;
+  std::vector<FfdLattice> displacements_;  ///< that sculpture_ holds
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };
 

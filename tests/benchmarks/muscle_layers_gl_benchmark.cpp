@@ -70,7 +70,8 @@ void vertexStage(benchmark::State& state, LayeredBody (*make)(), Way way) {
     for (MuscleControl& control : body.rig->controls())
       for (MuscleState& muscle : control.sculpted) muscle.plane2.displacement = muscle.plane4.displacement = sculpted;
   const MuscleSkin& skin = body.rig->body();
-  const SkinnedMeshGl mesh(skin);
+  SkinnedMeshGl mesh(skin);
+  mesh.setSculpture(*body.rig);
   SkinPose pose;
   if (way == LinearBlend)
     poseSkin(skin.skin, body.frames, pose);
@@ -87,6 +88,25 @@ void vertexStage(benchmark::State& state, LayeredBody (*make)(), Way way) {
   state.counters["on_layers"] = layered;
   state.SetLabel(glRenderer());
 }
+
+/// An edit: the control points of one muscle move, every vertex's share is computed and uploaded.
+void edit(benchmark::State& state) {
+  std::unique_ptr<OffscreenContext> context;
+  try {
+    context = std::make_unique<OffscreenContext>();
+  } catch (const std::runtime_error& error) {
+    return state.SkipWithError(error.what());
+  }
+  LayeredBody body = figureBody();
+  SkinnedMeshGl mesh(body.rig->body());
+  double shift = 0.0;
+  for (auto _ : state) {
+    body.rig->controls()[0].sculpted[0].plane2.displacement.assign(16, Eigen::Vector3d(shift += 1e-6, 0.0, 0.0));
+    mesh.setSculpture(*body.rig);
+    glFinish();
+  }
+}
+BENCHMARK(edit)->Unit(benchmark::kMicrosecond)->UseRealTime();
 
 BENCHMARK_CAPTURE(vertexStage, figure_lbs, figureBody, LinearBlend)->Unit(benchmark::kMicrosecond)->UseRealTime();
 BENCHMARK_CAPTURE(vertexStage, figure_layers, figureBody, Layers)->Unit(benchmark::kMicrosecond)->UseRealTime();

@@ -30,6 +30,11 @@ class MuscleLayersGl : public GlTest {
   }
 
   void expectShaderEqualsReference(const Frames& frames) const {
+    SkinnedMeshGl mesh(rig.body());
+    expectShaderEqualsReference(frames, mesh);
+  }
+
+  void expectShaderEqualsReference(const Frames& frames, SkinnedMeshGl& mesh) const {
     const std::vector<LimbPose> limbs = rig.pose(frames);
     SkinnedVertices reference;
     skinWithMuscles(rig.body(), frames, limbs, reference);
@@ -37,7 +42,8 @@ class MuscleLayersGl : public GlTest {
     poseSkin(rig.body(), frames, limbs, pose);
     const RenderTarget unseen(4, 4);  // drawing needs a complete framebuffer even where nothing is rasterised
     glBindFramebuffer(GL_FRAMEBUFFER, unseen.framebuffer());
-    const ReadBackVertices shader = skinOnGpu(SkinnedMeshGl(rig.body()), pose);
+    mesh.setSculpture(rig);
+    const ReadBackVertices shader = skinOnGpu(mesh, pose);
     const double limbLength = 0.55;
     double worst = 0.0, worstNormal = 0.0;
     for (std::size_t v = 0; v < reference.positions.size(); ++v)
@@ -64,6 +70,23 @@ TEST_F(MuscleLayersGl, ShaderAgreesWithSculptedControlPoints) {
   for (const double elbow : {0.0, 1.2, 2.4}) expectShaderEqualsReference(posed(elbow, {0.1, 0.2, 0.4}, {0, 0, 0.5}));
 }
 
+TEST_F(MuscleLayersGl, EveryEditOfControlPointsReachesTheMesh) {
+  SkinnedMeshGl mesh(rig.body());
+  const Frames bent = posed(1.2, {0.1, 0.2, 0.4}, {0, 0, 0.5});
+  std::vector<MuscleState>& sculpted = rig.controls()[0].sculpted;
+  expectShaderEqualsReference(bent, mesh);
+  for (const double shift : {0.004, 0.011}) {
+    sculpted[1].plane2.displacement.assign(16, Vector3d(shift, 0.002, -0.003));
+    expectShaderEqualsReference(bent, mesh);
+  }
+  sculpted[0].plane4.displacement.assign(16, Vector3d(0, 0.01, 0));
+  expectShaderEqualsReference(bent, mesh);
+  for (MuscleState& state : sculpted) state = {};
+  expectShaderEqualsReference(bent, mesh);
+  sculpted[1].plane2.displacement.assign(16, Vector3d(0.011, 0.002, -0.003));  // as before all was taken back
+  expectShaderEqualsReference(bent, mesh);
+}
+
 TEST_F(MuscleLayersGl, VerticesBeyondTheLimbFollowItsEndsRigidly) {
   int beyond = 0;
   for (const LimbVertex& vertex : rig.body().vertices) beyond += vertex.volume < 0;
@@ -72,7 +95,7 @@ TEST_F(MuscleLayersGl, VerticesBeyondTheLimbFollowItsEndsRigidly) {
 
 TEST_F(MuscleLayersGl, TooManyLimbsAreRefused) {
   const Limb limb = makeLimb(skeleton, rest, "arm", {1, 2, 3});
-  const MuscleSkin body = bindMuscles(testing::tube(skeleton), std::vector<Limb>(9, limb), rest);
+  const MuscleSkin body = bindMuscles(testing::tube(skeleton), std::vector<Limb>(15, limb), rest);
   EXPECT_THROW(SkinnedMeshGl{body}, std::invalid_argument);
 }
 

@@ -18,9 +18,15 @@ vec4 poseRow(int index) { return poseRows[index]; }
 // The weights of the bones outside the limb then sum to 1 - W.
 layout(location = 5) in vec4 limbParameters;  // u, v, w and W
 layout(location = 6) in vec3 limbNormal;      // m = J_rest^T n_rest
-layout(location = 7) in uvec2 limbPlanes;     // first plane; 2 link + half, or 65535 on the limb's rigid ends
+layout(location = 7) in uvec2 limbRows;       // of the first of its four planes, and of its link's matrix
 layout(std140) uniform Layers { vec4 layerRows[1024]; };
-const int firstDisplacementRow = 512;
+#ifdef SCULPTED
+// Where its fixed (u, v, w) meet the freely displaced control points, in the link's own frame: displacement and d/du, d/dv, d/dw.
+layout(location = 8) in vec3 sculpture;
+layout(location = 9) in vec3 sculptureU;
+layout(location = 10) in vec3 sculptureV;
+layout(location = 11) in vec3 sculptureW;
+#endif
 
 vec4 bernstein(float t) {
   float s = 1.0 - t;
@@ -31,32 +37,13 @@ vec4 bernsteinSlope(float t) {
   return vec4(-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t);
 }
 
-// Free displacements of planes 2 and 4; plane 3 takes their mean. Adds to position and derivatives.
-void displaceMuscle(vec4 bw, vec4 dw, inout vec3 x, inout vec3 xu, inout vec3 xv, inout vec3 xw) {
-  bool second = (limbPlanes.y & 1u) == 1u;
-  vec2 share = second ? vec2(0.5 * bw[0], 0.5 * bw[0] + bw[1]) : vec2(bw[2] + 0.5 * bw[3], 0.5 * bw[3]);
-  vec2 slope = second ? vec2(0.5 * dw[0], 0.5 * dw[0] + dw[1]) : vec2(dw[2] + 0.5 * dw[3], 0.5 * dw[3]);
-  vec4 bu = bernstein(limbParameters.x), du = bernsteinSlope(limbParameters.x);
-  vec4 bv = bernstein(limbParameters.y), dv = bernsteinSlope(limbParameters.y);
-  int row = firstDisplacementRow + 32 * int(limbPlanes.y >> 1u);
-  for (int j = 0; j < 4; ++j)
-    for (int i = 0; i < 4; ++i) {
-      vec3 d2 = layerRows[row + 4 * j + i].xyz, d4 = layerRows[row + 16 + 4 * j + i].xyz;
-      vec3 d = share.x * d2 + share.y * d4;
-      x += bu[i] * bv[j] * d;
-      xu += du[i] * bv[j] * d;
-      xv += bu[i] * dv[j] * d;
-      xw += bu[i] * bv[j] * (slope.x * d2 + slope.y * d4);
-    }
-}
-
 // F and the deformed unit normal. The control points of a plane are an affine image of the section, so that the sum over 64 points
-// is a sum over four planes; sculpted points come on top.
+// is a sum over four planes; what is sculpted, a sum of its own for every vertex, changes only by the link's turn.
 void deformLimb(out vec3 x, out vec3 n) {
   float u = limbParameters.x, v = limbParameters.y;
   vec4 bw = bernstein(limbParameters.z), dw = bernsteinSlope(limbParameters.z);
   vec3 origin = vec3(0.0), xu = vec3(0.0), xv = vec3(0.0), originW = vec3(0.0), uW = vec3(0.0), vW = vec3(0.0);
-  int row = 3 * int(limbPlanes.x);
+  int row = int(limbRows.x);
   for (int k = 0; k < 4; ++k, row += 3) {
     vec3 o = layerRows[row].xyz, a = layerRows[row + 1].xyz, b = layerRows[row + 2].xyz;
     origin += bw[k] * o;
@@ -69,9 +56,12 @@ void deformLimb(out vec3 x, out vec3 n) {
   x = origin + u * xu + v * xv;
   vec3 xw = originW + u * uW + v * vW;
 #ifdef SCULPTED
-  // A loop of one turn or none: unlike a condition, a software renderer passes over it where no vertex needs it.
-  int displaced = limbPlanes.y != 65535u ? int(layerRows[firstDisplacementRow + 32 * int(limbPlanes.y >> 1u)].w) : 0;
-  for (; displaced > 0; --displaced) displaceMuscle(bw, dw, x, xu, xv, xw);
+  int link = int(limbRows.y);
+  mat3 worldFromLink = mat3(layerRows[link].xyz, layerRows[link + 1].xyz, layerRows[link + 2].xyz);
+  x += worldFromLink * sculpture;
+  xu += worldFromLink * sculptureU;
+  xv += worldFromLink * sculptureV;
+  xw += worldFromLink * sculptureW;
 #endif
   n = normalize(limbNormal.x * cross(xv, xw) + limbNormal.y * cross(xw, xu) + limbNormal.z * cross(xu, xv));
 }
