@@ -42,6 +42,23 @@ double niceStep(double step) {
   return 10.0 * power;
 }
 
+struct Label {
+  ImVec2 at;
+  float width;
+  ImVec4 colour;
+  std::string words;
+};
+
+/// From the lowest up: a label that would stand on another moves above it.
+void moveApart(std::vector<Label>& labels, float height) {
+  std::sort(labels.begin(), labels.end(), [](const Label& a, const Label& b) { return a.at.y > b.at.y; });
+  for (std::size_t i = 1; i < labels.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const bool beside = labels[i].at.x > labels[j].at.x + labels[j].width || labels[j].at.x > labels[i].at.x + labels[i].width;
+      if (!beside && std::abs(labels[i].at.y - labels[j].at.y) < height) labels[i].at.y = labels[j].at.y - height;
+    }
+}
+
 }  // namespace
 
 void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 position, ImVec2 size, const Palette& palette,
@@ -93,6 +110,7 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
 
   draw->PushClipRect({area.low.x - 4 * scale, area.low.y - 6 * scale}, {area.high.x + 6 * scale, area.high.y + 4 * scale}, true);
   std::vector<ImVec2> points;
+  std::vector<Label> labels;
   for (const Curve& curve : curves) {
     points.clear();
     for (std::size_t i = 0; i < curve.values.size(); ++i) points.push_back({xOf(static_cast<double>(i)), yOf(curve.values[i])});
@@ -104,9 +122,11 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
       const float width = textWidth(fonts.small, curve.label);
       const ImVec2 at(std::min(points.back().x + 6 * scale, area.high.x - width),
                       std::clamp(points.back().y - fonts.small->FontSize - 2 * scale, area.low.y - 4 * scale, area.high.y));
-      text(draw, fonts.small, at, {curve.colour.x, curve.colour.y, curve.colour.z, 1.0f}, curve.label);
+      labels.push_back({at, width, {curve.colour.x, curve.colour.y, curve.colour.z, 1.0f}, curve.label});
     }
   }
+  moveApart(labels, 0.95f * fonts.small->FontSize);
+  for (const Label& label : labels) text(draw, fonts.small, label.at, label.colour, label.words);
   draw->PopClipRect();
 }
 
