@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <map>
 
 #include "apps/commands.h"
 #include "apps/model_files.h"
@@ -28,15 +27,6 @@ struct Request {
   int frame = 0;
 };
 
-/// "m", "cm", "mm", "in", "ft", or metres as a number.
-double metres(const std::string& unit) {
-  static const std::map<std::string, double> named{{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
-  if (const auto found = named.find(unit); found != named.end()) return found->second;
-  const auto value = parseNumber(unit);
-  if (!value || !(*value > 0.0)) throw std::invalid_argument("a unit must be m, dm, cm, mm, in, ft or a positive number of metres, not '" + unit + "'");
-  return *value;
-}
-
 /// The pose that formats without motion get: the chosen frame, else the rest pose.
 Eigen::VectorXd poseOf(const Imported& imported, int frame) {
   if (frame == 0) return imported.model.clip && imported.model.clip->frameCount() == 1 ? Eigen::VectorXd(imported.model.clip->q.col(0)) : imported.model.skeleton.rest();
@@ -45,8 +35,47 @@ Eigen::VectorXd poseOf(const Imported& imported, int frame) {
   return imported.model.clip->q.col(frame - 1);
 }
 
-void write(const Imported& imported, FileKind kind, const Request& request) {
-  const double unit = request.unitOut.empty() ? 1.0 : metres(request.unitOut);
+/// The first joint that lies in its parent's place, -1 where there is none. Skeletons of bones have no such joints, ASF's and glTF's often do.
+int jointOfNoLength(const Skeleton& skeleton) {
+  const Frames frames = restFrames(skeleton);
+  for (int i = 1; i < skeleton.jointCount(); ++i)
+    if ((frames[i].translation() - frames[skeleton.parent(i)].translation()).norm() < 1e-9) return i;
+  return -1;
+}
+
+/// Angles and weights are of bones; two joints in one place have none between them.
+void demandLengths(const Skeleton& skeleton) {
+  const int i = jointOfNoLength(skeleton);
+  if (i >= 0)
+    throw std::invalid_argument(fmt::format("joint '{}' lies in the place of its parent '{}'; this format has bones of positive length only", skeleton.joint(i).name,
+                                            skeleton.joint(skeleton.parent(i)).name));
+}
+
+/// The places of the rest pose as a tree of fixed joints whose bones all have a length: what hangs on a joint in its parent's place hangs on that parent. A note
+/// of the model tells what was left out.
+Skeleton places(Model& model) {
+  const Skeleton& skeleton = model.skeleton;
+  const Frames frames = restFrames(skeleton);
+  std::vector<Joint> joints;
+  std::vector<int> now(skeleton.jointCount());
+  std::string left;
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    const int parent = skeleton.parent(i);
+    const Eigen::Vector3d offset = frames[i].translation() - (parent < 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(frames[parent].translation()));
+    if (parent >= 0 && offset.norm() < 1e-9) {
+      now[i] = now[parent];
+      left += (left.empty() ? "" : ", ") + skeleton.joint(i).name;
+      continue;
+    }
+    now[i] = static_cast<int>(joints.size());
+    joints.push_back({.name = skeleton.joint(i).name, .parent = parent < 0 ? -1 : now[parent], .parentFromZero = Eigen::Isometry3d(Eigen::Translation3d(offset))});
+  }
+  if (!left.empty()) model.notes.push_back("left out, since they lie in their parents' places: " + left);
+  return Skeleton(std::move(joints));
+}
+
+void write(Imported& imported, FileKind kind, const Request& request) {
+  const double unit = request.unitOut.empty() ? 1.0 : metresPerUnit(request.unitOut);
   const Skeleton& skeleton = imported.model.skeleton;
   const auto clipOrPose = [&] {
     if (imported.model.clip && request.frame == 0) return *imported.model.clip;
@@ -55,14 +84,17 @@ void write(const Imported& imported, FileKind kind, const Request& request) {
   const double asfUnit = request.unitOut.empty() ? asfMetresPerUnit(0.45) : unit;
   switch (kind) {
     case FileKind::PinocchioSkeleton:
-      writeFile(request.out, formatPinocchioSkeleton(scaled(skeleton, 1.0 / unit), PinocchioIds::Names));
-      return;
+      return writeFile(request.out, formatPinocchioSkeleton(scaled(places(imported.model), 1.0 / unit), PinocchioIds::Names));
     case FileKind::Asf: return writeFile(request.out, formatAsf(skeleton, asfUnit));
     case FileKind::Amc: return writeFile(request.out, formatAmc(skeleton, clipOrPose(), asfUnit));
     case FileKind::Bvh: return writeFile(request.out, formatBvh(skeleton, clipOrPose(), unit));
-    case FileKind::TutorialSkeleton:
-      return writeFile(request.out, formatTutorialSkeleton(toTutorialSkeleton(scaled(skeleton, 1.0 / unit))));
+    case FileKind::TutorialSkeleton: {
+      TutorialSkeleton tutorial = imported.tutorial ? *imported.tutorial : toTutorialSkeleton(places(imported.model));
+      for (auto& position : tutorial.positions) position /= unit;
+      return writeFile(request.out, formatTutorialSkeleton(tutorial));
+    }
     case FileKind::TutorialPose: {
+      demandLengths(skeleton);
       // Angles of the figure that toTutorialSkeleton makes of this skeleton: its frames are parallel to the world's in the bind pose.
       const TutorialFigure figure = imported.figure ? *imported.figure : toSkeleton(toTutorialSkeleton(skeleton));
       const Frames rest = restFrames(skeleton), posed = forwardKinematics(skeleton, poseOf(imported, request.frame));
@@ -94,6 +126,7 @@ void write(const Imported& imported, FileKind kind, const Request& request) {
     }
     case FileKind::PinocchioWeights: {
       if (!imported.model.skin) throw std::invalid_argument("'" + request.in + "' has no body whose weights could be written");
+      demandLengths(skeleton);
       return writeFile(request.out, formatPinocchioWeights(boneWeights(imported.model.skin->influences, skeleton)));
     }
     case FileKind::DhTable: {
@@ -108,22 +141,37 @@ void write(const Imported& imported, FileKind kind, const Request& request) {
   }
 }
 
+/// A mesh alone: another unit, another axis up.
+void convertMesh(const Request& request) {
+  Mesh mesh = readMesh(request.in);
+  const auto unit = [](const std::string& text) { return text.empty() ? 1.0 : metresPerUnit(text); };
+  const double quarterTurns = (request.upOut == "z") - (request.upIn == "z");
+  const Eigen::Matrix3d newFromOld =
+      unit(request.unitIn) / unit(request.unitOut) * Eigen::AngleAxisd(quarterTurns * M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  for (auto& p : mesh.positions) p = newFromOld * p;
+  writeObj(request.out, mesh);
+  fmt::print("{}: {}, {} vertices\n", request.out, describe(FileKind::ObjMesh), mesh.positions.size());
+}
+
 void run(const Request& request) {
   const auto kind = fileKind(request.out);
   if (!kind) throw std::invalid_argument("cannot tell the format of '" + request.out + "'; known extensions: " + knownExtensions());
+  const auto from = fileKind(request.in);
+  if (kind == FileKind::ObjMesh && (from == FileKind::ObjMesh || from == FileKind::Nurbs) && request.companions.skeleton.empty()) return convertMesh(request);
   ImportOptions options{.zUp = request.upIn == "z"};
-  if (!request.unitIn.empty()) options.metresPerUnit = metres(request.unitIn);
+  if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
   if (request.fps > 0.0) options.framesPerSecond = request.fps;
   options.bvhPositions = request.bvhPositions == "add" ? BvhPositions::Add : request.bvhPositions == "replace" ? BvhPositions::Replace : BvhPositions::Automatic;
   Imported imported = importFiles(request.in, request.companions, options);
   if (request.upOut == "z") {
     imported.model = rotated(std::move(imported.model), Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())));
     imported.figure.reset();  // its root no longer stands as in the file
+    imported.tutorial.reset();
   }
   write(imported, *kind, request);
   for (const std::string& note : imported.model.notes) fmt::print(stderr, "note: {}\n", note);
-  fmt::print("{}: {}, {} joints{}\n", request.out, describe(*kind), imported.model.skeleton.jointCount(),
-             imported.model.clip ? fmt::format(", {} frames at {:.6g} Hz read", imported.model.clip->frameCount(), imported.model.clip->framesPerSecond) : "");
+  fmt::print("{}: {}, from {} joints{}\n", request.out, describe(*kind), imported.model.skeleton.jointCount(),
+             imported.model.clip ? fmt::format(", {} frame{} at {:.6g} Hz", imported.model.clip->frameCount(), imported.model.clip->frameCount() == 1 ? "" : "s", imported.model.clip->framesPerSecond) : "");
 }
 
 }  // namespace

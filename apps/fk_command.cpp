@@ -118,7 +118,11 @@ void addFkCommand(CLI::App& app) {
   command->add_flag("--degrees", request->degrees, "Angles after --q are in degrees");
   command->add_flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
   const auto motion = addMotionTableOptions(*command);
-  command->callback([request, motion] { motion->wanted() ? printMotionTable(request->model, *motion) : run(*request); });
+  command->callback([request, motion] {
+    if (motion->wanted() && (!request->q.empty() || request->asJson))
+      throw std::invalid_argument("--q and --json are of one pose; they do not go with --csv, --amc, --asf, --frame and --unit");
+    motion->wanted() ? printMotionTable(request->model, *motion) : run(*request);
+  });
 }
 
 }  // namespace gelenk

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Error& error) {
-    return app.exit(error);
+    return app.exit(error) == 0 ? 0 : 1;  // --help and --version are no mistakes
   } catch (const std::exception& error) {
     std::fprintf(stderr, "gelenk: %s\n", error.what());
     return 1;

@@ -17,7 +17,7 @@ using nlohmann::json;
 struct Request {
   std::string file;
   Companions companions;
-  double unit = 0.0;
+  std::string unit;
   bool asJson = false;
 };
 
@@ -91,7 +91,7 @@ json factsOf(const Request& request) {
     return facts;
   }
   ImportOptions options;
-  if (request.unit > 0.0) options.metresPerUnit = request.unit;
+  if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
   const Imported imported = importFiles(request.file, request.companions, options);
   const Model& model = imported.model;
   if (model.skin) addMesh(model.skin->mesh, facts);
@@ -139,7 +139,7 @@ void addInfoCommand(CLI::App& app) {
   command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
   command->add_option("--mapping", request->companions.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
   command->add_option("--figure", request->companions.figure, "Figure of a tutorial pose");
-  command->add_option("--unit", request->unit, "Metres in one unit of the file; default: what the format says, else 1")->check(CLI::PositiveNumber);
+  command->add_option("--unit", request->unit, "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
   command->add_flag("--json", request->asJson, "Print JSON");
   command->callback([request] { run(*request); });
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 
 #include "apps/chain_models.h"
@@ -106,6 +107,14 @@ std::string stem(const std::string& path) {
   return dot == std::string::npos ? name : name.substr(0, dot);
 }
 
+double metresPerUnit(const std::string& unit) {
+  static const std::map<std::string, double> named{{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
+  if (const auto found = named.find(unit); found != named.end()) return found->second;
+  const auto value = parseNumber(unit);
+  if (!value || !(*value > 0.0)) throw std::invalid_argument("a unit must be m, dm, cm, mm, in, ft or a positive number of metres, not '" + unit + "'");
+  return *value;
+}
+
 Mesh readMesh(const std::string& path) {
   if (fileKind(path) != FileKind::Nurbs) return readObj(path);
   const NurbsSurface surface = readNurbs(path);
@@ -119,9 +128,24 @@ Mesh readMesh(const std::string& path) {
   return mesh;
 }
 
-Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath) {
-  Mesh mesh = readMesh(objPath);
-  Model model = openModelFile(skeletonPath);
+namespace {
+
+Mesh meshInMetres(const std::string& path, double metresPerUnit) {
+  Mesh mesh = readMesh(path);
+  for (auto& p : mesh.positions) p *= metresPerUnit;
+  return mesh;
+}
+
+bool saysItsUnit(const std::string& path) {
+  const auto kind = fileKind(path);
+  return kind == FileKind::Asf || kind == FileKind::Gltf || kind == FileKind::Urdf || kind == FileKind::DhTable;
+}
+
+}  // namespace
+
+Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath, double metresPerUnit) {
+  Mesh mesh = meshInMetres(objPath, metresPerUnit);
+  Model model = importFiles(skeletonPath, {}, {.metresPerUnit = saysItsUnit(skeletonPath) ? std::nullopt : std::optional(metresPerUnit)}).model;
   model.name = stem(objPath);
   const Frames rest = restFrames(model.skeleton);
   SparseWeights weights;
@@ -176,12 +200,13 @@ std::vector<BonePath> pathsFor(const AsfSkeleton& asf, const Skeleton& fitted) {
 
 /// The exercise sheet: the fitted skeleton on the ASF skeleton, Pinocchio's weights on its bones.
 Imported exerciseSheet(const std::string& objPath, const Companions& files, const ImportOptions& options) {
-  Mesh mesh = readMesh(objPath);
-  const Skeleton fitted = namedAsHuman(readPinocchioSkeleton(files.skeleton));
+  const double unit = options.metresPerUnit.value_or(1.0);  // the body's; the ASF says its own
+  Mesh mesh = meshInMetres(objPath, unit);
+  const Skeleton fitted = scaled(namedAsHuman(readPinocchioSkeleton(files.skeleton)), unit);
   if (files.weights.empty()) throw std::invalid_argument("laying a fitted skeleton on an ASF skeleton needs its weights: give them with --weights");
   const BoneWeights bones = readPinocchioWeights(files.weights, fitted.jointCount() - 1, mesh);
   Imported result;
-  result.asf = readAsf(files.asf, options.metresPerUnit);
+  result.asf = readAsf(files.asf);
   const auto paths = files.mapping.empty() ? pathsFor(*result.asf, fitted) : parseBonePaths(readFile(files.mapping), files.mapping);
   const TransferredSkeleton transferred = transferSkeleton(*result.asf, fitted, paths);
   result.model = {.name = stem(objPath), .skeleton = transferred.skeleton};
@@ -247,6 +272,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       TutorialSkeleton tutorial = readTutorialSkeleton(figurePath);
       for (auto& position : tutorial.positions) position *= unit;
       result.figure = toSkeleton(tutorial);
+      result.tutorial = std::move(tutorial);
       model.skeleton = result.figure->skeleton;
       if (isPose) result.model.clip = MotionClip{.framesPerSecond = 1.0, .q = configuration(*result.figure, readTutorialPose(path))};
       break;
@@ -272,7 +298,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
     case FileKind::Nurbs: {
       if (files.skeleton.empty()) throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton");
       if (!files.asf.empty()) return exerciseSheet(path, files, options);
-      model = openBody(path, files.skeleton, files.weights.empty() ? std::nullopt : std::optional(files.weights));
+      model = openBody(path, files.skeleton, files.weights.empty() ? std::nullopt : std::optional(files.weights), unit);
       break;
     }
     case FileKind::PinocchioWeights:
@@ -299,12 +325,18 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
   const auto kind = fileKind(nameOrFile);
   if (!kind && !std::filesystem::exists(nameOrFile)) return {.model = openModel(nameOrFile)};  // its message lists the names
   if (!kind) throw std::invalid_argument("cannot tell what '" + nameOrFile + "' holds; known extensions: " + knownExtensions());
+  if (options.metresPerUnit && (kind == FileKind::Urdf || kind == FileKind::DhTable))
+    throw std::invalid_argument(describe(*kind) + "s are in metres by definition; another unit cannot be given");
+  if (options.framesPerSecond && *kind != FileKind::Amc && companions.amc.empty())
+    throw std::invalid_argument("'" + nameOrFile + "' says its own frame rate; another one can be given for an AMC only");
   Imported result = importOne(nameOrFile, *kind, companions, options);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
   if (options.zUp) {
     result.model.up = Eigen::Vector3d::UnitY();
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
     result.model = rotated(std::move(result.model), upright);
+    result.figure.reset();  // its root no longer stands as in the file
+    result.tutorial.reset();
   }
   return result;
 }

@@ -54,11 +54,15 @@ struct Companions {
   std::string figure;             ///< of a tutorial pose
 };
 
+/// Metres in a unit: "m", "dm", "cm", "mm", "in", "ft", or a positive number of metres. Throws std::invalid_argument.
+double metresPerUnit(const std::string& unit);
+
 /// A model, with its motion where the files hold one (model.clip), and what its formats know beyond it.
 struct Imported {
   Model model;
   std::optional<AsfSkeleton> asf = {};         ///< bones and their ends, where the skeleton is an ASF's
   std::optional<TutorialFigure> figure = {};   ///< the order of joints in the file, where the skeleton is the tutorial's
+  std::optional<TutorialSkeleton> tutorial = {};  ///< the file itself, in metres; it and `figure` are absent once the model was turned
 };
 
 /// Everything that the files hold together. OBJ + skeleton + weights + ASF + AMC: the exercise sheet (skeleton_transfer.h); what could not be matched and
@@ -68,9 +72,9 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
 /// Turns a model as a whole: skeleton, skin, bind pose.
 Model rotated(Model model, const Eigen::Quaterniond& worldFromOld);
 
-/// A body with a skeleton, from an OBJ and any file that holds a skeleton. With a weights file (Pinocchio's attachment) the four
+/// A body with a skeleton, from an OBJ and any file that holds a skeleton; metresPerUnit is the OBJ's, and the skeleton's where that says none. With a weights file (Pinocchio's attachment) the four
 /// largest weights are used and what that loses is told in the notes; without one it gets heat weights. Throws ParseError and std::invalid_argument.
-Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath);
+Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath, double metresPerUnit = 1.0);
 
 /// The skeleton or the whole model that one file holds. Throws std::invalid_argument for a file that holds none, and ParseError.
 Model openModelFile(const std::string& path);

@@ -90,6 +90,7 @@ Imported carriedOnto(const std::string& model, const Imported& from) {
 }
 
 void run(const Request& request) {
+  if (request.out.empty() && !request.footPlant) throw std::invalid_argument("nothing would come of it: give -o FILE, or --foot-plant to see its numbers");
   Imported imported = importFiles(request.in, request.companions);
   if (!imported.model.clip) throw std::invalid_argument("'" + request.in + "' has no motion");
   if (!request.onto.empty()) imported = carriedOnto(request.onto, imported);

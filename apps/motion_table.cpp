@@ -34,14 +34,14 @@ std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command) {
   command.add_option("--amc", request->amc, "Motion for an ASF skeleton: prints every bone of every frame as CSV");
   command.add_option("--asf", request->asf, "Skeleton of an AMC");
   command.add_option("--frame", request->frame, "Only this frame of the motion, from 1")->check(CLI::PositiveNumber);
-  command.add_option("--unit", request->unit, "Metres in one unit of the file; default: what the format says, else 1")->check(CLI::PositiveNumber);
+  command.add_option("--unit", request->unit, "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
   command.add_flag("--csv", request->csv, "Print CSV: frame, bone or joint, start and end position in metres");
   return request;
 }
 
 void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& request) {
   ImportOptions options;
-  if (request.unit > 0.0) options.metresPerUnit = request.unit;
+  if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
   const Imported imported = importFiles(nameOrFile, {.skeleton = {}, .weights = {}, .asf = request.asf, .amc = request.amc, .mapping = {}, .figure = {}}, options);
   const Skeleton& skeleton = imported.model.skeleton;
   const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;

@@ -13,10 +13,10 @@ namespace gelenk {
 struct MotionTableRequest {
   std::string amc, asf;
   int frame = 0;  ///< from 1; 0: all frames
-  double unit = 0.0;
+  std::string unit;
   bool csv = false;
 
-  bool wanted() const { return csv || frame != 0 || !amc.empty() || !asf.empty(); }
+  bool wanted() const { return csv || frame != 0 || !amc.empty() || !asf.empty() || !unit.empty(); }
 };
 
 /// Adds --amc, --asf, --frame, --csv to the command; the request is filled when it is parsed.

@@ -112,11 +112,11 @@ void addMusclesCommand(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "muscles", "Measure muscle layers against linear blending: volume, folding, self-intersection, sections (CSV and SVG)");
-  command->add_option("model", options->model, "built-in model or body file")->capture_default_str();
-  command->add_option("--skeleton", options->skeleton, "skeleton of an OBJ body");
-  command->add_option("--weights", options->weights, "weights of an OBJ body; heat weights where not given");
-  command->add_option("--limb", options->limb, "joints of the limb, e.g. upperarm_l,lowerarm_l,hand_l");
-  command->add_option("--out", options->out, "folder for the tables and plots")->capture_default_str();
+  command->add_option("model", options->model, "Built-in model or body file")->capture_default_str();
+  command->add_option("--skeleton", options->skeleton, "Skeleton of an OBJ body");
+  command->add_option("--weights", options->weights, "Weights of an OBJ body; heat weights where not given");
+  command->add_option("--limb", options->limb, "Joints of the limb, e.g. upperarm_l,lowerarm_l,hand_l");
+  command->add_option("--out", options->out, "Folder for the tables and plots")->capture_default_str();
   command->callback([options] { run(*options); });
 }
 

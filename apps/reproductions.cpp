@@ -355,7 +355,7 @@ Findings pandaLm() {
                        "authors' notebook (github.com/jhavl/dkt, Part 2, notebook 6), which recreates the table's data, and the times of the toolbox's C++ solvers from the notebook's speed comparison. "
                        "pseudo-inverse: their NR; lm-chan: lambda 0.1; lm-sugihara: lambda 1e-4 (1e-3 times the unit matrix here)";
   findings.differs = "they stop on half the squared error of position and rotation vector together, restart from 100 random configurations that all problems share, and reject what is out of limits afterwards; here "
-                     "limits are kept inside the solve, which is why fewer attempts are needed; another processor. Iterations and attempts of the default solver count all eight lanes of its race. "
+                     "limits are kept inside the solve, which is why fewer attempts are needed; another processor. Iterations and attempts of the default solver count all lanes of its race. "
                      "Strictly judged their answers would mostly fail, see squared-tolerance";
   return findings;
 }
@@ -447,6 +447,11 @@ void reproduce(const std::string& name, const std::string& folder, const ReportS
   const Experiment& one = experiment(name);
   if (!folder.empty() && std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw std::runtime_error(folder + " is a file, not a folder for results");
+  for (const auto& [ending, mark] : {std::pair{".json", "\"experiment\": \"" + name + '"'}, {".md", "--reproduce " + name}}) {
+    const std::string file = folder + '/' + name + ending;
+    if (std::filesystem::exists(file) && readFile(file).find(mark) == std::string::npos)
+      throw std::runtime_error(file + " is there and was not written by this experiment; nothing was changed");
+  }
   const Findings findings = one.run();
   fmt::print("{}\n{}\n\n", one.entry.title, findings.setting);
   printTable(findings);

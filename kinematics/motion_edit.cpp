@@ -164,7 +164,9 @@ std::vector<int> limbBelow(const Skeleton& skeleton, int joint) {
 MotionClip crossFaded(const Skeleton& skeleton, const MotionClip& first, const MotionClip& second, double seconds, bool alignRoot) {
   requireSame(skeleton, first, second);
   const int fade = static_cast<int>(std::lround(seconds * first.framesPerSecond));
-  if (fade < 0 || fade > first.frameCount() || fade > second.frameCount()) throw std::invalid_argument("the fade is longer than a clip");
+  const int shorter = std::min(first.frameCount(), second.frameCount());
+  if (fade < 0 || fade > shorter)
+    throw std::invalid_argument("a fade of " + std::to_string(fade) + " frames is longer than the shorter clip, which has " + std::to_string(shorter));
   MotionClip moved = second;
   if (alignRoot) {
     const int at = std::min(first.frameCount() - fade, first.frameCount() - 1);

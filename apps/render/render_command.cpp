@@ -371,8 +371,8 @@ void addRenderCommand(CLI::App& app) {
   command->add_option("--muscle-sheet", request->muscleSheet,
                       "Instead of one picture a sheet of this limb ('left arm', or joints shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
   command->add_option("--turn", request->turns, "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an axis of its frame, from the pose; may be repeated");
-  command->add_flag("--no-ground", request->noGround);
-  command->add_flag("--no-shadow", request->noShadow);
+  command->add_flag("--no-ground", request->noGround, "Without the ground");
+  command->add_flag("--no-shadow", request->noShadow, "Without the shadow");
   command->add_option("--smoothing", request->smoothing, "Draw n x n pixels for one; otherwise what suits the renderer")
       ->check(CLI::Range(1, 4));
   command->add_option("--seconds", request->seconds, "Video: length of one turn")->check(CLI::PositiveNumber)->capture_default_str();

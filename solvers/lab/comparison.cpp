@@ -496,6 +496,7 @@ void validate(const ComparisonPlan& plan) {
   if (plan.budget.restarts < 0) throw std::invalid_argument("the number of restarts must not be negative");
   if (!(plan.budget.maxSeconds > 0.0)) throw std::invalid_argument("the time budget must be positive");
   if (plan.seeds < 0) throw std::invalid_argument("the number of seeds must not be negative");
+  if (plan.traces < 0) throw std::invalid_argument("the number of traces must not be negative");
   if (plan.repeat < 1) throw std::invalid_argument("the number of repetitions must be at least 1");
   if (plan.shards < 1 || plan.shard < 1 || plan.shard > plan.shards)
     throw std::invalid_argument("a shard K/N needs 1 <= K <= N, not " + std::to_string(plan.shard) + '/' + std::to_string(plan.shards));

@@ -163,9 +163,39 @@ TEST(CompareCommand, MistakesAreNamedAndNothingIsWritten) {
   EXPECT_NE(complaint({"--set", "D9"}).find("D1, D2"), std::string::npos);
   EXPECT_NE(complaint({"--problems", "0"}).find("at least 1"), std::string::npos);
   EXPECT_NE(complaint({"--tolerance", "-1"}).find("positive"), std::string::npos);
+  EXPECT_NE(complaint({"--traces", "-4"}).find("traces"), std::string::npos);
   EXPECT_NE(complaint({"--model", "nobody.bvh"}).find("nobody.bvh"), std::string::npos);
   EXPECT_NE(complaint({"--shard", "3"}).find("K/N"), std::string::npos);
   EXPECT_NE(complaint({"--reproduce", "cold-fusion"}).find("fabrik-2011"), std::string::npos);
+}
+
+TEST(CompareCommand, AnExperimentWritesOverItsOwnFilesOnly) {
+  const std::string folder = (fs::path(::testing::TempDir()) / "gelenk-compare-reproduce").string(), page = folder + "/squared-tolerance.md";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  writeFile(page, "my notes\n");
+  const std::vector<std::string> words{"compare", "--reproduce", "squared-tolerance", "--out", folder};
+  EXPECT_NE(type(words).complaint.find("nothing was changed"), std::string::npos);
+  EXPECT_EQ(readFile(page), "my notes\n");
+  EXPECT_FALSE(fs::exists(folder + "/squared-tolerance.json"));
+  fs::remove(page);
+  EXPECT_EQ(type(words).complaint, "");
+  EXPECT_EQ(type(words).complaint, "");
+  fs::remove_all(folder);
+}
+
+TEST(Program, AMistakeInTheCommandLineEndsWithStatusOne) {
+  const auto status = [](std::vector<std::string> words) {
+    words.insert(words.begin(), GELENK_PROGRAM);
+    return testing::runProgram(words).status;
+  };
+  EXPECT_EQ(status({}), 1);
+  EXPECT_EQ(status({"solve"}), 1);
+  EXPECT_EQ(status({"compare", "--nothing"}), 1);
+  EXPECT_EQ(status({"compare", "--goal", "aim"}), 1);
+  EXPECT_EQ(status({"fk", "panda", "--q", "0", "--csv"}), 1);
+  EXPECT_EQ(status({"--help"}), 0);
+  EXPECT_EQ(status({"fk", "--help"}), 0);
 }
 
 }  // namespace

@@ -87,12 +87,14 @@ TEST_F(MotionCommand, CarriesAMotionToTheFigureByNames) {
 }
 
 TEST_F(MotionCommand, RefusesWhatDoesNotFit) {
-  const std::string base = bvh("base.bvh", 10, 10, 20), wave = bvh("wave.bvh", 50, 50, 7);
-  EXPECT_THROW(run("motion", {base, "--weight", "0.5"}), CLI::RequiresError);
-  EXPECT_THROW(run("motion", {base, "--layer", wave, "--bones", "tail"}), std::invalid_argument);
-  EXPECT_THROW(run("motion", {base, "--layer", wave, "--weight", "2"}), std::invalid_argument);
-  EXPECT_THROW(run("motion", {base, "--layer", path("none.bvh")}), std::exception);
-  EXPECT_THROW(run("motion", {base, "--onto", "planar"}), std::invalid_argument);
+  const std::string base = bvh("base.bvh", 10, 10, 20), wave = bvh("wave.bvh", 50, 50, 7), out = path("out.bvh");
+  EXPECT_THROW(run("motion", {base, "--weight", "0.5", "-o", out}), CLI::RequiresError);
+  EXPECT_THROW(run("motion", {base, "--layer", wave, "--bones", "tail", "-o", out}), std::invalid_argument);
+  EXPECT_THROW(run("motion", {base, "--layer", wave, "--weight", "2", "-o", out}), std::invalid_argument);
+  EXPECT_THROW(run("motion", {base, "--layer", path("none.bvh"), "-o", out}), std::exception);
+  EXPECT_THROW(run("motion", {base, "--onto", "planar", "-o", out}), std::invalid_argument);
+  EXPECT_THROW(run("motion", {base, "--low-pass", "2"}), std::invalid_argument);  // it would go nowhere
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 TEST_F(MotionCommand, ConvertWritesTheChainToAnEndAsADhTable) {
