@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 
 namespace gelenk {
@@ -47,19 +48,29 @@ inline Eigen::Vector4d bernsteinDerivative(double t) {
 /// collapses to x = sum_k B_k(w) plane_k(u, v). Several times cheaper, and an independent route for tests.
 inline FfdSample evaluateAffine(const FfdPlane* plane, const Eigen::Vector3d& uvw) {
   const Eigen::Vector4d b = bernstein(uvw.z()), d = bernsteinDerivative(uvw.z());
-  FfdSample sample{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
-  double *x = sample.position.data(), *xu = sample.derivatives.data(), *xv = xu + 3, *xw = xu + 6;
+  Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Zero();  // d/du, d/dv
+  double x[3] = {}, xw[3] = {};
   for (int k = 0; k < 4; ++k) {
+    axes += b[k] * plane[k].axes;
     const double *origin = plane[k].origin.data(), *u = plane[k].axes.data(), *v = u + 3;
-    for (int i = 0; i < 3; ++i) {  // the plane's point at u, v, and its axes
+    for (int i = 0; i < 3; ++i) {  // the plane's point at u, v
       const double point = origin[i] + uvw.x() * u[i] + uvw.y() * v[i];
       x[i] += b[k] * point;
-      xu[i] += b[k] * u[i];
-      xv[i] += b[k] * v[i];
       xw[i] += d[k] * point;
     }
   }
+  FfdSample sample;  // filled once: sums kept in it would go through memory for every plane
+  sample.position << x[0], x[1], x[2];
+  sample.derivatives << axes(0, 0), axes(0, 1), xw[0], axes(1, 0), axes(1, 1), xw[1], axes(2, 0), axes(2, 1), xw[2];
   return sample;
+}
+
+/// Normal of a surface embedded in the volume, J^-T m made unit, with m = J_rest^T n_rest. By cofactors, in two cross products:
+/// m_u v x w + m_v w x u + m_w u x v = v x (m_u w - m_w u) + m_v w x u.
+inline Eigen::Vector3d deformedNormal(const FfdSample& at, const Eigen::Vector3d& m) {
+  const Eigen::Vector3d u = at.derivatives.col(0), v = at.derivatives.col(1), w = at.derivatives.col(2);
+  const Eigen::Vector3d normal = v.cross(m.x() * w - m.z() * u) + m.y() * w.cross(u);
+  return normal.normalized();
 }
 
 }  // namespace gelenk

@@ -267,9 +267,7 @@ std::pair<Vector3d, Vector3d> deformLimbVertex(const LimbPose& pose, const LimbV
     return {end * vertex.uvw, end.linear() * vertex.normal};
   }
   const FfdSample at = pose.evaluate(vertex.volume, vertex.uvw);
-  const Vector3d u = at.derivatives.col(0), v = at.derivatives.col(1), w = at.derivatives.col(2);
-  const Vector3d normal = vertex.normal.x() * v.cross(w) + vertex.normal.y() * w.cross(u) + vertex.normal.z() * u.cross(v);
-  return {at.position, normal.normalized()};
+  return {at.position, deformedNormal(at, vertex.normal)};
 }
 
 void skinWithMuscles(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs,

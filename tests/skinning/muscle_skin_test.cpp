@@ -68,7 +68,7 @@ TEST(MuscleSkin, AxialTwistOfTheShoulderIsSpreadAndDoesNotCollapseTheUpperArm) {
     const FfdSample at = pose.evaluate(0, {0.5, 0.5, w});
     const Eigen::Vector2d size = body.limbs[0].shape.sectionUpper - body.limbs[0].shape.sectionLower;
     const double area = at.derivatives.col(0).cross(at.derivatives.col(1)).norm() / size.prod();
-    EXPECT_GT(area, 0.65);  // a candy wrapper goes to cos^2(85 degrees) = 0.008; inner planes further apart (e = L/8) keep 0.73
+    EXPECT_GT(area, 0.65);  // a candy wrapper goes to cos^2(85 degrees) = 0.008
   }
 }
 
