@@ -82,6 +82,7 @@ void printList() {
   for (const Reproduction& entry : reproductions()) fmt::print("  {:<20} {}\n", entry.name, entry.title);
   fmt::print("models\n");
   for (const std::string& name : builtInModels()) fmt::print("  {}\n", name);
+  fmt::print("  planar:X,Y:L1,L2,...  a planar chain of hinges\n  balls:L1,L2,...       a chain of ball joints\n");
 }
 
 std::vector<std::string> allSolvers() {

@@ -296,7 +296,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
     }
     case FileKind::ObjMesh:
     case FileKind::Nurbs: {
-      if (files.skeleton.empty()) throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton");
+      if (files.skeleton.empty()) throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton, or name the skeleton's file where there is no such option");
       if (!files.asf.empty()) return exerciseSheet(path, files, options);
       model = openBody(path, files.skeleton, files.weights.empty() ? std::nullopt : std::optional(files.weights), unit);
       break;

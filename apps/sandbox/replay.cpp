@@ -102,6 +102,15 @@ int goalIndex(const Sandbox& sandbox, const std::string& name) {
   throw std::invalid_argument(fmt::format("no goal or joint is called '{}'; the goals are: {}", name, known));
 }
 
+Panel& panelOf(Sandbox& sandbox, std::string_view name) {
+  std::string known;
+  for (const auto& panel : sandbox.state().panels) {
+    if (panel->name() == name) return *panel;
+    known += (known.empty() ? "" : ", ") + panel->name();
+  }
+  throw std::invalid_argument(fmt::format("no panel is called '{}'; there are: {}", name, known));
+}
+
 bool ViewOptions::* option(const std::string& name) {
   static const std::array<std::pair<const char*, bool ViewOptions::*>, 9> table{{{"skin", &ViewOptions::skin}, {"wireframe", &ViewOptions::wireframe}, {"skeleton", &ViewOptions::skeleton}, {"weights", &ViewOptions::weights}, {"frames", &ViewOptions::jointFrames}, {"limits", &ViewOptions::limits}, {"handles", &ViewOptions::handles}, {"ground", &ViewOptions::ground}, {"shadow", &ViewOptions::shadow}}};
   for (const auto& [known, member] : table)
@@ -146,14 +155,12 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
   }
   if (verb == "show") s.show.*option(command.words[0]) = command.words[1] == "on";
   if (verb == "tab") {
-    const bool below = std::ranges::any_of(s.panels, [&](const auto& p) { return p->name() == command.words[0] && p->hasBottomStrip() && !p->hasInspector(); });
-    below ? sandbox.showBottomStrip(command.words[0]) : sandbox.showInspector(command.words[0]);
+    const Panel& panel = panelOf(sandbox, command.words[0]);
+    panel.hasBottomStrip() && !panel.hasInspector() ? sandbox.showBottomStrip(command.words[0]) : sandbox.showInspector(command.words[0]);
   }
   if (verb == "do") {
     const auto words = splitWords(command.words[0]);
-    const auto panel = std::ranges::find(s.panels, words[0], [](const auto& p) { return p->name(); });
-    if (panel == s.panels.end()) throw std::invalid_argument("no panel is called '" + std::string(words[0]) + "'");
-    (*panel)->act(sandbox, {words.begin() + 1, words.end()});
+    panelOf(sandbox, words[0]).act(sandbox, {words.begin() + 1, words.end()});
   }
   if (verb == "theme") s.theme = command.words[0] == "dark" ? Theme::Dark : Theme::Light;
 }

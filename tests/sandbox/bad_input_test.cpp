@@ -68,6 +68,8 @@ TEST_F(BadInput, BadScenesAndReplays) {
   expectRefusal({file("scene.json", "{"), "--offscreen"}, "scene.json:1: expected JSON");
   expectRefusal({file("list.json", "[]"), "--offscreen"}, "list.json");
   expectRefusal({"planar", "--replay", file("replay.txt", "0 jump\n"), "--offscreen"}, "replay.txt:1: expected a command");
+  expectRefusal({"planar", "--replay", file("tab.txt", "0 tab Nowhere\n1 move 1 1\n"), "--offscreen"}, "there are: Solve");
+  expectRefusal({"planar", "--replay", file("do.txt", "0 do Nowhere play\n"), "--offscreen"}, "no panel is called 'Nowhere'");
   expectRefusal({"planar", "--replay", file("goal.txt", "0 grab tail\n"), "--offscreen"}, "no goal or joint is called 'tail'");
 }
 
