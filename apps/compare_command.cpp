@@ -135,7 +135,7 @@ void merge(const std::vector<std::string>& folders, const std::string& out, cons
 
 void addCompareCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("compare", "Compares solvers on frozen problem sets and writes a report");
+  CLI::App* command = app.add_subcommand("compare", "Compare solvers on frozen problem sets and write a report");
   ComparisonPlan& plan = request->plan;
   command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
   command->add_option("--set", request->sets, "Problem set, D1 to D7 (repeatable; default D1)");
@@ -157,8 +157,8 @@ void addCompareCommand(CLI::App& app) {
   command->add_option("--shard", request->shard, "K/N: only the K-th of N parts; join them with 'compare merge'");
   command->add_option("--out", request->out, "Folder for the results; an interrupted run continues there");
   command->add_option("--reproduce", request->reproduce, "An experiment from the literature, see --list");
-  command->add_flag("--list", request->list, "Lists solvers, problem sets, reproductions and models");
-  CLI::App* merging = command->add_subcommand("merge", "Joins the folders of all shards: merge --out DIR SHARD...");
+  command->add_flag("--list", request->list, "List solvers, problem sets, reproductions and models");
+  CLI::App* merging = command->add_subcommand("merge", "Join the folders of all shards: merge --out DIR SHARD...");
   merging->add_option("--out", request->out, "Folder for the joined results")->required();
   merging->add_option("shards", request->mergeFolders, "Folders of the shards")->required();
   command->callback([request, merging] {

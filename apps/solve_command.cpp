@@ -110,7 +110,7 @@ bool solve(const Request& request) {
 
 void addSolveCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("solve", "Solves one inverse-kinematics problem; prints JSON; exit status 0 if solved, 2 if not");
+  CLI::App* command = app.add_subcommand("solve", "Solve one inverse-kinematics problem; print JSON; exit status 0 if solved, 2 if not");
   command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
   command->add_option("--target", request->target, "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame")->required();
   command->add_option("--solver", request->solver, "Solver by name (see compare --list)")->capture_default_str();
