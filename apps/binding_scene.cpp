@@ -94,4 +94,11 @@ WeightChange parseBinding(const std::string& text, int vertexCount, const Skelet
   return change;
 }
 
+void applyBinding(const Scene& scene, Model& model) {
+  const auto saved = scene.panels.find("Binding");
+  if (saved == scene.panels.end() || !model.skin) return;
+  for (const auto& [vertex, influences] : parseBinding(saved->second, static_cast<int>(model.skin->influences.size()), model.skeleton))
+    model.skin->influences[vertex] = influences;
+}
+
 }  // namespace gelenk

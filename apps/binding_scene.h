@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "apps/model.h"
+#include "apps/scene.h"
 #include "kinematics/skeleton.h"
 #include "skinning/weight_paint.h"
 
@@ -14,5 +16,8 @@ std::string bindingText(const WeightChange& changed, int vertexCount, const Skel
 /// Throws std::runtime_error naming the entry: no JSON, another number of vertices, a joint that the skeleton has not, a vertex out of
 /// range or not in ascending order, weights that are not positive, more than four or without sum 1.
 WeightChange parseBinding(const std::string& text, int vertexCount, const Skeleton& skeleton);
+
+/// Gives the model's skin the weights that the scene keeps, if any. Throws as parseBinding does.
+void applyBinding(const Scene& scene, Model& model);
 
 }  // namespace gelenk

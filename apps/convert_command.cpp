@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/binding_scene.h"
 #include "apps/commands.h"
 #include "apps/model_files.h"
+#include "apps/scene.h"
 #include "kinematics/io/dh_text.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/text_file.h"
@@ -153,16 +155,38 @@ void convertMesh(const Request& request) {
   fmt::print("{}: {}, {} vertices\n", request.out, describe(FileKind::ObjMesh), mesh.positions.size());
 }
 
+/// The model of a scene in the scene's pose, with the weights that were edited there.
+Imported importScene(const Request& request) {
+  const Companions& files = request.companions;
+  if (!request.unitIn.empty() || request.upIn != "y" || request.fps > 0.0 || request.bvhPositions != "auto" ||
+      !(files.skeleton + files.weights + files.asf + files.amc + files.mapping + files.figure).empty())
+    throw std::invalid_argument("a scene says itself what belongs to its model; leave the options about IN away");
+  Imported imported{.model = readModel(readModelReference(request.in))};
+  const Scene scene = loadScene(request.in, imported.model.skeleton);
+  try {
+    applyBinding(scene, imported.model);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(request.in + ": " + error.what());
+  }
+  imported.model.clip = MotionClip{.framesPerSecond = 30.0, .q = scene.q};
+  return imported;
+}
+
+Imported importRequested(const Request& request) {
+  if (request.in.ends_with(".json")) return importScene(request);
+  ImportOptions options{.zUp = request.upIn == "z"};
+  if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
+  if (request.fps > 0.0) options.framesPerSecond = request.fps;
+  options.bvhPositions = request.bvhPositions == "add" ? BvhPositions::Add : request.bvhPositions == "replace" ? BvhPositions::Replace : BvhPositions::Automatic;
+  return importFiles(request.in, request.companions, options);
+}
+
 void run(const Request& request) {
   const auto kind = fileKind(request.out);
   if (!kind) throw std::invalid_argument("cannot tell the format of '" + request.out + "'; known extensions: " + knownExtensions());
   const auto from = fileKind(request.in);
   if (kind == FileKind::ObjMesh && (from == FileKind::ObjMesh || from == FileKind::Nurbs) && request.companions.skeleton.empty()) return convertMesh(request);
-  ImportOptions options{.zUp = request.upIn == "z"};
-  if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
-  if (request.fps > 0.0) options.framesPerSecond = request.fps;
-  options.bvhPositions = request.bvhPositions == "add" ? BvhPositions::Add : request.bvhPositions == "replace" ? BvhPositions::Replace : BvhPositions::Automatic;
-  Imported imported = importFiles(request.in, request.companions, options);
+  Imported imported = importRequested(request);
   if (request.upOut == "z") {
     imported.model = rotated(std::move(imported.model), Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())));
     imported.figure.reset();  // its root no longer stands as in the file
@@ -179,7 +203,7 @@ void run(const Request& request) {
 void addConvertCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
   CLI::App* command = app.add_subcommand("convert", "Convert between skeletons, motions and skinned models");
-  command->add_option("in", request->in, "A file or the name of a built-in model")->required();
+  command->add_option("in", request->in, "A file, a scene of the sandbox (.json) or the name of a built-in model")->required();
   command->add_option("out", request->out, "The file to write; its extension is the format")->required();
   Companions& files = request->companions;
   command->add_option("--skeleton", files.skeleton, "Skeleton of an OBJ");

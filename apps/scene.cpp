@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/model_files.h"
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 
@@ -271,6 +272,12 @@ ModelReference parseModelReference(std::string_view text, const std::string& fil
 }
 
 ModelReference readModelReference(const std::string& path) { return parseModelReference(readFile(path), path); }
+
+Model readModel(const ModelReference& reference) {
+  return withBody(importFiles(reference.nameOrFile, {.skeleton = reference.skeletonFile, .weights = reference.weightsFile, .asf = reference.asfFile,
+                                                     .amc = reference.amcFile, .mapping = reference.mappingFile, .figure = {}})
+                      .model);
+}
 
 Scene loadScene(const std::string& path, const Skeleton& skeleton) { return parseScene(readFile(path), path, skeleton); }
 

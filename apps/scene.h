@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/camera.h"
+#include "apps/model.h"
 #include "apps/theme.h"
 #include "solvers/ik_problem.h"
 
@@ -78,6 +79,8 @@ void saveScene(const std::string& path, const Scene& scene, const Skeleton& skel
 /// The model that a scene file names, read without opening it. Throws ParseError.
 ModelReference readModelReference(const std::string& path);
 ModelReference parseModelReference(std::string_view text, const std::string& file);
+/// The model itself, with a body of its own where it has none. Throws ParseError and std::invalid_argument.
+Model readModel(const ModelReference& reference);
 
 /// skeleton: of the model named by readModelReference. Throws ParseError naming the entry, what was expected and what was found:
 /// q of the wrong length, unknown joints, values that are not finite numbers, quaternions that are not of unit length.

@@ -156,7 +156,7 @@ class Studio {
   explicit Studio(const Request& request)
       : request_(request), viewport_(parseSize(request)), isScene_(endsWith(request.input, ".json")), model_(openRequested()) {
     readScene();
-    applyBinding();
+    applyBinding(scene_, model_);
     q_ = configurationOf(request, model_.skeleton, scene_.q);
     for (const std::string& turn : request.turns) q_ = turned(model_.skeleton, q_, turn);
     if (!request.weightsOf.empty()) selected_ = model_.skeleton.jointIndex(request.weightsOf);
@@ -204,14 +204,6 @@ class Studio {
     const int count = model_.clip ? model_.clip->frameCount() : 0;
     if (request_.frame > count) throw std::invalid_argument(fmt::format("--frame: the motion has {} frames, {} was asked for", count, request_.frame));
     return model_.clip->q.col(request_.frame - 1);
-  }
-
-  /// Weights that were edited by hand.
-  void applyBinding() {
-    const auto saved = scene_.panels.find("Binding");
-    if (saved == scene_.panels.end() || !model_.skin) return;
-    for (const auto& [vertex, influences] : parseBinding(saved->second, static_cast<int>(model_.skin->influences.size()), model_.skeleton))
-      model_.skin->influences[vertex] = influences;
   }
 
   /// Muscle layers as the scene has them, or as --layers asks.

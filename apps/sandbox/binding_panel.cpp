@@ -205,6 +205,11 @@ class BindingPanel final : public Panel {
   void verify(const Model& model, const std::string& json) const override {
     if (model.skin) parseBinding(json, static_cast<int>(model.skin->influences.size()), model.skeleton);
   }
+  void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
+    if (!editor_) throw std::invalid_argument("the model has no skin");
+    if (words.size() != 2 || words[0] != "export") throw std::invalid_argument("the Binding panel's command is: export FILE");
+    exportTo(sandbox, words[1]);
+  }
   void reset(Sandbox& sandbox) override {
     if (editor_) replaceAll(sandbox, editor_->start());
   }

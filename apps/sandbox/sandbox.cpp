@@ -155,12 +155,6 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
 
 Sandbox::~Sandbox() = default;
 
-Model Sandbox::readModel(const ModelReference& reference) {
-  return withBody(importFiles(reference.nameOrFile, {.skeleton = reference.skeletonFile, .weights = reference.weightsFile, .asf = reference.asfFile,
-                                                     .amc = reference.amcFile, .mapping = reference.mappingFile, .figure = {}})
-                      .model);
-}
-
 void Sandbox::openModel(Model model, const ModelReference& reference) {
   State& s = *state_;
   const std::string solver = s.session ? s.session->solver() : std::string();

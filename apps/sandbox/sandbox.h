@@ -117,7 +117,6 @@ class Sandbox {
   State& state() { return *state_; }  ///< for the sandbox's own files
 
  private:
-  Model readModel(const ModelReference& reference);
   void openScene(const std::string& path);
 
   std::unique_ptr<State> state_;

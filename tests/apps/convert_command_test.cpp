@@ -4,8 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "apps/binding_scene.h"
 #include "apps/commands.h"
 #include "apps/model_files.h"
+#include "apps/scene.h"
+#include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
 #include "skinning/io/obj.h"
@@ -93,6 +96,35 @@ TEST_F(ConvertCommand, ATutorialFigureKeepsItsNumbersAndSoFitsItsPose) {
   EXPECT_EQ(before.figure->jointOfIndex, after.figure->jointOfIndex);
   EXPECT_EQ(tip(before), tip(after));
   EXPECT_GT((tip(before) - Eigen::Vector3d(0, 2, 0)).norm(), 0.1);
+}
+
+TEST_F(ConvertCommand, ASceneBringsItsPoseAndItsEditedWeights) {
+  const std::string obj = file("b.obj", tetrahedron), bones = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\nc 0 2 0 b\n");
+  const ModelReference reference{.nameOrFile = obj, .skeletonFile = bones, .weightsFile = file("w.attachment", "1 0\n0.5 0.5\n0 1\n1 0\n")};
+  const Model model = readModel(reference);
+  Scene scene;
+  scene.model = reference;
+  scene.q = model.skeleton.rest();
+  setBallRotation(model.skeleton, scene.q, 1, Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX())));
+  Influences quarter{};
+  quarter.joints = {0, 1, 0, 0};
+  quarter.weights = {0.25, 0.75, 0.0, 0.0};
+  scene.panels["Binding"] = bindingText({{3, quarter}}, 4, model.skeleton);
+  saveScene(path("scene.json"), scene, model.skeleton);
+
+  convert({path("scene.json"), path("out.attachment")});
+  const auto edited = openBody(obj, bones, path("out.attachment")).skin->influences;
+  EXPECT_EQ(weightOn(edited[3], {.joints = {1}}), 0.75);
+  EXPECT_EQ(weightOn(edited[1], {.joints = {1}}), 0.5);
+  convert({path("scene.json"), path("posed.obj")});
+  EXPECT_GT((readObj(path("posed.obj")).positions[3] - model.skin->mesh.positions[3]).norm(), 0.1);
+
+  EXPECT_THROW(convert({path("scene.json"), path("out.attachment"), "--unit-in", "cm"}), std::invalid_argument);
+  std::string text = readFile(path("scene.json"));
+  text.replace(text.find("0.75"), 4, "0.85");
+  const std::string before = readFile(path("out.attachment"));
+  EXPECT_THROW(convert({file("bad.json", text), path("out.attachment")}), std::runtime_error);
+  EXPECT_EQ(readFile(path("out.attachment")), before);
 }
 
 TEST_F(ConvertCommand, AFrameRateIsOfAnAmcOnly) {

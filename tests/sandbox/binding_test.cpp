@@ -13,6 +13,7 @@
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
 #include "kinematics/io/text_file.h"
+#include "skinning/io/pinocchio_weights.h"
 #include "skinning/weight_paint.h"
 #include "tests/skinning/resting_arm.h"
 
@@ -167,6 +168,46 @@ TEST(MusclePanel, AClickOnTheLatticeSelectsThePlaneAndADragScalesIt) {
   stage.play("0 move " + at(seam) + "\n1 press left\n2 move " + at(seam + Vector2d(30, 30)) + "\n3 release left\n");
   EXPECT_EQ(stage.panel("Muscles").save(), before);
   EXPECT_TRUE(stage.log.messages().empty());
+}
+
+TEST(MusclePanel, ADragWithShiftTurnsThePickedPlaneWithTheMouse) {
+  PaintStage stage;
+  MuscleSettings muscles{.enabled = true, .limbs = {}};
+  stage.panel("Muscles").load(stage.sandbox, muscleSettingsText(muscles));
+  stage.play("0 tab Muscles\n1 move 5 5\n");
+  const int plane = 8;  // plane 2 of the second link
+  const auto cornerOnScreen = [&] { return stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].controlPoints(plane)[15]).pixel; };
+  const Vector2d centre = stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].planes[plane].point(0.5, 0.5)).pixel;
+  const Vector2d from = cornerOnScreen() - centre;
+  const Vector2d turned = Eigen::Rotation2Dd(0.5) * from;
+  stage.play("0 move " + at(centre + from) + "\n1 press left\n2 keydown shift\n3 move " + at(centre + turned) + "\n4 release left\n5 keyup shift\n");
+
+  const auto limbs = standardLimbs(stage.sandbox.session().skeleton(), restFrames(stage.sandbox.session().skeleton()));
+  const auto sculpted = parseMuscleSettings(stage.panel("Muscles").save(), limbs).limbs[0].second.control.sculpted;
+  const Eigen::Matrix2d turn = sculpted[1].plane2.stretch;
+  EXPECT_LT((turn.transpose() * turn - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+  EXPECT_NEAR(std::abs(Eigen::Rotation2Dd(turn).angle()), 0.5, 0.02);
+  EXPECT_EQ(sculpted[1].plane4.stretch, Eigen::Matrix2d::Identity());
+  const Vector2d now = cornerOnScreen() - centre;  // to the mouse's side, clockwise or not
+  EXPECT_GT(from.x() * now.y() - from.y() * now.x(), 0.0);
+  EXPECT_TRUE(stage.log.messages().empty());
+}
+
+TEST(BindingPanel, ExportWritesThePaintedWeightsAndSaysWhereItCannot) {
+  PaintStage stage;
+  stage.play("0 tab Binding\n1 select chest\n2 key b\n");
+  const auto [vertex, pixel] = stage.seenVertex();
+  stage.play("0 move " + at(pixel) + "\n1 press left\n2 release left\n");
+  const std::string path = (std::filesystem::temp_directory_path() / ("gelenk-export-" + std::to_string(getpid()) + ".attachment")).string();
+  stage.play("0 do Binding export " + path + "\n");
+  EXPECT_EQ(readFile(path), formatPinocchioWeights(boneWeights(stage.weights(), stage.sandbox.session().skeleton())));
+  std::filesystem::remove(path);
+  EXPECT_GT(weightOn(stage.weights()[vertex], {.joints = {0}}), 0.0);
+
+  const std::size_t before = stage.sandbox.state().notices.size();
+  stage.play("0 do Binding export /nowhere/at/all.attachment\n");
+  ASSERT_GT(stage.sandbox.state().notices.size(), before);
+  EXPECT_NE(stage.sandbox.state().notices.back().words.find("/nowhere/at/all.attachment"), std::string::npos);
 }
 
 /// A file of its own, removed afterwards.
