@@ -143,6 +143,15 @@ void write(Imported& imported, FileKind kind, const Request& request) {
   }
 }
 
+/// ASF's bones have constant lengths; channels of position that a motion never uses are no obstacle.
+void holdStillTranslations(Model& model) {
+  StillTranslations held = withoutStillTranslations(model.skeleton, *model.clip);
+  if (held.joints.empty()) return;
+  model.skeleton = std::move(held.skeleton);
+  model.clip = std::move(held.clip);
+  model.notes.push_back(fmt::format("position channels that stand still became offsets (joints: {})", held.joints.size()));
+}
+
 /// A mesh alone: another unit, another axis up.
 void convertMesh(const Request& request) {
   Mesh mesh = readMesh(request.in);
@@ -192,6 +201,7 @@ void run(const Request& request) {
     imported.figure.reset();  // its root no longer stands as in the file
     imported.tutorial.reset();
   }
+  if ((kind == FileKind::Asf || kind == FileKind::Amc) && imported.model.clip) holdStillTranslations(imported.model);
   write(imported, *kind, request);
   for (const std::string& note : imported.model.notes) fmt::print(stderr, "note: {}\n", note);
   fmt::print("{}: {}, from {} joints{}\n", request.out, describe(*kind), imported.model.skeleton.jointCount(),

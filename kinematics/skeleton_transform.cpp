@@ -33,4 +33,29 @@ MotionClip scaled(const Skeleton& skeleton, MotionClip clip, double factor) {
   return clip;
 }
 
+StillTranslations withoutStillTranslations(const Skeleton& skeleton, const MotionClip& clip, double tolerance) {
+  validate(skeleton, clip);
+  std::vector<Joint> joints = skeleton.joints();
+  std::vector<std::string> still;
+  std::vector<int> kept;  // rows of q that stay
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    auto& axes = joints[i].axes;
+    const int first = skeleton.qIndex(i), end = i + 1 < skeleton.jointCount() ? skeleton.qIndex(i + 1) : skeleton.nq();
+    int count = 0;
+    while (count < static_cast<int>(axes.size()) && axes[count].kind == AxisDof::Kind::Translation) ++count;
+    const auto places = clip.q.middleRows(first, count);
+    if (i == 0 || count == 0 || (places.colwise() - places.col(0)).cwiseAbs().maxCoeff() > tolerance) {
+      count = 0;
+    } else {
+      for (int k = 0; k < count; ++k) joints[i].parentFromZero.translate(axes[k].axis * places(k, 0));
+      axes.erase(axes.begin(), axes.begin() + count);
+      still.push_back(joints[i].name);
+    }
+    for (int row = first + count; row < end; ++row) kept.push_back(row);
+  }
+  return {.skeleton = Skeleton(std::move(joints), Eigen::VectorXd(skeleton.rest()(kept))),
+          .clip = {.framesPerSecond = clip.framesPerSecond, .q = clip.q(kept, Eigen::all)},
+          .joints = std::move(still)};
+}
+
 }  // namespace gelenk

@@ -127,6 +127,27 @@ TEST_F(ConvertCommand, ASceneBringsItsPoseAndItsEditedWeights) {
   EXPECT_EQ(readFile(path("out.attachment")), before);
 }
 
+TEST_F(ConvertCommand, PositionsThatStandStillAreNoObstacleForAsf) {
+  const auto bvh = [](double second) {
+    return std::string("HIERARCHY\nROOT hips\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+                       "JOINT leg\n{\nOFFSET 0.1 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+                       "JOINT foot\n{\nOFFSET 0 -0.5 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 0 0.2\n}\n}\n}\n}\n"
+                       "MOTION\nFrames: 2\nFrame Time: 0.1\n0 1 0 10 0 0  0.1 0.02 0 0 30 0  5 0 0\n0.5 1 0 20 0 0  0.1 ") +
+           exactNumber(second) + " 0 0 40 0  6 0 0\n";
+  };
+  const std::string still = file("still.bvh", bvh(0.02));
+  convert({still, path("still.asf")});
+  convert({still, path("still.amc")});
+  const Imported before = importFiles(still), after = importFiles(path("still.amc"), {.skeleton = {}, .weights = {}, .asf = path("still.asf"), .amc = {}, .mapping = {}, .figure = {}});
+  for (int f = 0; f < 2; ++f) {
+    const Frames was = forwardKinematics(before.model.skeleton, before.model.clip->q.col(f)), is = forwardKinematics(after.model.skeleton, after.model.clip->q.col(f));
+    const Eigen::Vector3d foot = was[before.model.skeleton.jointIndex("foot")].translation(), end = was[before.model.skeleton.jointIndex("foot_end")].translation();
+    EXPECT_LE((is[after.model.skeleton.jointIndex("foot")].translation() - foot).norm(), 1e-9) << f;
+    EXPECT_LE((is[after.model.skeleton.jointIndex("foot_end")].translation() - end).norm(), 1e-9) << f;
+  }
+  EXPECT_THROW(convert({file("moves.bvh", bvh(0.03)), path("moves.asf")}), std::invalid_argument);
+}
+
 TEST_F(ConvertCommand, AFrameRateIsOfAnAmcOnly) {
   const std::string skeleton = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\n");
   EXPECT_THROW(convert({skeleton, path("s.bvh"), "--fps", "60"}), std::invalid_argument);
