@@ -15,6 +15,8 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& answer) {
+    return answer.get_exit_code();  // a command's own: 2 of a problem that was not solved
   } catch (const CLI::Error& error) {
     return app.exit(error) == 0 ? 0 : 1;  // --help and --version are no mistakes
   } catch (const std::exception& error) {

@@ -184,7 +184,7 @@ TEST(CompareCommand, AnExperimentWritesOverItsOwnFilesOnly) {
   fs::remove_all(folder);
 }
 
-TEST(Program, AMistakeInTheCommandLineEndsWithStatusOne) {
+TEST(Program, EndsWithZeroOneOrTwo) {
   const auto status = [](std::vector<std::string> words) {
     words.insert(words.begin(), GELENK_PROGRAM);
     return testing::runProgram(words).status;
@@ -194,6 +194,8 @@ TEST(Program, AMistakeInTheCommandLineEndsWithStatusOne) {
   EXPECT_EQ(status({"compare", "--nothing"}), 1);
   EXPECT_EQ(status({"compare", "--goal", "aim"}), 1);
   EXPECT_EQ(status({"fk", "panda", "--q", "0", "--csv"}), 1);
+  EXPECT_EQ(status({"solve", "--target", "9", "0", "0"}), 2);
+  EXPECT_EQ(status({"solve", "--target", "0.4", "0.2", "0.5"}), 0);
   EXPECT_EQ(status({"--help"}), 0);
   EXPECT_EQ(status({"fk", "--help"}), 0);
 }
