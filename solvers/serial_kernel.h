@@ -40,7 +40,7 @@ struct KernelAnswer {
   int attempts = 0;     ///< starts used, the first included
   double error2 = 0.0;  ///< squared error of q (chain lengths and radians)
   double start[maxChainDofs];  ///< where attempt or race solved: the start that led there
-  double e[3] = {}, w[3] = {};  ///< where solved: the error of q, position (chain lengths) and 2 tan(theta/2) axis, in the base frame
+  double e[3] = {}, w[3] = {};  ///< likewise: the error of q, position (chain lengths) and 2 tan(theta/2) axis, in the base frame
   double q[maxChainDofs];
 };
 

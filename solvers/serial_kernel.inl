@@ -86,6 +86,10 @@ GELENK_INLINE V fill(Scalar<V> x) {
     return V{} + x;
 }
 template <typename V>
+GELENK_INLINE V clamped(V x, Scalar<V> lower, Scalar<V> upper) {
+  return smaller<V>(larger<V>(x, fill<V>(lower)), fill<V>(upper));
+}
+template <typename V>
 GELENK_INLINE V magnitude(V a) {
   using Bits = typename Of<V>::Bits;
   if constexpr (sizeof(Scalar<V>) == 8)
@@ -378,7 +382,7 @@ GELENK_INLINE V step(const Constants<V>& C, const KernelTask& task, const Place<
   }
   const V scale = smaller<V>(fill<V>(1), longestStep / larger<V>(longest, fill<V>(S(1e-30))));
   GELENK_UNROLL for (int i = 0; i < N; ++i)
-    q[i] = smaller<V>(larger<V>(q[i] + d[i] * scale, fill<V>(C.lower[i])), fill<V>(C.upper[i]));
+    q[i] = clamped<V>(q[i] + d[i] * scale, C.lower[i], C.upper[i]);
   return promise;
 }
 
@@ -403,10 +407,12 @@ GELENK_INLINE void broadcast(const KernelTarget& from, Target<V>& to) {
   }
 }
 
+constexpr int finishLanes = 8;  // problems that are finished side by side
+
 /// Lanes in memory, so that single ones can be read and replaced.
 template <typename V, int N>
 struct alignas(64) LaneState {
-  static constexpr int count = sizeof(Scalar<V>) == sizeof(double) ? 8 : kernelLanes;
+  static constexpr int count = sizeof(Scalar<V>) == sizeof(double) ? finishLanes : kernelLanes;
   using S = Scalar<V>;
   S q[N][count];
   S x[3][count], y[3][count], z[3][count], p[3][count];
@@ -440,6 +446,7 @@ struct LaneEvents {
 constexpr double leastPromise = 0.1;
 /// Squared error (chain lengths, radians) from which the step to be taken leads to where double precision finishes in one or two.
 constexpr double close2 = 5e-7;
+constexpr int finishSteps = 8;  // at most, in double precision
 
 /// One iteration of all lanes.
 template <int N, bool Prismatic, bool Pose>
@@ -472,7 +479,7 @@ template <int N, bool Prismatic, bool Pose>
 static __attribute__((noinline)) bool descend(const ChainConstants& C, const KernelTask& task, const Target<double>& target, int most, bool early,
                                               KernelAnswer& answer) {
   double q[N];
-  for (int i = 0; i < N; ++i) q[i] = smaller(larger(answer.q[i], C.lower[i]), C.upper[i]);
+  for (int i = 0; i < N; ++i) q[i] = clamped<double>(answer.q[i], C.lower[i], C.upper[i]);
   answer.error2 = 1e300;
   for (int taken = 0;; ++taken) {
     Place<double, N> at;
@@ -515,22 +522,20 @@ GELENK_INLINE FloatsMask intoRange(Floats angle, double lower, double upper, flo
 
 template <int N, bool Prismatic, bool Pose>
 struct Loops {
-  /// The number-th random start of a seed.
+  /// Dof i of the number-th random start of a seed.
+  GELENK_INLINE float randomDof(const FloatConstants& C, unsigned int seed, int number, int i) {
+    const unsigned int word = mixed(seed + static_cast<unsigned int>(number * N + i));
+    return C.seedLower[i] + C.seedRange[i] * (static_cast<float>(static_cast<int>(word >> 8)) * 0x1p-24f);
+  }
+
   static void randomStart(const FloatConstants& C, unsigned int seed, int number, LaneState<Floats, N>& state, int lane) {
-    for (int i = 0; i < N; ++i) {
-      const unsigned int word = mixed(seed + static_cast<unsigned int>(number * N + i));
-      state.q[i][lane] = C.seedLower[i] + C.seedRange[i] * (static_cast<float>(word >> 8) * 0x1p-24f);
-    }
+    for (int i = 0; i < N; ++i) state.q[i][lane] = randomDof(C, seed, number, i);
   }
 
   /// The starts given, and random ones in the other lanes, numbered by the lane.
   static void firstStarts(const FloatConstants& C, const LaneStarts& starts, unsigned int seed, LaneState<Floats, N>& state) {
     for (int i = 0; i < N; ++i)
-      for (int l = 0; l < kernelLanes; ++l) {
-        const unsigned int word = mixed(seed + static_cast<unsigned int>(l * N + i));
-        const float random = C.seedLower[i] + C.seedRange[i] * (static_cast<float>(static_cast<int>(word >> 8)) * 0x1p-24f);
-        state.q[i][l] = starts.valid >> l & 1 ? starts.q[i][l] : random;
-      }
+      for (int l = 0; l < kernelLanes; ++l) state.q[i][l] = starts.valid >> l & 1 ? starts.q[i][l] : randomDof(C, seed, l, i);
     for (int l = 0; l < kernelLanes; ++l) state.age[l] = 0.0f;
   }
 
@@ -547,7 +552,7 @@ struct Loops {
   static bool finish(const ChainConstants& C, const KernelTask& task, const Target<double>& target, const LaneState<Floats, N>& state, int lane,
                      KernelAnswer& answer) {
     for (int i = 0; i < N; ++i) answer.q[i] = state.q[i][lane];
-    return descend<N, Prismatic, Pose>(C, task, target, 8, true, answer);
+    return descend<N, Prismatic, Pose>(C, task, target, finishSteps, true, answer);
   }
 
   static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const LaneStarts& starts, int maxAttempts,
@@ -595,7 +600,7 @@ struct Loops {
     answer.error2 = best;
   }
 
-  /// Lanes of problems in work; those that come close wait until eight of them are finished side by side.
+  /// Lanes of problems in work; those that come close wait until finishLanes of them are finished side by side.
   struct Batch {
     const ChainConstants& C;
     const KernelTask& task;
@@ -609,7 +614,7 @@ struct Loops {
 
     LaneState<Floats, N> state{};
     LaneState<Doubles, N> waiting{};
-    int problem[kernelLanes] = {}, waitingFor[8] = {}, again[2 * kernelLanes] = {};
+    int problem[kernelLanes] = {}, waitingFor[finishLanes] = {}, again[2 * kernelLanes] = {};
     int next = 0, busy = 0, waitingCount = 0, againCount = 0;
 
     void nextStart(int lane) {
@@ -645,16 +650,16 @@ struct Loops {
     /// The waiting ones in double precision: steps side by side, alone where that did not do.
     void finishWaiting() {
       constexpr int together = 3;
-      for (int w = waitingCount; w < 8; ++w) {
+      for (int w = waitingCount; w < finishLanes; ++w) {
         for (int i = 0; i < N; ++i) waiting.q[i][w] = waiting.q[i][0];
         waiting.aim(goals[waitingFor[0]], w);
       }
       int solved = 0;
-      for (int first = 0; first < 8; first += lanesIn<Doubles>) {
+      for (int first = 0; first < finishLanes; first += lanesIn<Doubles>) {
         Doubles q[N];
         Target<Doubles> target;
         waiting.read(first, q, target);
-        GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = smaller<Doubles>(larger<Doubles>(q[i], fill<Doubles>(C.lower[i])), fill<Doubles>(C.upper[i]));
+        GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = clamped<Doubles>(q[i], C.lower[i], C.upper[i]);
         constexpr int all = (1 << lanesIn<Doubles>) - 1;
         Doubles steps = fill<Doubles>(0);
         for (int taken = 0;; ++taken) {
@@ -691,7 +696,7 @@ struct Loops {
       if (!solved) {
         Target<double> target;
         broadcast(goals[waitingFor[w]], target);
-        solved = descend<N, Prismatic, Pose>(C, task, target, 8, true, here);
+        solved = descend<N, Prismatic, Pose>(C, task, target, finishSteps, true, here);
       }
       answer.iterations += here.iterations;
       answer.evaluations += here.evaluations;
@@ -721,7 +726,7 @@ struct Loops {
             for (int i = 0; i < N; ++i) waiting.q[i][waitingCount] = state.q[i][l];
             waiting.aim(goals[problem[l]], waitingCount);
             waitingFor[waitingCount++] = problem[l];
-            if (waitingCount == 8) finishWaiting();
+            if (waitingCount == finishLanes) finishWaiting();
             nextProblem(l);
             continue;
           }

@@ -8,7 +8,6 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
-#include "solvers/judge.h"
 
 namespace gelenk {
 
@@ -351,7 +350,7 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
   TipError error = evaluate(answer.q, J);
   ChainVector slope = slopeOf(J, error);
   double shift = 1e-6;
-  for (int iteration = 0; iteration < options.maxIterations; ++iteration) {
+  for (int iteration = 0;; ++iteration) {
     if ((!position || error.position.norm() <= margin * options.positionTolerance) &&
         (!rotation || error.rotation.norm() <= margin * options.orientationTolerance)) {
       answer.why = Stop::Converged;
@@ -361,6 +360,7 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       answer.why = Stop::Stationary;
       break;
     }
+    if (iteration == options.maxIterations) break;
     ++answer.counters.iterations;
     ++answer.counters.hessians;
     exactHessian(J, error, position, rotation, H);
@@ -518,8 +518,7 @@ class SerialPose final : public IkSolver {
                                                   .maxSeconds = budget.maxSeconds,
                                                   .seed = budget.seed});
     for (int i = 0; i < chain.n; ++i) report.q[chain.qIndex[i]] = answer.q[i];
-    // The last step of the budget may have arrived unnoticed.
-    report.why = answer.why == Stop::Budget && judge(problem, report.q).solved ? Stop::Converged : answer.why;
+    report.why = answer.why;
     report.counters = answer.counters;
     report.residual = std::sqrt(goal.weight) * std::hypot(answer.positionError, answer.orientationError);
     if (trace == TraceLevel::Off) return;
