@@ -800,7 +800,7 @@ struct Loops {
     for (int first = 0; first < kernelLanes; first += lanesIn<Floats>) {
       Floats ex[3], ey[3];
       for (int k = 0; k < 3; ++k) ex[k] = load<Floats>(cell.x[k] + first), ey[k] = load<Floats>(cell.y[k] + first);
-      const Floats cosineRoll = dot(ex, x) + dot(ey, y), sineRoll = dot(ex, y) - dot(ey, x);
+      const Floats cosineRoll = dot(ex, x) + dot(ey, y), sineRoll = dot(ey, x) - dot(ex, y);
       for (int i = 1; i < N - 1; ++i) store(load<Floats>(cell.q[i] + first), starts.q[i] + first);
       const Floats azimuth = roughAngle(fill<Floats>(float(c)), fill<Floats>(float(s)));
       const FloatsMask spins = intoRange(load<Floats>(cell.q[0] + first) + azimuth, C.lower[0], C.upper[0], starts.q[0] + first);

@@ -292,6 +292,7 @@ TEST(SeedTable, FirstStartsLeadToMorePosesThanRandomOnes) {
   const auto withTable = solvedAtOnce(solver), without = solvedAtOnce(SerialPoseSolver(chain));
   std::printf("  first start leads to the pose: table %ld, random %ld of %d\n", withTable, without, problems);
   EXPECT_GT(withTable, without + problems / 10);
+  EXPECT_GT(withTable, problems * 8 / 10);  // two thirds where the last joint is rolled the wrong way
 }
 
 TEST(SeedTable, ChainsThatEndInASlideHaveNone) {
