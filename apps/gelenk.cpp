@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "apps/commands.h"
+#include "apps/commands/commands.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Gelenk: a kinematics and inverse-kinematics research sandbox"};

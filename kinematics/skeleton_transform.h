@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinematics/motion_clip.h"
+#include "kinematics/motion/motion_clip.h"
 #include "kinematics/skeleton.h"
 
 namespace gelenk {

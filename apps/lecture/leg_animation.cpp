@@ -6,7 +6,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/rotation.h"
-#include "solvers/two_link.h"
+#include "solvers/methods/two_link.h"
 
 namespace gelenk {
 namespace {

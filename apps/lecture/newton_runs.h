@@ -1,7 +1,7 @@
 #pragma once
 
-#include "kinematics/planar_chain.h"
-#include "solvers/newton.h"
+#include "kinematics/notation/planar_chain.h"
+#include "solvers/methods/newton.h"
 
 namespace gelenk {
 

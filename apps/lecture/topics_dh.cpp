@@ -5,8 +5,8 @@
 #include "apps/lecture/example.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
-#include "kinematics/dh_table.h"
-#include "kinematics/robots.h"
+#include "kinematics/notation/dh_table.h"
+#include "kinematics/notation/robots.h"
 
 namespace gelenk {
 namespace {

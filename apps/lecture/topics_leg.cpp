@@ -4,7 +4,7 @@
 #include "apps/lecture/leg_animation.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
-#include "kinematics/mannequin.h"
+#include "kinematics/notation/mannequin.h"
 
 namespace gelenk {
 namespace {

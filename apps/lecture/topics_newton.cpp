@@ -10,7 +10,7 @@
 #include "apps/lecture/slide_data.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
-#include "solvers/nearest_solution.h"
+#include "solvers/serial/nearest_solution.h"
 
 namespace gelenk {
 

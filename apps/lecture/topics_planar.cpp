@@ -4,7 +4,7 @@
 #include "apps/lecture/slide_data.h"
 #include "apps/lecture/text.h"
 #include "kinematics/forward_kinematics.h"
-#include "kinematics/planar_chain.h"
+#include "kinematics/notation/planar_chain.h"
 
 namespace gelenk {
 namespace {

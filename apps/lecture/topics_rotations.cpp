@@ -5,10 +5,10 @@
 #include "apps/lecture/example.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
-#include "kinematics/euler.h"
+#include "kinematics/notation/euler.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/rotation.h"
-#include "solvers/quaternion_chain.h"
+#include "solvers/methods/quaternion_chain.h"
 
 namespace gelenk {
 namespace {

@@ -7,8 +7,8 @@
 #include "apps/lecture/slide_data.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
-#include "kinematics/planar_chain.h"
-#include "solvers/two_link.h"
+#include "kinematics/notation/planar_chain.h"
+#include "solvers/methods/two_link.h"
 
 namespace gelenk {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "apps/image.h"
+#include "apps/commands/image.h"
 #include "apps/render/colour.h"
 
 namespace gelenk {

@@ -3,11 +3,11 @@
 #include <memory>
 #include <optional>
 
-#include "apps/model.h"
+#include "apps/document/model.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
-#include "apps/scene.h"
-#include "skinning/muscle_control.h"
+#include "apps/document/scene.h"
+#include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "apps/muscle_report.h"
+#include "apps/commands/muscle_report.h"
 #include "apps/render/lettering.h"
 #include "apps/render/renderer.h"
 #include "apps/render/signs.h"

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "apps/image.h"
-#include "apps/model.h"
-#include "apps/theme.h"
-#include "skinning/muscle_control.h"
+#include "apps/commands/image.h"
+#include "apps/document/model.h"
+#include "apps/document/theme.h"
+#include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
 

@@ -6,11 +6,11 @@
 #include <memory>
 #include <numbers>
 
-#include "apps/binding_scene.h"
-#include "apps/commands.h"
-#include "apps/model_files.h"
-#include "apps/muscle_report.h"
-#include "apps/muscle_scene.h"
+#include "apps/document/binding_scene.h"
+#include "apps/commands/commands.h"
+#include "apps/document/model_files.h"
+#include "apps/commands/muscle_report.h"
+#include "apps/document/muscle_scene.h"
 #include "apps/render/model_view.h"
 #include "apps/render/muscle_sheet.h"
 #include "apps/render/render_command.h"

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "apps/camera.h"
+#include "apps/document/camera.h"
 #include "apps/render/overlay.h"
-#include "apps/theme.h"
+#include "apps/document/theme.h"
 #include "skinning/gpu/skinned_mesh_gl.h"
 
 namespace gelenk {

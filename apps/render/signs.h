@@ -4,7 +4,7 @@
 
 #include "apps/render/overlay.h"
 #include "kinematics/forward_kinematics.h"
-#include "skinning/muscle_layer.h"
+#include "skinning/muscles/muscle_layer.h"
 
 namespace gelenk {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-#include "apps/image.h"
+#include "apps/commands/image.h"
 
 namespace gelenk {
 

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <optional>
 
-#include "apps/binding_scene.h"
-#include "apps/muscle_report.h"
+#include "apps/document/binding_scene.h"
+#include "apps/commands/muscle_report.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/symmetry.h"
-#include "skinning/bone_heat.h"
+#include "skinning/rigging/bone_heat.h"
 #include "skinning/io/pinocchio_weights.h"
-#include "skinning/weight_paint.h"
+#include "skinning/rigging/weight_paint.h"
 
 namespace gelenk {
 namespace {

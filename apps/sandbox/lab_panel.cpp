@@ -9,13 +9,13 @@
 #include <future>
 #include <nlohmann/json.hpp>
 
-#include "apps/reproductions.h"
+#include "apps/commands/reproductions.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/solver_colour.h"
+#include "apps/commands/solver_colour.h"
 #include "kinematics/configuration.h"
-#include "solvers/judge.h"
+#include "solvers/problem/judge.h"
 
 namespace gelenk {
 namespace {

@@ -7,15 +7,15 @@
 #include <numeric>
 #include <optional>
 
-#include "apps/chain_models.h"
+#include "apps/document/chain_models.h"
 #include "apps/lecture/newton_runs.h"
 #include "apps/lecture/slide_data.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "kinematics/planar_chain.h"
-#include "solvers/nearest_solution.h"
-#include "solvers/two_link.h"
+#include "kinematics/notation/planar_chain.h"
+#include "solvers/serial/nearest_solution.h"
+#include "solvers/methods/two_link.h"
 
 namespace gelenk {
 namespace {

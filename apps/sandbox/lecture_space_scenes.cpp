@@ -6,17 +6,17 @@
 #include <algorithm>
 #include <optional>
 
-#include "apps/chain_models.h"
+#include "apps/document/chain_models.h"
 #include "apps/lecture/leg_animation.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
-#include "kinematics/euler.h"
+#include "kinematics/notation/euler.h"
 #include "kinematics/io/dh_text.h"
 #include "kinematics/io/text_file.h"
-#include "kinematics/mannequin.h"
-#include "kinematics/robots.h"
+#include "kinematics/notation/mannequin.h"
+#include "kinematics/notation/robots.h"
 
 namespace gelenk {
 namespace {

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/clip_editor.h"
+#include "apps/document/clip_editor.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/timeline.h"
-#include "apps/second_clip.h"
+#include "apps/document/second_clip.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
-#include "kinematics/motion_edit.h"
+#include "kinematics/motion/motion_edit.h"
 #include "kinematics/rotation.h"
 #include "skinning/io/gltf.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "apps/muscle_report.h"
-#include "apps/muscle_scene.h"
+#include "apps/commands/muscle_report.h"
+#include "apps/document/muscle_scene.h"
 #include "apps/render/signs.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"

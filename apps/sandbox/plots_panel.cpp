@@ -5,7 +5,7 @@
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/solver_colour.h"
+#include "apps/commands/solver_colour.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "apps/image.h"
-#include "apps/model_files.h"
+#include "apps/commands/image.h"
+#include "apps/document/model_files.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"

@@ -11,9 +11,9 @@
 #include "apps/sandbox/input.h"
 #include "apps/render/renderer.h"
 #include "apps/sandbox/panel.h"
-#include "apps/scene.h"
-#include "apps/session.h"
-#include "skinning/muscle_control.h"
+#include "apps/document/scene.h"
+#include "apps/document/session.h"
+#include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "apps/commands.h"
-#include "apps/image.h"
+#include "apps/commands/commands.h"
+#include "apps/commands/image.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/window.h"

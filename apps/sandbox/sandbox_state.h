@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "apps/pick.h"
+#include "apps/document/pick.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
 #include "apps/sandbox/gui.h"

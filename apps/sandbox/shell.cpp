@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "apps/model.h"
+#include "apps/document/model.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/forward_kinematics.h"
 #include "skinning/gpu/offscreen_context.h"

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "apps/theme.h"
+#include "apps/document/theme.h"
 
 namespace gelenk {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "apps/limb.h"
+#include "apps/document/limb.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/rotation.h"
 

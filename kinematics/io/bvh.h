@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kinematics/motion_clip.h"
+#include "kinematics/motion/motion_clip.h"
 #include "kinematics/skeleton.h"
 
 namespace gelenk {

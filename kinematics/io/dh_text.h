@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "kinematics/dh_table.h"
+#include "kinematics/notation/dh_table.h"
 
 namespace gelenk {
 

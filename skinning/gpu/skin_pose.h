@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "skinning/muscle_skin.h"
+#include "skinning/muscles/muscle_skin.h"
 #include "skinning/skin.h"
 
 namespace gelenk {

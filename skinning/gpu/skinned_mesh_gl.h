@@ -7,8 +7,8 @@
 #include "skinning/gpu/render_target.h"
 #include "skinning/gpu/skin_pose.h"
 #include "skinning/gpu/shader_program.h"
-#include "skinning/linear_blend.h"
-#include "skinning/muscle_control.h"
+#include "skinning/blend/linear_blend.h"
+#include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kinematics/motion_clip.h"
+#include "kinematics/motion/motion_clip.h"
 #include "skinning/skin.h"
 
 namespace gelenk {

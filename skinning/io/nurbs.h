@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "skinning/nurbs_surface.h"
+#include "skinning/muscles/nurbs_surface.h"
 
 namespace gelenk {
 

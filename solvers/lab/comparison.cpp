@@ -17,9 +17,9 @@
 #include "kinematics/configuration.h"
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
-#include "solvers/evaluator.h"
-#include "solvers/ik_solver.h"
-#include "solvers/judge.h"
+#include "solvers/iteration/evaluator.h"
+#include "solvers/problem/ik_solver.h"
+#include "solvers/problem/judge.h"
 
 namespace gelenk {
 

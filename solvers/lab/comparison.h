@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/ik_report.h"
+#include "solvers/problem/ik_report.h"
 #include "solvers/lab/problem_sets.h"
 
 namespace gelenk {

@@ -9,9 +9,9 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
-#include "solvers/evaluator.h"
-#include "solvers/ik_solver.h"
-#include "solvers/step_rules.h"
+#include "solvers/iteration/evaluator.h"
+#include "solvers/problem/ik_solver.h"
+#include "solvers/methods/step_rules.h"
 
 namespace gelenk {
 

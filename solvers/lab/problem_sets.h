@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "solvers/ik_problem.h"
+#include "solvers/problem/ik_problem.h"
 
 namespace gelenk {
 

@@ -14,7 +14,7 @@
 #include <set>
 
 #include "kinematics/io/text_file.h"
-#include "solvers/ik_solver.h"
+#include "solvers/problem/ik_solver.h"
 #include "solvers/lab/statistics.h"
 
 namespace gelenk {

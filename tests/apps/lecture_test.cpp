@@ -6,7 +6,7 @@
 #include "apps/lecture/leg_animation.h"
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
-#include "kinematics/mannequin.h"
+#include "kinematics/notation/mannequin.h"
 
 namespace gelenk {
 namespace {

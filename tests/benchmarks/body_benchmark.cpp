@@ -3,13 +3,13 @@
 
 #include <filesystem>
 
-#include "kinematics/mannequin.h"
-#include "kinematics/planar_chain.h"
-#include "skinning/body_around.h"
-#include "skinning/bone_heat.h"
+#include "kinematics/notation/mannequin.h"
+#include "kinematics/notation/planar_chain.h"
+#include "skinning/bodies/body_around.h"
+#include "skinning/rigging/bone_heat.h"
 #include "skinning/io/skin_cache.h"
-#include "skinning/linear_blend.h"
-#include "skinning/mannequin_body.h"
+#include "skinning/blend/linear_blend.h"
+#include "skinning/bodies/mannequin_body.h"
 
 namespace gelenk {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
-#include "solvers/ball_chain.h"
-#include "solvers/fabrik.h"
-#include "solvers/judge.h"
+#include "solvers/methods/ball_chain.h"
+#include "solvers/methods/fabrik.h"
+#include "solvers/problem/judge.h"
 
 namespace {
 

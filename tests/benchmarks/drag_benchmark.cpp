@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <cstring>
 
-#include "solvers/hybrid_solver.h"
-#include "solvers/judge.h"
-#include "tests/solvers/drag_marks.h"
+#include "solvers/tree/hybrid_solver.h"
+#include "solvers/problem/judge.h"
+#include "tests/solvers/tree/drag_marks.h"
 
 namespace gelenk {
 namespace {

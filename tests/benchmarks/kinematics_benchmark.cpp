@@ -3,7 +3,7 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/jacobian.h"
-#include "kinematics/mannequin.h"
+#include "kinematics/notation/mannequin.h"
 
 namespace gelenk {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "skinning/muscle_control.h"
-#include "tests/skinning/resting_arm.h"
+#include "skinning/muscles/muscle_control.h"
+#include "tests/skinning/muscles/resting_arm.h"
 
 namespace gelenk {
 namespace {

@@ -5,15 +5,15 @@
 #ifdef GELENK_GRAPHICS
 #include <memory>
 
-#include "apps/muscle_report.h"
+#include "apps/commands/muscle_report.h"
 #include "kinematics/configuration.h"
-#include "kinematics/mannequin.h"
+#include "kinematics/notation/mannequin.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/skinned_mesh_gl.h"
 #include "skinning/io/skin_cache.h"
-#include "skinning/mannequin_body.h"
-#include "skinning/muscle_control.h"
-#include "tests/skinning/resting_arm.h"
+#include "skinning/bodies/mannequin_body.h"
+#include "skinning/muscles/muscle_control.h"
+#include "tests/skinning/muscles/resting_arm.h"
 
 namespace gelenk {
 namespace {

@@ -16,9 +16,9 @@
 #include <random>
 
 #include "kinematics/configuration.h"
-#include "kinematics/robots.h"
-#include "solvers/judge.h"
-#include "solvers/serial_pose.h"
+#include "kinematics/notation/robots.h"
+#include "solvers/problem/judge.h"
+#include "solvers/serial/serial_pose.h"
 
 namespace {
 

@@ -1,10 +1,10 @@
 // What the sandbox does on the CPU in a frame, apart from drawing: picking the skin under the mouse, and the session's step.
 #include <benchmark/benchmark.h>
 
-#include "apps/model.h"
-#include "apps/pick.h"
-#include "apps/session.h"
-#include "skinning/linear_blend.h"
+#include "apps/document/model.h"
+#include "apps/document/pick.h"
+#include "apps/document/session.h"
+#include "skinning/blend/linear_blend.h"
 
 namespace gelenk {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "kinematics/configuration.h"
-#include "skinning/linear_blend.h"
+#include "skinning/blend/linear_blend.h"
 #ifdef GELENK_GRAPHICS
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/skinned_mesh_gl.h"

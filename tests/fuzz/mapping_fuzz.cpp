@@ -6,7 +6,7 @@
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/pinocchio_skeleton.h"
-#include "kinematics/skeleton_transfer.h"
+#include "kinematics/motion/skeleton_transfer.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace gelenk;

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "apps/scene.h"
+#include "apps/document/scene.h"
 #include "kinematics/io/parse_error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

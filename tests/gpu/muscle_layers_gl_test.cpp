@@ -4,9 +4,9 @@
 #include "kinematics/rotation.h"
 #include "skinning/gpu/render_target.h"
 #include "skinning/gpu/skinned_mesh_gl.h"
-#include "skinning/muscle_control.h"
+#include "skinning/muscles/muscle_control.h"
 #include "tests/gpu/gl_fixture.h"
-#include "tests/skinning/resting_arm.h"
+#include "tests/skinning/muscles/resting_arm.h"
 
 namespace gelenk {
 namespace {

@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "apps/image.h"
-#include "apps/model.h"
+#include "apps/commands/image.h"
+#include "apps/document/model.h"
 #include "apps/render/lettering.h"
 #include "apps/render/video.h"
 #include "kinematics/configuration.h"

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <random>
 
-#include "apps/model_files.h"
+#include "apps/document/model_files.h"
 #include "tests/gpu/gl_fixture.h"
 #include "tests/gpu/test_bodies.h"
 

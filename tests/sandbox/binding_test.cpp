@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "apps/binding_scene.h"
-#include "apps/muscle_scene.h"
-#include "apps/muscle_report.h"
+#include "apps/document/binding_scene.h"
+#include "apps/document/muscle_scene.h"
+#include "apps/commands/muscle_report.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/view_picture.h"
@@ -14,8 +14,8 @@
 #include "skinning/gpu/render_target.h"
 #include "kinematics/io/text_file.h"
 #include "skinning/io/pinocchio_weights.h"
-#include "skinning/weight_paint.h"
-#include "tests/skinning/resting_arm.h"
+#include "skinning/rigging/weight_paint.h"
+#include "tests/skinning/muscles/resting_arm.h"
 
 namespace gelenk {
 namespace {

@@ -8,7 +8,7 @@
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/view_picture.h"
 #include "kinematics/io/text_file.h"
-#include "kinematics/planar_chain.h"
+#include "kinematics/notation/planar_chain.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
 

@@ -10,7 +10,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/view_picture.h"
 #include "kinematics/io/bvh.h"
-#include "kinematics/motion_clip.h"
+#include "kinematics/motion/motion_clip.h"
 #include "kinematics/rotation.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"

@@ -10,7 +10,7 @@
 #include "apps/sandbox/view_picture.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
-#include "kinematics/mannequin.h"
+#include "kinematics/notation/mannequin.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
 

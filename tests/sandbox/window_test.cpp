@@ -10,7 +10,7 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
-#include "kinematics/mannequin.h"
+#include "kinematics/notation/mannequin.h"
 #include "tests/sandbox/program.h"
 
 namespace gelenk {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "skinning/linear_blend.h"
+#include "skinning/blend/linear_blend.h"
 #include "tests/kinematics/random_skeleton.h"
 
 namespace gelenk {

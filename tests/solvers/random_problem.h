@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
-#include "kinematics/dh_table.h"
+#include "kinematics/notation/dh_table.h"
 #include "kinematics/forward_kinematics.h"
-#include "kinematics/robots.h"
-#include "solvers/ik_problem.h"
+#include "kinematics/notation/robots.h"
+#include "solvers/problem/ik_problem.h"
 #include "tests/kinematics/random_skeleton.h"
 
 namespace gelenk::testing {

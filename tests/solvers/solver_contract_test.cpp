@@ -3,9 +3,9 @@
 
 #include <cstdlib>
 
-#include "solvers/evaluator.h"
-#include "solvers/ik_solver.h"
-#include "solvers/judge.h"
+#include "solvers/iteration/evaluator.h"
+#include "solvers/problem/ik_solver.h"
+#include "solvers/problem/judge.h"
 #include "tests/solvers/random_problem.h"
 
 namespace gelenk {

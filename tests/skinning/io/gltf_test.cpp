@@ -11,7 +11,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/text_file.h"
-#include "skinning/linear_blend.h"
+#include "skinning/blend/linear_blend.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/random_skeleton.h"
 

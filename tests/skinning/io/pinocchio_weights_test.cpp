@@ -6,7 +6,7 @@
 
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "skinning/io/obj.h"
-#include "skinning/linear_blend.h"
+#include "skinning/blend/linear_blend.h"
 #include "tests/kinematics/io/bad_input.h"
 
 namespace gelenk {

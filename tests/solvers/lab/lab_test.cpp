@@ -6,8 +6,8 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
-#include "solvers/evaluator.h"
-#include "solvers/judge.h"
+#include "solvers/iteration/evaluator.h"
+#include "solvers/problem/judge.h"
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
 #include "solvers/lab/statistics.h"

@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/commands/commands.h"
+#include "apps/document/model.h"
+#include "apps/commands/reproductions.h"
+#include "apps/commands/solver_colour.h"
+#include "kinematics/io/text_file.h"
+#include "solvers/problem/ik_solver.h"
+#include "solvers/lab/comparison.h"
+#include "solvers/lab/report.h"
+
+namespace gelenk {
+namespace {
+
+struct Request {
+  std::string model = "panda";
+  std::vector<std::string> sets, solvers, effectors;
+  ComparisonPlan plan;
+  double budgetMilliseconds = 0.0;
+  std::string out, shard = "1/1", goal, reproduce;
+  bool list = false;
+  std::vector<std::string> mergeFolders;
+};
+
+ReportStyle reportStyle(const std::string& commandLine) {
+  return {.version = GELENK_VERSION, .commandLine = commandLine, .colour = [](const std::string& solver) {
+            const Eigen::Vector3f c = solverColour(solver) * 255.0f;
+            return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(c.x() + 0.5f), static_cast<int>(c.y() + 0.5f),
+                               static_cast<int>(c.z() + 0.5f));
+          }};
+}
+
+/// The command line of this process, without the folder of the program.
+std::string typedCommand() {
+  std::string text;
+  try {
+    text = readFile("/proc/self/cmdline");
+  } catch (const std::exception&) {  // no such file on this system
+    return "gelenk compare";
+  }
+  std::replace(text.begin(), text.end(), '\0', ' ');
+  const std::size_t program = text.substr(0, text.find(' ')).rfind('/');
+  return program == std::string::npos ? text : text.substr(program + 1);
+}
+
+/// A bar on a terminal; a line every tenth elsewhere.
+class Progress {
+ public:
+  void operator()(int done, int total, const std::string& what) {
+    const int share = total > 0 ? 100 * done / total : 100;
+    if (isatty(STDERR_FILENO)) {
+      if (share == lastShare_ && what == lastWhat_) return;
+      const int filled = share * 30 / 100;
+      fmt::print(stderr, "\r[{}{}] {:3d} %  {:<40}", std::string(filled, '#'), std::string(30 - filled, '.'), share, what);
+      if (done == total) fmt::print(stderr, "\n");
+      std::fflush(stderr);
+    } else if (share / 10 != lastShare_ / 10) {
+      fmt::print(stderr, "{:3d} %  {}\n", share, what);
+    }
+    lastShare_ = share;
+    lastWhat_ = what;
+  }
+
+ private:
+  int lastShare_ = -1;
+  std::string lastWhat_;
+};
+
+void printList() {
+  fmt::print("solvers\n");
+  for (const SolverEntry& entry : solverCatalogue()) fmt::print("  {:<20} {} ({})\n", entry.name, entry.title, entry.reference);
+  fmt::print("  {:<20} the pose solver for serial chains, see docs/solvers\n", "default");
+  fmt::print("problem sets\n");
+  for (const ProblemSetEntry& entry : problemSetCatalogue()) fmt::print("  {:<20} {}; level: {}\n", entry.name, entry.title, entry.levels);
+  fmt::print("reproductions\n");
+  for (const Reproduction& entry : reproductions()) fmt::print("  {:<20} {}\n", entry.name, entry.title);
+  fmt::print("models\n");
+  for (const std::string& name : builtInModels()) fmt::print("  {}\n", name);
+  fmt::print("  planar:X,Y:L1,L2,...  a planar chain of hinges\n  balls:L1,L2,...       a chain of ball joints\n");
+}
+
+std::vector<std::string> allSolvers() {
+  std::vector<std::string> names;
+  for (const SolverEntry& entry : solverCatalogue()) names.emplace_back(entry.name);
+  return names;
+}
+
+void parseShard(const std::string& text, ComparisonPlan& plan) {
+  int k = 0, n = 0;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%c", &k, &n, &end) != 2)
+    throw std::invalid_argument("--shard wants K/N, such as 3/8, not '" + text + "'");
+  plan.shard = k;
+  plan.shards = n;
+}
+
+void compare(Request& request, const std::string& commandLine) {
+  if (request.list) return printList();
+  if (!request.reproduce.empty()) return reproduce(request.reproduce, request.out, reportStyle(commandLine));
+  ComparisonPlan& plan = request.plan;
+  plan.sets = request.sets.empty() ? std::vector<std::string>{"D1"} : request.sets;
+  plan.solvers = request.solvers.empty() ? allSolvers() : request.solvers;
+  if (request.budgetMilliseconds < 0.0 || std::isnan(request.budgetMilliseconds))
+    throw std::invalid_argument("--budget-ms must not be negative");
+  if (request.budgetMilliseconds > 0.0) plan.budget.maxSeconds = 1e-3 * request.budgetMilliseconds;
+  plan.budget.seed = plan.seed;
+  parseShard(request.shard, plan);
+  validate(plan);
+  if (request.out.empty()) throw std::invalid_argument("--out DIR is needed: the folder for the results");
+
+  const Model model = openModel(request.model);
+  LabModel lab = labModel(model.name, model.skeleton, request.effectors.empty() ? model.handles : request.effectors);
+  if (!request.goal.empty()) lab.pose = request.goal == "pose";
+  runComparison(plan, lab, request.out, Progress());
+  if (const std::string note = writeReport(request.out, reportStyle(commandLine)); !note.empty()) fmt::print(stderr, "gelenk: {}\n", note);
+  fmt::print("{}", summaryTable(request.out));
+  for (const std::string& set : plan.sets)
+    fmt::print("checksum {} {:016x}\n", set, checksum(makeProblems(problemSet(set), lab, plan.problems, plan.seed, plan.tolerance)));
+  fmt::print("{}\n", (std::filesystem::path(request.out) / "report.html").string());
+}
+
+void merge(const std::vector<std::string>& folders, const std::string& out, const std::string& commandLine) {
+  mergeComparisons(folders, out);
+  if (const std::string note = writeReport(out, reportStyle(commandLine)); !note.empty()) fmt::print(stderr, "gelenk: {}\n", note);
+  fmt::print("{}{}\n", summaryTable(out), (std::filesystem::path(out) / "report.html").string());
+}
+
+}  // namespace
+
+void addCompareCommand(CLI::App& app) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = app.add_subcommand("compare", "Compare solvers on frozen problem sets and write a report");
+  ComparisonPlan& plan = request->plan;
+  command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
+  command->add_option("--set", request->sets, "Problem set, D1 to D7 (repeatable; default D1)");
+  command->add_option("--solver", request->solvers, "Solver by name, or default (repeatable; default: all)");
+  command->add_option("--effector", request->effectors, "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
+  command->add_option("--goal", request->goal, "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
+      ->check(CLI::IsMember({"position", "pose"}));
+  command->add_option("--problems", plan.problems, "Problems of each set")->capture_default_str();
+  command->add_option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers")->capture_default_str();
+  command->add_option("--tolerance", plan.tolerance, "Metres and radians, on the error itself")->capture_default_str();
+  command->add_option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt")->capture_default_str();
+  command->add_option("--budget-ms", request->budgetMilliseconds, "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
+  command->add_option("--restarts", plan.budget.restarts, "Random restarts after the first attempt")->capture_default_str();
+  command->add_option("--seeds", plan.seeds,
+                      "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for those that only restart")
+      ->capture_default_str();
+  command->add_option("--repeat", plan.repeat, "Solves a problem; the shortest time counts")->capture_default_str();
+  command->add_option("--traces", plan.traces, "Problems of each set whose residual curves are kept")->capture_default_str();
+  command->add_option("--shard", request->shard, "K/N: only the K-th of N parts; join them with 'compare merge'");
+  command->add_option("--out", request->out, "Folder for the results; an interrupted run continues there");
+  command->add_option("--reproduce", request->reproduce, "An experiment from the literature, see --list");
+  command->add_flag("--list", request->list, "List solvers, problem sets, reproductions and models");
+  CLI::App* merging = command->add_subcommand("merge", "Join the folders of all shards: merge --out DIR SHARD...");
+  merging->add_option("--out", request->out, "Folder for the joined results")->required();
+  merging->add_option("shards", request->mergeFolders, "Folders of the shards")->required();
+  command->callback([request, merging] {
+    if (!merging->parsed()) compare(*request, typedCommand());
+  });
+  merging->callback([request] { merge(request->mergeFolders, request->out, typedCommand()); });
+}
+
+}  // namespace gelenk

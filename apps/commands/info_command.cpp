@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands/commands.h"
+#include "apps/document/model_files.h"
+#include "kinematics/forward_kinematics.h"
+#include "skinning/io/obj.h"
+
+namespace gelenk {
+namespace {
+
+using nlohmann::json;
+
+struct Request {
+  std::string file;
+  Companions companions;
+  std::string unit;
+  bool asJson = false;
+};
+
+json boundsOf(const Eigen::AlignedBox3d& box) {
+  return {{"lower", {box.min().x(), box.min().y(), box.min().z()}}, {"upper", {box.max().x(), box.max().y(), box.max().z()}}};
+}
+
+std::string counted(int n, const std::string& one, const std::string& many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
+
+void addMesh(const Mesh& mesh, json& facts) {
+  const MeshTopology shape = topology(mesh);
+  Eigen::AlignedBox3d box;
+  for (const auto& p : mesh.positions) box.extend(p);
+  facts["vertices"] = shape.vertices;
+  facts["triangles"] = shape.triangles;
+  facts["components"] = shape.components;
+  facts["closed"] = shape.closed();
+  facts["manifold"] = shape.manifold();
+  facts["bounds"] = boundsOf(box);
+  json& warnings = facts["warnings"];
+  const auto warn = [&](int n, const std::string& one, const std::string& many) {
+    if (n > 0) warnings.push_back(counted(n, one, many));
+  };
+  warn(shape.boundaryEdges, "edge lies on one triangle only: the surface is open", "edges lie on one triangle only: the surface is open");
+  warn(shape.nonManifoldEdges, "edge is not manifold (more than two triangles, or two that disagree on orientation)",
+       "edges are not manifold (more than two triangles, or two that disagree on orientation)");
+  warn(shape.nonManifoldVertices, "vertex joins several fans of triangles", "vertices join several fans of triangles");
+  warn(shape.unreferencedVertices, "vertex belongs to no triangle", "vertices belong to no triangle");
+  warn(shape.degenerateTriangles, "triangle has no area", "triangles have no area");
+  if (shape.closed() && shape.manifold() && enclosedVolume(mesh) < 0.0) warnings.push_back("the triangles face inwards");
+}
+
+void addSkeleton(const Skeleton& skeleton, json& facts) {
+  Eigen::AlignedBox3d box;
+  for (const auto& frame : restFrames(skeleton)) box.extend(frame.translation());
+  facts["joints"] = skeleton.jointCount();
+  facts["dofs"] = skeleton.nv();
+  facts["root"] = skeleton.joint(0).name;
+  facts["jointBounds"] = boundsOf(box);
+  if (!facts.contains("bounds")) facts["bounds"] = facts["jointBounds"];
+}
+
+/// How long, how fast, and where the motion leaves the model's own limits: told, never clamped.
+void addMotion(const Skeleton& skeleton, const MotionClip& clip, json& facts) {
+  facts["frames"] = clip.frameCount();
+  facts["framesPerSecond"] = clip.framesPerSecond;
+  facts["seconds"] = clip.duration();
+  int outside = 0, samples = 0;
+  for (int f = 0; f < clip.frameCount(); ++f)
+    for (int i = 0; i < skeleton.jointCount(); ++i)
+      for (std::size_t k = 0; k < skeleton.joint(i).axes.size(); ++k) {
+        const AxisDof& dof = skeleton.joint(i).axes[k];
+        if (dof.lower == -unlimited && dof.upper == unlimited) continue;
+        const double value = clip.q(skeleton.qIndex(i) + k, f);
+        constexpr double rounding = 1e-9;
+        outside += value < dof.lower - rounding || value > dof.upper + rounding;
+        ++samples;
+      }
+  facts["limitedSamples"] = samples;
+  facts["samplesOutsideLimits"] = outside;
+  if (outside > 0)
+    facts["warnings"].push_back(fmt::format("{} of {} limited values ({:.1f} %) lie outside the model's own limits; playback keeps them", outside, samples, 100.0 * outside / samples));
+}
+
+json factsOf(const Request& request) {
+  json facts{{"file", request.file}, {"warnings", json::array()}, {"notes", json::array()}};
+  const auto kind = fileKind(request.file);
+  facts["format"] = kind ? describe(*kind) : "model";
+  if ((kind == FileKind::ObjMesh || kind == FileKind::Nurbs) && request.companions.skeleton.empty()) {
+    addMesh(readMesh(request.file), facts);
+    return facts;
+  }
+  ImportOptions options;
+  if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
+  const Imported imported = importFiles(request.file, request.companions, options);
+  const Model& model = imported.model;
+  if (model.skin) addMesh(model.skin->mesh, facts);
+  addSkeleton(model.skeleton, facts);
+  if (imported.model.clip) addMotion(model.skeleton, *imported.model.clip, facts);
+  for (const std::string& note : model.notes) facts["notes"].push_back(note);
+  return facts;
+}
+
+std::string corner(const json& p) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", p[0].get<double>(), p[1].get<double>(), p[2].get<double>()); }
+
+void print(const json& facts) {
+  fmt::print("{}: {}\n", facts["file"].get<std::string>(), facts["format"].get<std::string>());
+  if (facts.contains("joints"))
+    fmt::print("  joints     {} ({} degrees of freedom), root '{}'\n", facts["joints"].get<int>(), facts["dofs"].get<int>(), facts["root"].get<std::string>());
+  if (facts.contains("vertices"))
+    fmt::print("  mesh       {} vertices, {} triangles, {}, {}, {}\n", facts["vertices"].get<int>(), facts["triangles"].get<int>(),
+               counted(facts["components"].get<int>(), "component", "components"), facts["closed"].get<bool>() ? "closed" : "open",
+               facts["manifold"].get<bool>() ? "manifold" : "not manifold");
+  if (facts.contains("frames"))
+    fmt::print("  motion     {} at {:.6g} Hz, {:.3f} s\n", counted(facts["frames"].get<int>(), "frame", "frames"), facts["framesPerSecond"].get<double>(),
+               facts["seconds"].get<double>());
+  fmt::print("  bounds     {} to {} m\n", corner(facts["bounds"]["lower"]), corner(facts["bounds"]["upper"]));
+  for (const json& note : facts["notes"]) fmt::print("  note       {}\n", note.get<std::string>());
+  for (const json& warning : facts["warnings"]) fmt::print("  warning    {}\n", warning.get<std::string>());
+}
+
+void run(const Request& request) {
+  const json facts = factsOf(request);
+  if (request.asJson)
+    fmt::print("{}\n", facts.dump(2));
+  else
+    print(facts);
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& app) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = app.add_subcommand("info", "What is in a file or a built-in model");
+  command->add_option("file", request->file, "A file, or the name of a built-in model")->required();
+  command->add_option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
+  command->add_option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
+  command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
+  command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
+  command->add_option("--mapping", request->companions.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
+  command->add_option("--figure", request->companions.figure, "Figure of a tutorial pose");
+  command->add_option("--unit", request->unit, "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command->add_flag("--json", request->asJson, "Print JSON");
+  command->callback([request] { run(*request); });
+}
+
+}  // namespace gelenk

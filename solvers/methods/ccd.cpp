@@ -1,0 +1,158 @@
+#include "solvers/methods/ccd.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinematics/configuration.h"
+#include "kinematics/rotation.h"
+#include "solvers/iteration/attempt.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// The effector while a sweep moves the dofs above it one by one.
+struct Effector {
+  Vector3d point;
+  Matrix3d rotation;
+
+  void turn(const Vector3d& about, const Matrix3d& by) {
+    point = about + by * (point - about);
+    rotation = by * rotation;
+  }
+};
+
+struct Wanted {
+  bool position, orientation;
+  Vector3d point;
+  Matrix3d rotation;
+};
+
+/// The angle about an axis through `about` that minimises the objective above.
+double bestAngle(const Wanted& wanted, const Effector& effector, const Vector3d& about, const Vector3d& axis) {
+  double sine = 0.0, cosine = 0.0;
+  const auto add = [&](const Vector3d& from, const Vector3d& to, double weight) {
+    sine += weight * axis.dot(from.cross(to));
+    cosine += weight * (from.dot(to) - axis.dot(from) * axis.dot(to));
+  };
+  if (wanted.position) add(effector.point - about, wanted.point - about, 2.0);
+  if (wanted.orientation)
+    for (int k = 0; k < 3; ++k) add(effector.rotation.col(k), wanted.rotation.col(k), 1.0);
+  return std::hypot(sine, cosine) > 1e-14 ? std::atan2(sine, cosine) : 0.0;
+}
+
+/// New value of a rotation's angle within its range; whole turns are free where the range holds one.
+double turned(const AxisDof& dof, double q, double by) {
+  double angle = q + by;
+  const double turn = 2.0 * M_PI;
+  if (dof.isFullTurn()) {
+    if (angle < dof.lower) angle += turn * std::ceil((dof.lower - angle) / turn);
+    if (angle > dof.upper) angle -= turn * std::ceil((angle - dof.upper) / turn);
+  }
+  return std::clamp(angle, dof.lower, dof.upper);
+}
+
+class Sweep {
+ public:
+  Sweep(const Goal& goal, CountedEvaluator& at)
+      : skeleton_(at.skeleton()), frames_(at.frames()), q_(at.q()), goal_(goal),
+        effector_{frames_[goal.joint] * goal.pointInJoint, frames_[goal.joint].linear()},
+        wanted_{goal.kind != GoalKind::Orientation, goal.kind != GoalKind::Position, goal.target, goal.orientation.normalized().toRotationMatrix()} {
+    dofTwists(skeleton_, q_, frames_, twists_);
+  }
+
+  const VectorXd& run() {
+    for (int j = goal_.joint; j >= 0; j = skeleton_.parent(j)) {
+      const Joint& joint = skeleton_.joint(j);
+      if (joint.ball) turnBall(j);
+      for (int k = static_cast<int>(joint.axes.size()) - 1; k >= 0; --k) moveAxis(joint.axes[k], skeleton_.qIndex(j) + k, skeleton_.vIndex(j) + k);
+    }
+    return q_;
+  }
+
+ private:
+  /// Dofs above have not moved in this sweep, so the twists of its beginning still hold.
+  void moveAxis(const AxisDof& dof, int iq, int iv) {
+    const Vector3d v = twists_.col(iv).head<3>(), omega = twists_.col(iv).tail<3>();
+    if (dof.kind == AxisDof::Kind::Translation) {
+      if (!wanted_.position) return;
+      const double to = std::clamp(q_[iq] + v.dot(wanted_.point - effector_.point), dof.lower, dof.upper);
+      effector_.point += v * (to - q_[iq]);
+      q_[iq] = to;
+      return;
+    }
+    const Vector3d about = omega.cross(v);  // the point of the axis next to the world's origin
+    const double to = turned(dof, q_[iq], bestAngle(wanted_, effector_, about, omega));
+    effector_.turn(about, Eigen::AngleAxisd(to - q_[iq], omega).toRotationMatrix());
+    q_[iq] = to;
+  }
+
+  void turnBall(int j) {
+    const Vector3d about = frames_[j].translation();
+    const Matrix3d& world = frames_[j].linear();
+    Matrix3d turn = Matrix3d::Identity();
+    if (!wanted_.orientation) {
+      const Vector3d from = effector_.point - about, to = wanted_.point - about;
+      if (from.norm() < 1e-12 || to.norm() < 1e-12) return;
+      turn = rotationBetween(from, to).toRotationMatrix();
+    } else {
+      Effector moved = effector_;
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d axis = world.col(k);
+        const Matrix3d part = Eigen::AngleAxisd(bestAngle(wanted_, moved, about, axis), axis).toRotationMatrix();
+        moved.turn(about, part);
+        turn = part * turn;
+      }
+    }
+    const Quaterniond before = ballRotation(skeleton_, q_, j);
+    setBallRotation(skeleton_, q_, j, (before * Quaterniond(world.transpose() * turn * world)).normalized());
+    if (skeleton_.joint(j).ballLimit && limitViolation(skeleton_, q_, j) > 0.0) {
+      projectToLimits(skeleton_, q_, q_);
+      turn = world * (before.conjugate() * ballRotation(skeleton_, q_, j)).toRotationMatrix() * world.transpose();
+    }
+    effector_.turn(about, turn);
+  }
+
+  const Skeleton& skeleton_;
+  const Frames& frames_;
+  VectorXd q_;
+  const Goal& goal_;
+  Twists twists_;
+  Effector effector_;
+  Wanted wanted_;
+};
+
+class Ccd final : public IkSolver {
+ public:
+  std::string whyUnsupported(const IkProblem& problem) const override {
+    if (problem.goals.empty()) return {};
+    if (problem.goals.size() != 1) return "moves one effector only";
+    const GoalKind kind = problem.goals[0].kind;
+    if (kind != GoalKind::Position && kind != GoalKind::Orientation && kind != GoalKind::Pose)
+      return "solves position, orientation and pose goals only";
+    return {};
+  }
+
+  IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
+    if (!whyUnsupported(problem).empty()) return unsupported(problem);
+    return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
+      while (!attempt.isOver()) {
+        if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+        const VectorXd before = attempt.at.q();
+        const VectorXd q = Sweep(problem.goals[0], attempt.at).run();
+        attempt.countIteration(difference(*problem.skeleton, before, q).norm(), 0.0);
+        attempt.propose(q);
+      }
+    });
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<IkSolver> makeCcd() { return std::make_unique<Ccd>(); }
+
+}  // namespace gelenk

@@ -1,3 +1,0 @@
-// The inner loops of the flagship with the instructions that the whole build may use.
-#define GELENK_KERNEL_FUNCTION serialKernelBaseline
-#include "solvers/serial_kernel.inl"

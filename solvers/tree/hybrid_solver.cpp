@@ -1,0 +1,45 @@
+#include "solvers/tree/hybrid_solver.h"
+
+#include "kinematics/configuration.h"
+#include "solvers/tree/drag_solver.h"
+#include "solvers/iteration/evaluator.h"
+#include "solvers/problem/judge.h"
+
+namespace gelenk {
+namespace {
+
+class HybridSolver final : public IkSolver {
+ public:
+  std::string whyUnsupported(const IkProblem& problem) const override {
+    for (const Goal& goal : problem.goals)
+      if (goal.kind == GoalKind::Pole &&
+          (problem.skeleton->parent(goal.joint) < 0 || problem.skeleton->children(goal.joint).empty()))
+        return "a pole goal needs a joint with a parent and a child";
+    return {};
+  }
+
+  IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
+    if (!whyUnsupported(problem).empty()) return {.q = problem.start, .why = Stop::Unsupported, .counters = {}, .trace = {}};
+    DragSolver solver(*problem.skeleton);
+    IkReport report = solver.solve(problem, budget, trace);
+    const Eigen::VectorXd& q = report.q;
+    const Frames frames = forwardKinematics(*problem.skeleton, q);
+    double squared = 0.0;
+    Eigen::VectorXd r;
+    for (const Goal& goal : problem.goals) {
+      r.resize(residualRows(goal, *problem.skeleton));
+      goalResidual(goal, *problem.skeleton, q, frames, r);
+      squared += goal.weight * r.squaredNorm();
+    }
+    report.residual = std::sqrt(squared);
+    // the drag solver's own objective holds posture too: it may rest on a place that meets the goals
+    if (judge(problem, q).solved) report.why = Stop::Converged;
+    return report;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<IkSolver> makeHybrid() { return std::make_unique<HybridSolver>(); }
+
+}  // namespace gelenk
