@@ -16,7 +16,9 @@ namespace {
 
 Quaterniond quaternionAt(const VectorXd& q, int at) { return {q[at], q[at + 1], q[at + 2], q[at + 3]}; }
 
-void putQuaternion(VectorXd& q, int at, const Quaterniond& r) { q.segment<4>(at) << r.w(), r.x(), r.y(), r.z(); }
+void putQuaternion(VectorXd& q, int at, const Quaterniond& r) {
+  q.segment<4>(at) << r.w(), r.x(), r.y(), r.z();
+}
 
 int ballIndex(const Skeleton& skeleton, int joint) {
   return skeleton.qIndex(joint) + static_cast<int>(skeleton.joint(joint).axes.size());
@@ -42,8 +44,8 @@ double range(const AxisDof& dof, bool upper) {
 }  // namespace
 
 Vector2d nearestOnEllipse(const Vector2d& radii, const Vector2d& p) {
-  // Newton on the secular equation (a px / (t + a^2))^2 + (b py / (t + b^2))^2 = 1, which is convex and decreasing for
-  // t >= 0, so it never overshoots.
+  // Newton on the secular equation (a px / (t + a^2))^2 + (b py / (t + b^2))^2 = 1, which is convex and
+  // decreasing for t >= 0, so it never overshoots.
   const Vector2d squares = radii.cwiseProduct(radii);
   double t = 0.0;
   for (int i = 0; i < 60; ++i) {
@@ -99,7 +101,8 @@ void difference(const Skeleton& skeleton, const VectorXd& from, const VectorXd& 
     const int iq = skeleton.qIndex(i), iv = skeleton.vIndex(i);
     for (int k = 0; k < axes; ++k) dq[iv + k] = to[iq + k] - from[iq + k];
     if (skeleton.joint(i).ball)
-      dq.segment<3>(iv + axes) = logRotation(quaternionAt(from, iq + axes).conjugate() * quaternionAt(to, iq + axes));
+      dq.segment<3>(iv + axes) =
+          logRotation(quaternionAt(from, iq + axes).conjugate() * quaternionAt(to, iq + axes));
   }
 }
 
@@ -120,13 +123,16 @@ VectorXd randomWithinLimits(const Skeleton& skeleton, std::mt19937_64& random) {
       Vector2d swing;
       do {  // uniform on the ellipse's disc, kept inside |c| < 2 where a swing exists
         const double radius = std::sqrt(uniform01(random)), angle = 2.0 * M_PI * uniform01(random);
-        swing = limit.swingCentre + radius * Vector2d(std::cos(angle), std::sin(angle)).cwiseProduct(limit.swingRadii);
+        swing = limit.swingCentre +
+                radius * Vector2d(std::cos(angle), std::sin(angle)).cwiseProduct(limit.swingRadii);
       } while (swing.norm() >= 2.0);
-      rotation = fromSwingTwistCoordinates({swing.x(), swing.y(), lower + (upper - lower) * uniform01(random)});
+      rotation =
+          fromSwingTwistCoordinates({swing.x(), swing.y(), lower + (upper - lower) * uniform01(random)});
     } else {  // Shoemake 1992
-      const double u = uniform01(random), a = 2.0 * M_PI * uniform01(random), b = 2.0 * M_PI * uniform01(random);
-      rotation = Quaterniond(std::sqrt(u) * std::cos(b), std::sqrt(1.0 - u) * std::sin(a), std::sqrt(1.0 - u) * std::cos(a),
-                             std::sqrt(u) * std::sin(b));
+      const double u = uniform01(random), a = 2.0 * M_PI * uniform01(random),
+                   b = 2.0 * M_PI * uniform01(random);
+      rotation = Quaterniond(std::sqrt(u) * std::cos(b), std::sqrt(1.0 - u) * std::sin(a),
+                             std::sqrt(1.0 - u) * std::cos(a), std::sqrt(u) * std::sin(b));
     }
     putQuaternion(q, at, rotation);
   }
@@ -168,7 +174,8 @@ double limitViolation(const Skeleton& skeleton, const VectorXd& q, int i) {
     const BallLimit& limit = *joint.ballLimit;
     const Vector3d c = swingTwistCoordinates(quaternionAt(q, at));
     const double excess = (c.head<2>() - limit.swingCentre).cwiseQuotient(limit.swingRadii).norm() - 1.0;
-    worst = std::max({worst, excess * limit.swingRadii.minCoeff(), limit.twistLower - c.z(), c.z() - limit.twistUpper});
+    worst = std::max(
+        {worst, excess * limit.swingRadii.minCoeff(), limit.twistLower - c.z(), c.z() - limit.twistUpper});
   }
   return worst;
 }

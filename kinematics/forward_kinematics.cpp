@@ -10,7 +10,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// R <- R * rotation(axis, angle). Coordinate axes, the usual case, mix two columns only.
-inline void rotateColumns(Eigen::Ref<Matrix3d, 0, Eigen::OuterStride<>> R, const Vector3d& axis, double angle) {
+inline void rotateColumns(Eigen::Ref<Matrix3d, 0, Eigen::OuterStride<>> R, const Vector3d& axis,
+                          double angle) {
   const double s = std::sin(angle), c = std::cos(angle);
   for (int k = 0; k < 3; ++k) {
     if (std::abs(axis[k]) != 1.0) continue;

@@ -7,8 +7,8 @@
 
 namespace gelenk {
 
-/// worldFromJoint for every joint: the narrow waist. Every source of poses (dragging, mocap, sliders, solvers) ends in
-/// Frames; every skin, muscle layer and renderer begins there. Metres.
+/// worldFromJoint for every joint: the narrow waist. Every source of poses (dragging, mocap, sliders,
+/// solvers) ends in Frames; every skin, muscle layer and renderer begins there. Metres.
 using Frames = std::vector<Eigen::Isometry3d>;
 
 /// worldFromJoint(i) = worldFromParent * parentFromZero * motion_i(q). q: nq.
@@ -22,8 +22,8 @@ Eigen::Isometry3d jointMotion(const Skeleton& skeleton, const Eigen::VectorXd& q
 /// The bind pose: forwardKinematics(skeleton, skeleton.rest()).
 Frames restFrames(const Skeleton& skeleton);
 
-/// Sum of the offsets' lengths from the joint up to the root's frame: no point fixed to the joint's origin can be
-/// farther from the root than this (translation axes aside). Metres.
+/// Sum of the offsets' lengths from the joint up to the root's frame: no point fixed to the joint's origin
+/// can be farther from the root than this (translation axes aside). Metres.
 double chainLength(const Skeleton& skeleton, int joint);
 
 }  // namespace gelenk

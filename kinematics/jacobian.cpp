@@ -8,7 +8,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Turning about the unit axis through point moves the world's origin with omega x (0 - point) = point x omega.
+/// Turning about the unit axis through point moves the world's origin with omega x (0 - point) = point x
+/// omega.
 inline void putRotation(Twists& twists, int column, const Vector3d& axis, const Vector3d& point) {
   twists.col(column).head<3>() = point.cross(axis);
   twists.col(column).tail<3>() = axis;
@@ -39,7 +40,8 @@ void dofTwists(const Skeleton& skeleton, const VectorXd& q, const Frames& frames
       continue;
     }
     if (axes > 0) {
-      Eigen::Isometry3d moved = joint.parent < 0 ? joint.parentFromZero : frames[joint.parent] * joint.parentFromZero;
+      Eigen::Isometry3d moved =
+          joint.parent < 0 ? joint.parentFromZero : frames[joint.parent] * joint.parentFromZero;
       for (int k = 0; k < axes; ++k, ++column) {
         const AxisDof& dof = joint.axes[k];
         const Vector3d axis = moved.linear() * dof.axis;
@@ -54,7 +56,8 @@ void dofTwists(const Skeleton& skeleton, const VectorXd& q, const Frames& frames
       }
     }
     if (joint.ball)
-      for (int k = 0; k < 3; ++k) putRotation(twists, column + k, frames[i].linear().col(k), frames[i].translation());
+      for (int k = 0; k < 3; ++k)
+        putRotation(twists, column + k, frames[i].linear().col(k), frames[i].translation());
   }
 }
 
@@ -86,8 +89,8 @@ Matrix3Xd pointJacobian(const Skeleton& skeleton, const VectorXd& q, const Frame
   return J;
 }
 
-Eigen::Matrix<double, 6, Eigen::Dynamic> frameJacobian(const Skeleton& skeleton, const VectorXd& q, const Frames& frames,
-                                                       int joint) {
+Eigen::Matrix<double, 6, Eigen::Dynamic> frameJacobian(const Skeleton& skeleton, const VectorXd& q,
+                                                       const Frames& frames, int joint) {
   const Twists twists = dofTwists(skeleton, q, frames);
   Matrix3Xd linear(3, skeleton.nv()), angular(3, skeleton.nv());
   pointJacobian(skeleton, twists, joint, frames[joint].translation(), linear);

@@ -55,16 +55,20 @@ Quaterniond fromSwingTwistCoordinates(const Vector3d& c) {
 
 Eigen::Matrix3d swingTwistJacobian(const Eigen::Quaterniond& q) {
   const double w = q.w(), x = q.x(), y = q.y(), z = q.z();
-  const double length2 = std::max(w * w + z * z, 1e-12);  // 0 at a swing of pi, where the twist is undetermined
+  const double length2 =
+      std::max(w * w + z * z, 1e-12);  // 0 at a swing of pi, where the twist is undetermined
   const double length = std::sqrt(length2), c = w / length, s = z / length;
   const double swingX = x * c - y * s, swingY = x * s + y * c;
   Eigen::Matrix3d E;
   for (int k = 0; k < 3; ++k) {
     const Vector3d o = Vector3d::Unit(k);
-    const double dw = -0.5 * (x * o.x() + y * o.y() + z * o.z()), dx = 0.5 * (w * o.x() + y * o.z() - z * o.y());
-    const double dy = 0.5 * (w * o.y() + z * o.x() - x * o.z()), dz = 0.5 * (w * o.z() + x * o.y() - y * o.x());
+    const double dw = -0.5 * (x * o.x() + y * o.y() + z * o.z()),
+                 dx = 0.5 * (w * o.x() + y * o.z() - z * o.y());
+    const double dy = 0.5 * (w * o.y() + z * o.x() - x * o.z()),
+                 dz = 0.5 * (w * o.z() + x * o.y() - y * o.x());
     const double dTau = 2.0 * (w * dz - z * dw) / length2;
-    E.col(k) << 2.0 * (dx * c - dy * s - 0.5 * swingY * dTau), 2.0 * (dx * s + dy * c + 0.5 * swingX * dTau), dTau;
+    E.col(k) << 2.0 * (dx * c - dy * s - 0.5 * swingY * dTau), 2.0 * (dx * s + dy * c + 0.5 * swingX * dTau),
+        dTau;
   }
   return E;
 }

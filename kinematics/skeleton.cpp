@@ -13,8 +13,10 @@ namespace {
 
 void validate(const Joint& joint, int index) {
   if (joint.name.empty()) reject(joint, index, "the name is empty");
-  if (index == 0 && joint.parent != -1) reject(joint, index, "the first joint is the root, its parent must be -1");
-  if (index > 0 && joint.parent < 0) reject(joint, index, "a second root; every joint but the first needs a parent");
+  if (index == 0 && joint.parent != -1)
+    reject(joint, index, "the first joint is the root, its parent must be -1");
+  if (index > 0 && joint.parent < 0)
+    reject(joint, index, "a second root; every joint but the first needs a parent");
   if (joint.parent >= index)
     reject(joint, index, "its parent " + std::to_string(joint.parent) + " does not come before it");
 
@@ -28,15 +30,17 @@ void validate(const Joint& joint, int index) {
     if (!dof.axis.allFinite() || std::abs(dof.axis.norm() - 1.0) > 1e-9)
       reject(joint, index, "an axis is not a unit vector");
     if (std::isnan(dof.lower) || std::isnan(dof.upper) || dof.lower > dof.upper)
-      reject(joint, index, "limits must satisfy lower <= upper, found " + std::to_string(dof.lower) + " and " +
-                               std::to_string(dof.upper));
+      reject(joint, index,
+             "limits must satisfy lower <= upper, found " + std::to_string(dof.lower) + " and " +
+                 std::to_string(dof.upper));
   }
   if (joint.ballLimit) {
     const BallLimit& limit = *joint.ballLimit;
     if (!joint.ball) reject(joint, index, "a ball limit on a joint that is no ball");
     if (!limit.swingCentre.allFinite() || !(limit.swingRadii.minCoeff() > 0.0))
       reject(joint, index, "the swing cone needs a finite centre and positive radii");
-    if (!(limit.twistLower <= limit.twistUpper)) reject(joint, index, "twist limits must satisfy lower <= upper");
+    if (!(limit.twistLower <= limit.twistUpper))
+      reject(joint, index, "twist limits must satisfy lower <= upper");
   }
 }
 
@@ -44,7 +48,8 @@ void validate(const Joint& joint, int index) {
 
 bool AxisDof::isFullTurn() const { return kind == Kind::Rotation && upper - lower >= 2.0 * M_PI - 1e-9; }
 
-Skeleton::Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> rest) : joints_(std::move(joints)) {
+Skeleton::Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> rest)
+    : joints_(std::move(joints)) {
   if (joints_.empty()) throw std::invalid_argument("a skeleton needs at least one joint");
   children_.resize(joints_.size());
   std::unordered_set<std::string> names;
@@ -60,9 +65,10 @@ Skeleton::Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> res
 
   rest_ = Eigen::VectorXd::Zero(nq_);
   if (rest && rest->size() != nq_)
-    throw std::invalid_argument("the rest configuration has " + std::to_string(rest->size()) + " values, expected nq = " +
-                                std::to_string(nq_));
-  if (rest && !rest->allFinite()) throw std::invalid_argument("the rest configuration has a value that is not finite");
+    throw std::invalid_argument("the rest configuration has " + std::to_string(rest->size()) +
+                                " values, expected nq = " + std::to_string(nq_));
+  if (rest && !rest->allFinite())
+    throw std::invalid_argument("the rest configuration has a value that is not finite");
   for (int i = 0; i < jointCount(); ++i) {
     if (!joints_[i].ball) continue;
     const int at = qIndex_[i] + static_cast<int>(joints_[i].axes.size());

@@ -11,7 +11,8 @@ namespace gelenk {
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-/// One degree of freedom: a rotation about, or a translation along, a fixed unit axis of the joint's own frame.
+/// One degree of freedom: a rotation about, or a translation along, a fixed unit axis of the joint's own
+/// frame.
 struct AxisDof {
   enum class Kind { Rotation, Translation };
   Kind kind = Kind::Rotation;
@@ -19,11 +20,13 @@ struct AxisDof {
   double lower = -unlimited;  ///< radians or metres
   double upper = unlimited;
 
-  /// A rotation whose range holds a full turn: angles that differ by 2 pi are the same pose, and both may be legal.
+  /// A rotation whose range holds a full turn: angles that differ by 2 pi are the same pose, and both may be
+  /// legal.
   bool isFullTurn() const;
 };
 
-/// Range of a ball joint in the swing-twist coordinates c = (2x, 2y, tau) of rotation.h, measured from the joint's zero:
+/// Range of a ball joint in the swing-twist coordinates c = (2x, 2y, tau) of rotation.h, measured from the
+/// joint's zero:
 /// ((c.x - centre.x) / radii.x)^2 + ((c.y - centre.y) / radii.y)^2 <= 1 and twistLower <= tau <= twistUpper.
 /// The twist turns about z, so the bone of a limited ball joint runs along z of the joint's frame.
 struct BallLimit {
@@ -38,7 +41,8 @@ struct BallLimit {
 /// No axes and no ball: a fixed frame, such as an end site. Three translations and a ball: a free root.
 struct Joint {
   std::string name;
-  int parent = -1;  ///< index of the parent, smaller than this joint's own; -1 for the root, whose parent is the world
+  int parent =
+      -1;  ///< index of the parent, smaller than this joint's own; -1 for the root, whose parent is the world
   Eigen::Isometry3d parentFromZero = Eigen::Isometry3d::Identity();
   std::vector<AxisDof> axes = {};
   bool ball = false;
@@ -47,17 +51,18 @@ struct Joint {
 
 /// An articulated model: a tree of joints, validated on construction and constant afterwards.
 ///
-/// Configuration q (length nq): for each joint in order one value an axis (radians, metres), then, for a ball, a unit
-/// quaternion as (w, x, y, z). Tangent dq (length nv): one value an axis, then three for a ball: a rotation vector in the
-/// joint's own moved frame, q <- q * exp(dq).
+/// Configuration q (length nq): for each joint in order one value an axis (radians, metres), then, for a
+/// ball, a unit quaternion as (w, x, y, z). Tangent dq (length nv): one value an axis, then three for a ball:
+/// a rotation vector in the joint's own moved frame, q <- q * exp(dq).
 class Skeleton {
  public:
   Skeleton() = default;  ///< no joints; useful only as a place to assign to
 
   /// rest: the configuration of the bind pose; neutral (zeros and identities) where not given.
-  /// Throws std::invalid_argument, naming the joint, on: no joint, a parent that does not come earlier, a second root, an
-  /// empty or repeated name, non-finite or non-rigid offsets, axes that are not unit vectors, reversed limits, a rest
-  /// configuration of the wrong length or with a quaternion that is not of unit length.
+  /// Throws std::invalid_argument, naming the joint, on: no joint, a parent that does not come earlier, a
+  /// second root, an empty or repeated name, non-finite or non-rigid offsets, axes that are not unit vectors,
+  /// reversed limits, a rest configuration of the wrong length or with a quaternion that is not of unit
+  /// length.
   explicit Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> rest = {});
 
   int jointCount() const { return static_cast<int>(joints_.size()); }

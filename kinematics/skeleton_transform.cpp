@@ -29,18 +29,21 @@ Skeleton scaled(const Skeleton& skeleton, double factor) {
 MotionClip scaled(const Skeleton& skeleton, MotionClip clip, double factor) {
   for (int i = 0; i < skeleton.jointCount(); ++i)
     for (std::size_t k = 0; k < skeleton.joint(i).axes.size(); ++k)
-      if (skeleton.joint(i).axes[k].kind == AxisDof::Kind::Translation) clip.q.row(skeleton.qIndex(i) + k) *= factor;
+      if (skeleton.joint(i).axes[k].kind == AxisDof::Kind::Translation)
+        clip.q.row(skeleton.qIndex(i) + k) *= factor;
   return clip;
 }
 
-StillTranslations withoutStillTranslations(const Skeleton& skeleton, const MotionClip& clip, double tolerance) {
+StillTranslations withoutStillTranslations(const Skeleton& skeleton, const MotionClip& clip,
+                                           double tolerance) {
   validate(skeleton, clip);
   std::vector<Joint> joints = skeleton.joints();
   std::vector<std::string> still;
   std::vector<int> kept;  // rows of q that stay
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     auto& axes = joints[i].axes;
-    const int first = skeleton.qIndex(i), end = i + 1 < skeleton.jointCount() ? skeleton.qIndex(i + 1) : skeleton.nq();
+    const int first = skeleton.qIndex(i),
+              end = i + 1 < skeleton.jointCount() ? skeleton.qIndex(i + 1) : skeleton.nq();
     int count = 0;
     while (count < static_cast<int>(axes.size()) && axes[count].kind == AxisDof::Kind::Translation) ++count;
     const auto places = clip.q.middleRows(first, count);

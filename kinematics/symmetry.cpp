@@ -38,7 +38,8 @@ std::string otherSide(const std::string& name) {
   const std::size_t n = name.size();
   if (n > 2 && (name[n - 2] == '_' || name[n - 2] == '.' || name[n - 2] == '-')) {
     const std::string sides = "lrLR", others = "rlRL";
-    if (const auto at = sides.find(name[n - 1]); at != std::string::npos) return name.substr(0, n - 1) + others[at];
+    if (const auto at = sides.find(name[n - 1]); at != std::string::npos)
+      return name.substr(0, n - 1) + others[at];
   }
   return name;
 }
@@ -51,8 +52,8 @@ Matrix3d snapped(Matrix3d D) {
 }
 
 [[noreturn]] void reject(const Skeleton& skeleton, int joint, int partner, const std::string& why) {
-  throw std::invalid_argument("the skeleton is not symmetric at x = 0: '" + skeleton.joint(joint).name + "' and '" +
-                              skeleton.joint(partner).name + "' " + why);
+  throw std::invalid_argument("the skeleton is not symmetric at x = 0: '" + skeleton.joint(joint).name +
+                              "' and '" + skeleton.joint(partner).name + "' " + why);
 }
 
 }  // namespace
@@ -61,7 +62,9 @@ std::vector<int> mirrorPartners(const Skeleton& skeleton) {
   std::vector<int> partners;
   for (const Joint& joint : skeleton.joints()) {
     const auto partner = skeleton.findJoint(otherSide(joint.name));
-    if (!partner) throw std::invalid_argument("joint '" + joint.name + "' has no partner '" + otherSide(joint.name) + "'");
+    if (!partner)
+      throw std::invalid_argument("joint '" + joint.name + "' has no partner '" + otherSide(joint.name) +
+                                  "'");
     partners.push_back(*partner);
   }
   return partners;
@@ -77,13 +80,14 @@ VectorXd mirrorPose(const Skeleton& skeleton, const VectorXd& q) {
   VectorXd mirrored(skeleton.nq());
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const int m = partners[i];
-    if (!((S * zero[i].translation() - zero[m].translation()).norm() <= 1e-6 * size)) reject(skeleton, i, m, "lie elsewhere");
+    if (!((S * zero[i].translation() - zero[m].translation()).norm() <= 1e-6 * size))
+      reject(skeleton, i, m, "lie elsewhere");
     const auto &axes = skeleton.joint(i).axes, &others = skeleton.joint(m).axes;
     if (axes.size() != others.size() || skeleton.joint(i).ball != skeleton.joint(m).ball)
       reject(skeleton, i, m, "move in different ways");
 
-    // worldFromPartner' = S worldFromJoint D with the constant reflection D. Directions of i are seen by m as D^T a,
-    // rotations about them turn the other way round.
+    // worldFromPartner' = S worldFromJoint D with the constant reflection D. Directions of i are seen by m as
+    // D^T a, rotations about them turn the other way round.
     const Matrix3d D = snapped(zero[i].linear().transpose() * S * zero[m].linear());
     for (std::size_t k = 0; k < axes.size(); ++k) {
       const double along = (D.transpose() * axes[k].axis).dot(others[k].axis);

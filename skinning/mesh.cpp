@@ -21,14 +21,15 @@ void validate(const Mesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const int corner : mesh.triangles[t])
       if (corner < 0 || corner >= count)
-        throw std::invalid_argument("triangle " + std::to_string(t) + " refers to vertex " + std::to_string(corner) +
-                                    ", the mesh has " + std::to_string(count));
+        throw std::invalid_argument("triangle " + std::to_string(t) + " refers to vertex " +
+                                    std::to_string(corner) + ", the mesh has " + std::to_string(count));
 }
 
 void computeNormals(Mesh& mesh) {
   mesh.normals.assign(mesh.positions.size(), Vector3d::Zero());
   for (const auto& [a, b, c] : mesh.triangles) {
-    const Vector3d doubleArea = (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]);
+    const Vector3d doubleArea =
+        (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]);
     for (const int corner : {a, b, c}) mesh.normals[corner] += doubleArea;
   }
   for (Vector3d& n : mesh.normals) n = n.norm() > 0.0 ? Vector3d(n.normalized()) : Vector3d::UnitZ();
@@ -54,15 +55,16 @@ MeshTopology topology(const Mesh& mesh) {
   facts.triangles = static_cast<int>(mesh.triangles.size());
 
   struct Edge {
-    int forward = 0, backward = 0;    // how many triangles run along it from the smaller index, and against
-    int corners[2] = {-1, -1};        // one corner (3 triangle + k) of the first two triangles
+    int forward = 0, backward = 0;  // how many triangles run along it from the smaller index, and against
+    int corners[2] = {-1, -1};      // one corner (3 triangle + k) of the first two triangles
   };
   std::unordered_map<std::uint64_t, Edge> edges;
   edges.reserve(mesh.triangles.size() * 2);
   std::vector<char> referenced(mesh.positions.size(), 0);
   DisjointSets bodies(facts.vertices);
 
-  // Fans: the corners at one vertex, joined across shared edges. More than one set at a vertex: not manifold there.
+  // Fans: the corners at one vertex, joined across shared edges. More than one set at a vertex: not manifold
+  // there.
   DisjointSets fans(3 * facts.triangles);
   for (int t = 0; t < facts.triangles; ++t) {
     const auto& triangle = mesh.triangles[t];
@@ -74,7 +76,8 @@ MeshTopology topology(const Mesh& mesh) {
       referenced[a] = 1;
       if (a == b) continue;
       bodies.unite(a, b);
-      Edge& edge = edges[(static_cast<std::uint64_t>(std::min(a, b)) << 32) | static_cast<std::uint32_t>(std::max(a, b))];
+      Edge& edge = edges[(static_cast<std::uint64_t>(std::min(a, b)) << 32) |
+                         static_cast<std::uint32_t>(std::max(a, b))];
       const int use = edge.forward + edge.backward;
       (a < b ? edge.forward : edge.backward) += 1;
       const int cornerOfSmaller = a < b ? 3 * t + k : 3 * t + (k + 1) % 3;

@@ -21,7 +21,8 @@ std::vector<Influences> fourLargest(const SparseWeights& weights, int jointCount
       if (!std::isfinite(weight) || weight < 0.0) reject("a weight is negative or not finite");
       if (weight == 0.0) continue;
       total += weight;
-      const auto same = std::find_if(sorted.begin(), sorted.end(), [&, j = joint](const auto& e) { return e.first == j; });
+      const auto same =
+          std::find_if(sorted.begin(), sorted.end(), [&, j = joint](const auto& e) { return e.first == j; });
       if (same != sorted.end())
         same->second += weight;
       else
@@ -30,7 +31,8 @@ std::vector<Influences> fourLargest(const SparseWeights& weights, int jointCount
     if (!(total > 0.0)) reject("all weights are zero");
 
     const std::size_t kept = std::min<std::size_t>(4, sorted.size());
-    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const auto& a, const auto& b) { return a.second > b.second; });
     double sum = 0.0;
     for (std::size_t k = 0; k < kept; ++k) sum += sorted[k].second;
     result[v].weights = {0.0, 0.0, 0.0, 0.0};
@@ -53,8 +55,8 @@ std::vector<Influences> fourLargest(const SparseWeights& weights, int jointCount
 Skin bindSkin(Mesh mesh, const Frames& restFrames, std::vector<Influences> influences) {
   validate(mesh);
   if (influences.size() != mesh.positions.size())
-    throw std::invalid_argument("the mesh has " + std::to_string(mesh.positions.size()) + " vertices, the weights have " +
-                                std::to_string(influences.size()) + " rows");
+    throw std::invalid_argument("the mesh has " + std::to_string(mesh.positions.size()) +
+                                " vertices, the weights have " + std::to_string(influences.size()) + " rows");
   if (mesh.normals.size() != mesh.positions.size()) computeNormals(mesh);
   Skin skin{.mesh = std::move(mesh), .influences = std::move(influences), .jointFromRestWorld = {}};
   for (const Eigen::Isometry3d& worldFromJoint : restFrames)
@@ -64,7 +66,8 @@ Skin bindSkin(Mesh mesh, const Frames& restFrames, std::vector<Influences> influ
 
 std::vector<Eigen::Isometry3d> skinningMatrices(const Skin& skin, const Frames& worldFromJoint) {
   std::vector<Eigen::Isometry3d> matrices(worldFromJoint.size());
-  for (std::size_t i = 0; i < worldFromJoint.size(); ++i) matrices[i] = worldFromJoint[i] * skin.jointFromRestWorld[i];
+  for (std::size_t i = 0; i < worldFromJoint.size(); ++i)
+    matrices[i] = worldFromJoint[i] * skin.jointFromRestWorld[i];
   return matrices;
 }
 

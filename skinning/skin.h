@@ -9,14 +9,16 @@
 
 namespace gelenk {
 
-/// Up to four joints that carry a vertex; unused entries have weight 0. Weights are >= 0, descending, and sum to 1.
+/// Up to four joints that carry a vertex; unused entries have weight 0. Weights are >= 0, descending, and sum
+/// to 1.
 struct Influences {
   std::array<int, 4> joints{0, 0, 0, 0};
   std::array<double, 4> weights{1.0, 0.0, 0.0, 0.0};
 };
 
-/// A mesh bound to a skeleton: v_anim = sum_i w_i T_anim,i T_rest,i^-1 v_rest (exercise sheet, linear blend skinning).
-/// T_rest^-1 = jointFromRestWorld is constant and computed once. "Bone i" of a skin is whatever is rigidly carried by joint i.
+/// A mesh bound to a skeleton: v_anim = sum_i w_i T_anim,i T_rest,i^-1 v_rest (exercise sheet, linear blend
+/// skinning). T_rest^-1 = jointFromRestWorld is constant and computed once. "Bone i" of a skin is whatever is
+/// rigidly carried by joint i.
 struct Skin {
   Mesh mesh;                                          ///< in the rest pose, world coordinates, with normals
   std::vector<Influences> influences;                 ///< one a vertex
@@ -34,8 +36,8 @@ struct WeightLoss {
   int verticesOverFour = 0;
 };
 
-/// The four largest weights of each vertex, renormalised. Throws std::invalid_argument for a vertex whose weights are negative,
-/// not finite or all zero, and for joint indices out of range.
+/// The four largest weights of each vertex, renormalised. Throws std::invalid_argument for a vertex whose
+/// weights are negative, not finite or all zero, and for joint indices out of range.
 std::vector<Influences> fourLargest(const SparseWeights& weights, int jointCount, WeightLoss* loss = nullptr);
 
 /// Binds a mesh to the skeleton's rest pose. The mesh gets normals where it has none.

@@ -7,13 +7,13 @@
 #include <filesystem>
 
 #include "apps/commands/commands.h"
-#include "apps/document/model.h"
 #include "apps/commands/reproductions.h"
 #include "apps/commands/solver_colour.h"
+#include "apps/document/model.h"
 #include "kinematics/io/text_file.h"
-#include "solvers/problem/ik_solver.h"
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
+#include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
 namespace {
@@ -31,8 +31,8 @@ struct Request {
 ReportStyle reportStyle(const std::string& commandLine) {
   return {.version = GELENK_VERSION, .commandLine = commandLine, .colour = [](const std::string& solver) {
             const Eigen::Vector3f c = solverColour(solver) * 255.0f;
-            return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(c.x() + 0.5f), static_cast<int>(c.y() + 0.5f),
-                               static_cast<int>(c.z() + 0.5f));
+            return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(c.x() + 0.5f),
+                               static_cast<int>(c.y() + 0.5f), static_cast<int>(c.z() + 0.5f));
           }};
 }
 
@@ -57,7 +57,8 @@ class Progress {
     if (isatty(STDERR_FILENO)) {
       if (share == lastShare_ && what == lastWhat_) return;
       const int filled = share * 30 / 100;
-      fmt::print(stderr, "\r[{}{}] {:3d} %  {:<40}", std::string(filled, '#'), std::string(30 - filled, '.'), share, what);
+      fmt::print(stderr, "\r[{}{}] {:3d} %  {:<40}", std::string(filled, '#'), std::string(30 - filled, '.'),
+                 share, what);
       if (done == total) fmt::print(stderr, "\n");
       std::fflush(stderr);
     } else if (share / 10 != lastShare_ / 10) {
@@ -74,15 +75,18 @@ class Progress {
 
 void printList() {
   fmt::print("solvers\n");
-  for (const SolverEntry& entry : solverCatalogue()) fmt::print("  {:<20} {} ({})\n", entry.name, entry.title, entry.reference);
+  for (const SolverEntry& entry : solverCatalogue())
+    fmt::print("  {:<20} {} ({})\n", entry.name, entry.title, entry.reference);
   fmt::print("  {:<20} the pose solver for serial chains, see docs/solvers\n", "default");
   fmt::print("problem sets\n");
-  for (const ProblemSetEntry& entry : problemSetCatalogue()) fmt::print("  {:<20} {}; level: {}\n", entry.name, entry.title, entry.levels);
+  for (const ProblemSetEntry& entry : problemSetCatalogue())
+    fmt::print("  {:<20} {}; level: {}\n", entry.name, entry.title, entry.levels);
   fmt::print("reproductions\n");
   for (const Reproduction& entry : reproductions()) fmt::print("  {:<20} {}\n", entry.name, entry.title);
   fmt::print("models\n");
   for (const std::string& name : builtInModels()) fmt::print("  {}\n", name);
-  fmt::print("  planar:X,Y:L1,L2,...  a planar chain of hinges\n  balls:L1,L2,...       a chain of ball joints\n");
+  fmt::print(
+      "  planar:X,Y:L1,L2,...  a planar chain of hinges\n  balls:L1,L2,...       a chain of ball joints\n");
 }
 
 std::vector<std::string> allSolvers() {
@@ -115,19 +119,23 @@ void compare(Request& request, const std::string& commandLine) {
   if (request.out.empty()) throw std::invalid_argument("--out DIR is needed: the folder for the results");
 
   const Model model = openModel(request.model);
-  LabModel lab = labModel(model.name, model.skeleton, request.effectors.empty() ? model.handles : request.effectors);
+  LabModel lab =
+      labModel(model.name, model.skeleton, request.effectors.empty() ? model.handles : request.effectors);
   if (!request.goal.empty()) lab.pose = request.goal == "pose";
   runComparison(plan, lab, request.out, Progress());
-  if (const std::string note = writeReport(request.out, reportStyle(commandLine)); !note.empty()) fmt::print(stderr, "gelenk: {}\n", note);
+  if (const std::string note = writeReport(request.out, reportStyle(commandLine)); !note.empty())
+    fmt::print(stderr, "gelenk: {}\n", note);
   fmt::print("{}", summaryTable(request.out));
   for (const std::string& set : plan.sets)
-    fmt::print("checksum {} {:016x}\n", set, checksum(makeProblems(problemSet(set), lab, plan.problems, plan.seed, plan.tolerance)));
+    fmt::print("checksum {} {:016x}\n", set,
+               checksum(makeProblems(problemSet(set), lab, plan.problems, plan.seed, plan.tolerance)));
   fmt::print("{}\n", (std::filesystem::path(request.out) / "report.html").string());
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out, const std::string& commandLine) {
   mergeComparisons(folders, out);
-  if (const std::string note = writeReport(out, reportStyle(commandLine)); !note.empty()) fmt::print(stderr, "gelenk: {}\n", note);
+  if (const std::string note = writeReport(out, reportStyle(commandLine)); !note.empty())
+    fmt::print(stderr, "gelenk: {}\n", note);
   fmt::print("{}{}\n", summaryTable(out), (std::filesystem::path(out) / "report.html").string());
 }
 
@@ -135,30 +143,46 @@ void merge(const std::vector<std::string>& folders, const std::string& out, cons
 
 void addCompareCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("compare", "Compare solvers on frozen problem sets and write a report");
+  CLI::App* command =
+      app.add_subcommand("compare", "Compare solvers on frozen problem sets and write a report");
   ComparisonPlan& plan = request->plan;
   command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
   command->add_option("--set", request->sets, "Problem set, D1 to D7 (repeatable; default D1)");
   command->add_option("--solver", request->solvers, "Solver by name, or default (repeatable; default: all)");
-  command->add_option("--effector", request->effectors, "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
-  command->add_option("--goal", request->goal, "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
+  command->add_option("--effector", request->effectors,
+                      "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
+  command
+      ->add_option("--goal", request->goal,
+                   "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
       ->check(CLI::IsMember({"position", "pose"}));
   command->add_option("--problems", plan.problems, "Problems of each set")->capture_default_str();
-  command->add_option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers")->capture_default_str();
-  command->add_option("--tolerance", plan.tolerance, "Metres and radians, on the error itself")->capture_default_str();
-  command->add_option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt")->capture_default_str();
-  command->add_option("--budget-ms", request->budgetMilliseconds, "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
-  command->add_option("--restarts", plan.budget.restarts, "Random restarts after the first attempt")->capture_default_str();
-  command->add_option("--seeds", plan.seeds,
-                      "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for those that only restart")
+  command->add_option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers")
       ->capture_default_str();
-  command->add_option("--repeat", plan.repeat, "Solves a problem; the shortest time counts")->capture_default_str();
-  command->add_option("--traces", plan.traces, "Problems of each set whose residual curves are kept")->capture_default_str();
-  command->add_option("--shard", request->shard, "K/N: only the K-th of N parts; join them with 'compare merge'");
+  command->add_option("--tolerance", plan.tolerance, "Metres and radians, on the error itself")
+      ->capture_default_str();
+  command->add_option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt")
+      ->capture_default_str();
+  command->add_option(
+      "--budget-ms", request->budgetMilliseconds,
+      "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
+  command->add_option("--restarts", plan.budget.restarts, "Random restarts after the first attempt")
+      ->capture_default_str();
+  command
+      ->add_option("--seeds", plan.seeds,
+                   "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for "
+                   "those that only restart")
+      ->capture_default_str();
+  command->add_option("--repeat", plan.repeat, "Solves a problem; the shortest time counts")
+      ->capture_default_str();
+  command->add_option("--traces", plan.traces, "Problems of each set whose residual curves are kept")
+      ->capture_default_str();
+  command->add_option("--shard", request->shard,
+                      "K/N: only the K-th of N parts; join them with 'compare merge'");
   command->add_option("--out", request->out, "Folder for the results; an interrupted run continues there");
   command->add_option("--reproduce", request->reproduce, "An experiment from the literature, see --list");
   command->add_flag("--list", request->list, "List solvers, problem sets, reproductions and models");
-  CLI::App* merging = command->add_subcommand("merge", "Join the folders of all shards: merge --out DIR SHARD...");
+  CLI::App* merging =
+      command->add_subcommand("merge", "Join the folders of all shards: merge --out DIR SHARD...");
   merging->add_option("--out", request->out, "Folder for the joined results")->required();
   merging->add_option("shards", request->mergeFolders, "Folders of the shards")->required();
   command->callback([request, merging] {

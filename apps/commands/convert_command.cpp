@@ -2,18 +2,18 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/document/binding_scene.h"
 #include "apps/commands/commands.h"
+#include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
 #include "apps/document/scene.h"
 #include "kinematics/io/dh_text.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/skeleton_transform.h"
+#include "skinning/blend/linear_blend.h"
 #include "skinning/io/gltf.h"
 #include "skinning/io/obj.h"
 #include "skinning/io/pinocchio_weights.h"
-#include "skinning/blend/linear_blend.h"
 
 namespace gelenk {
 namespace {
@@ -31,13 +31,18 @@ struct Request {
 
 /// The pose that formats without motion get: the chosen frame, else the rest pose.
 Eigen::VectorXd poseOf(const Imported& imported, int frame) {
-  if (frame == 0) return imported.model.clip && imported.model.clip->frameCount() == 1 ? Eigen::VectorXd(imported.model.clip->q.col(0)) : imported.model.skeleton.rest();
+  if (frame == 0)
+    return imported.model.clip && imported.model.clip->frameCount() == 1
+               ? Eigen::VectorXd(imported.model.clip->q.col(0))
+               : imported.model.skeleton.rest();
   const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;
-  if (frame > count) throw std::invalid_argument(fmt::format("there are frames 1 to {}, {} was asked for", count, frame));
+  if (frame > count)
+    throw std::invalid_argument(fmt::format("there are frames 1 to {}, {} was asked for", count, frame));
   return imported.model.clip->q.col(frame - 1);
 }
 
-/// The first joint that lies in its parent's place, -1 where there is none. Skeletons of bones have no such joints, ASF's and glTF's often do.
+/// The first joint that lies in its parent's place, -1 where there is none. Skeletons of bones have no such
+/// joints, ASF's and glTF's often do.
 int jointOfNoLength(const Skeleton& skeleton) {
   const Frames frames = restFrames(skeleton);
   for (int i = 1; i < skeleton.jointCount(); ++i)
@@ -49,12 +54,13 @@ int jointOfNoLength(const Skeleton& skeleton) {
 void demandLengths(const Skeleton& skeleton) {
   const int i = jointOfNoLength(skeleton);
   if (i >= 0)
-    throw std::invalid_argument(fmt::format("joint '{}' lies in the place of its parent '{}'; this format has bones of positive length only", skeleton.joint(i).name,
-                                            skeleton.joint(skeleton.parent(i)).name));
+    throw std::invalid_argument(fmt::format(
+        "joint '{}' lies in the place of its parent '{}'; this format has bones of positive length only",
+        skeleton.joint(i).name, skeleton.joint(skeleton.parent(i)).name));
 }
 
-/// The places of the rest pose as a tree of fixed joints whose bones all have a length: what hangs on a joint in its parent's place hangs on that parent. A note
-/// of the model tells what was left out.
+/// The places of the rest pose as a tree of fixed joints whose bones all have a length: what hangs on a joint
+/// in its parent's place hangs on that parent. A note of the model tells what was left out.
 Skeleton places(Model& model) {
   const Skeleton& skeleton = model.skeleton;
   const Frames frames = restFrames(skeleton);
@@ -63,14 +69,18 @@ Skeleton places(Model& model) {
   std::string left;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const int parent = skeleton.parent(i);
-    const Eigen::Vector3d offset = frames[i].translation() - (parent < 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(frames[parent].translation()));
+    const Eigen::Vector3d offset =
+        frames[i].translation() -
+        (parent < 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(frames[parent].translation()));
     if (parent >= 0 && offset.norm() < 1e-9) {
       now[i] = now[parent];
       left += (left.empty() ? "" : ", ") + skeleton.joint(i).name;
       continue;
     }
     now[i] = static_cast<int>(joints.size());
-    joints.push_back({.name = skeleton.joint(i).name, .parent = parent < 0 ? -1 : now[parent], .parentFromZero = Eigen::Isometry3d(Eigen::Translation3d(offset))});
+    joints.push_back({.name = skeleton.joint(i).name,
+                      .parent = parent < 0 ? -1 : now[parent],
+                      .parentFromZero = Eigen::Isometry3d(Eigen::Translation3d(offset))});
   }
   if (!left.empty()) model.notes.push_back("left out, since they lie in their parents' places: " + left);
   return Skeleton(std::move(joints));
@@ -81,58 +91,74 @@ void write(Imported& imported, FileKind kind, const Request& request) {
   const Skeleton& skeleton = imported.model.skeleton;
   const auto clipOrPose = [&] {
     if (imported.model.clip && request.frame == 0) return *imported.model.clip;
-    return MotionClip{.framesPerSecond = imported.model.clip ? imported.model.clip->framesPerSecond : 30.0, .q = poseOf(imported, request.frame)};
+    return MotionClip{.framesPerSecond = imported.model.clip ? imported.model.clip->framesPerSecond : 30.0,
+                      .q = poseOf(imported, request.frame)};
   };
   const double asfUnit = request.unitOut.empty() ? asfMetresPerUnit(0.45) : unit;
   switch (kind) {
     case FileKind::PinocchioSkeleton:
-      return writeFile(request.out, formatPinocchioSkeleton(scaled(places(imported.model), 1.0 / unit), PinocchioIds::Names));
+      return writeFile(request.out, formatPinocchioSkeleton(scaled(places(imported.model), 1.0 / unit),
+                                                            PinocchioIds::Names));
     case FileKind::Asf: return writeFile(request.out, formatAsf(skeleton, asfUnit));
     case FileKind::Amc: return writeFile(request.out, formatAmc(skeleton, clipOrPose(), asfUnit));
     case FileKind::Bvh: return writeFile(request.out, formatBvh(skeleton, clipOrPose(), unit));
     case FileKind::TutorialSkeleton: {
-      TutorialSkeleton tutorial = imported.tutorial ? *imported.tutorial : toTutorialSkeleton(places(imported.model));
+      TutorialSkeleton tutorial =
+          imported.tutorial ? *imported.tutorial : toTutorialSkeleton(places(imported.model));
       for (auto& position : tutorial.positions) position /= unit;
       return writeFile(request.out, formatTutorialSkeleton(tutorial));
     }
     case FileKind::TutorialPose: {
       demandLengths(skeleton);
-      // Angles of the figure that toTutorialSkeleton makes of this skeleton: its frames are parallel to the world's in the bind pose.
-      const TutorialFigure figure = imported.figure ? *imported.figure : toSkeleton(toTutorialSkeleton(skeleton));
-      const Frames rest = restFrames(skeleton), posed = forwardKinematics(skeleton, poseOf(imported, request.frame));
+      // Angles of the figure that toTutorialSkeleton makes of this skeleton: its frames are parallel to the
+      // world's in the bind pose.
+      const TutorialFigure figure =
+          imported.figure ? *imported.figure : toSkeleton(toTutorialSkeleton(skeleton));
+      const Frames rest = restFrames(skeleton),
+                   posed = forwardKinematics(skeleton, poseOf(imported, request.frame));
       Eigen::VectorXd q = figure.skeleton.rest();
       if (imported.figure) {
         q = poseOf(imported, request.frame);
       } else {
         for (int i = 0; i < skeleton.jointCount(); ++i) {
-          const auto turn = [&](int j) { return Eigen::Quaterniond(posed[j].linear() * rest[j].linear().transpose()); };
+          const auto turn = [&](int j) {
+            return Eigen::Quaterniond(posed[j].linear() * rest[j].linear().transpose());
+          };
           const int parent = skeleton.parent(i);
-          setJointRotation(figure.skeleton, q, figure.jointOfIndex[i], parent < 0 ? turn(i) : turn(parent).conjugate() * turn(i));
+          setJointRotation(figure.skeleton, q, figure.jointOfIndex[i],
+                           parent < 0 ? turn(i) : turn(parent).conjugate() * turn(i));
         }
       }
       return writeFile(request.out, formatTutorialPose(tutorialPose(figure, q)));
     }
     case FileKind::Gltf: {
-      if (!request.unitOut.empty()) throw std::invalid_argument("glTF is in metres by definition; leave --unit-out away");
+      if (!request.unitOut.empty())
+        throw std::invalid_argument("glTF is in metres by definition; leave --unit-out away");
       std::vector<GltfClip> clips;
       if (imported.model.clip) clips.push_back({imported.model.name, *imported.model.clip});
       return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr, clips);
     }
     case FileKind::ObjMesh: {
-      if (!imported.model.skin) throw std::invalid_argument("'" + request.in + "' has no body to write as OBJ");
+      if (!imported.model.skin)
+        throw std::invalid_argument("'" + request.in + "' has no body to write as OBJ");
       Mesh mesh = imported.model.skin->mesh;
       if (imported.model.clip || request.frame > 0)
-        mesh.positions = linearBlendSkin(*imported.model.skin, forwardKinematics(skeleton, poseOf(imported, request.frame))).positions;
+        mesh.positions = linearBlendSkin(*imported.model.skin,
+                                         forwardKinematics(skeleton, poseOf(imported, request.frame)))
+                             .positions;
       for (auto& p : mesh.positions) p /= unit;
       return writeObj(request.out, mesh);
     }
     case FileKind::PinocchioWeights: {
-      if (!imported.model.skin) throw std::invalid_argument("'" + request.in + "' has no body whose weights could be written");
+      if (!imported.model.skin)
+        throw std::invalid_argument("'" + request.in + "' has no body whose weights could be written");
       demandLengths(skeleton);
-      return writeFile(request.out, formatPinocchioWeights(boneWeights(imported.model.skin->influences, skeleton)));
+      return writeFile(request.out,
+                       formatPinocchioWeights(boneWeights(imported.model.skin->influences, skeleton)));
     }
     case FileKind::DhTable: {
-      if (!request.unitOut.empty()) throw std::invalid_argument("a Denavit-Hartenberg table is in metres; leave --unit-out away");
+      if (!request.unitOut.empty())
+        throw std::invalid_argument("a Denavit-Hartenberg table is in metres; leave --unit-out away");
       DhChain chain = dhFromSkeleton(skeleton, request.end.empty() ? -1 : skeleton.jointIndex(request.end));
       chain.table.name = imported.model.name;
       for (char& c : chain.table.name)
@@ -149,7 +175,8 @@ void holdStillTranslations(Model& model) {
   if (held.joints.empty()) return;
   model.skeleton = std::move(held.skeleton);
   model.clip = std::move(held.clip);
-  model.notes.push_back(fmt::format("position channels that stand still became offsets (joints: {})", held.joints.size()));
+  model.notes.push_back(
+      fmt::format("position channels that stand still became offsets (joints: {})", held.joints.size()));
 }
 
 /// A mesh alone: another unit, another axis up.
@@ -158,7 +185,8 @@ void convertMesh(const Request& request) {
   const auto unit = [](const std::string& text) { return text.empty() ? 1.0 : metresPerUnit(text); };
   const double quarterTurns = (request.upOut == "z") - (request.upIn == "z");
   const Eigen::Matrix3d newFromOld =
-      unit(request.unitIn) / unit(request.unitOut) * Eigen::AngleAxisd(quarterTurns * M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+      unit(request.unitIn) / unit(request.unitOut) *
+      Eigen::AngleAxisd(quarterTurns * M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
   for (auto& p : mesh.positions) p = newFromOld * p;
   writeObj(request.out, mesh);
   fmt::print("{}: {}, {} vertices\n", request.out, describe(FileKind::ObjMesh), mesh.positions.size());
@@ -169,7 +197,8 @@ Imported importScene(const Request& request) {
   const Companions& files = request.companions;
   if (!request.unitIn.empty() || request.upIn != "y" || request.fps > 0.0 || request.bvhPositions != "auto" ||
       !(files.skeleton + files.weights + files.asf + files.amc + files.mapping + files.figure).empty())
-    throw std::invalid_argument("a scene says itself what belongs to its model; leave the options about IN away");
+    throw std::invalid_argument(
+        "a scene says itself what belongs to its model; leave the options about IN away");
   Imported imported{.model = readModel(readModelReference(request.in))};
   const Scene scene = loadScene(request.in, imported.model.skeleton);
   try {
@@ -186,26 +215,37 @@ Imported importRequested(const Request& request) {
   ImportOptions options{.zUp = request.upIn == "z"};
   if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
   if (request.fps > 0.0) options.framesPerSecond = request.fps;
-  options.bvhPositions = request.bvhPositions == "add" ? BvhPositions::Add : request.bvhPositions == "replace" ? BvhPositions::Replace : BvhPositions::Automatic;
+  options.bvhPositions = request.bvhPositions == "add"       ? BvhPositions::Add
+                         : request.bvhPositions == "replace" ? BvhPositions::Replace
+                                                             : BvhPositions::Automatic;
   return importFiles(request.in, request.companions, options);
 }
 
 void run(const Request& request) {
   const auto kind = fileKind(request.out);
-  if (!kind) throw std::invalid_argument("cannot tell the format of '" + request.out + "'; known extensions: " + knownExtensions());
+  if (!kind)
+    throw std::invalid_argument("cannot tell the format of '" + request.out +
+                                "'; known extensions: " + knownExtensions());
   const auto from = fileKind(request.in);
-  if (kind == FileKind::ObjMesh && (from == FileKind::ObjMesh || from == FileKind::Nurbs) && request.companions.skeleton.empty()) return convertMesh(request);
+  if (kind == FileKind::ObjMesh && (from == FileKind::ObjMesh || from == FileKind::Nurbs) &&
+      request.companions.skeleton.empty())
+    return convertMesh(request);
   Imported imported = importRequested(request);
   if (request.upOut == "z") {
-    imported.model = rotated(std::move(imported.model), Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())));
+    imported.model = rotated(std::move(imported.model),
+                             Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())));
     imported.figure.reset();  // its root no longer stands as in the file
     imported.tutorial.reset();
   }
-  if ((kind == FileKind::Asf || kind == FileKind::Amc) && imported.model.clip) holdStillTranslations(imported.model);
+  if ((kind == FileKind::Asf || kind == FileKind::Amc) && imported.model.clip)
+    holdStillTranslations(imported.model);
   write(imported, *kind, request);
   for (const std::string& note : imported.model.notes) fmt::print(stderr, "note: {}\n", note);
   fmt::print("{}: {}, from {} joints{}\n", request.out, describe(*kind), imported.model.skeleton.jointCount(),
-             imported.model.clip ? fmt::format(", {} frame{} at {:.6g} Hz", imported.model.clip->frameCount(), imported.model.clip->frameCount() == 1 ? "" : "s", imported.model.clip->framesPerSecond) : "");
+             imported.model.clip ? fmt::format(", {} frame{} at {:.6g} Hz", imported.model.clip->frameCount(),
+                                               imported.model.clip->frameCount() == 1 ? "" : "s",
+                                               imported.model.clip->framesPerSecond)
+                                 : "");
 }
 
 }  // namespace
@@ -213,7 +253,10 @@ void run(const Request& request) {
 void addConvertCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
   CLI::App* command = app.add_subcommand("convert", "Convert between skeletons, motions and skinned models");
-  command->add_option("in", request->in, "A file, a scene of the sandbox (.json) or the name of a built-in model")->required();
+  command
+      ->add_option("in", request->in,
+                   "A file, a scene of the sandbox (.json) or the name of a built-in model")
+      ->required();
   command->add_option("out", request->out, "The file to write; its extension is the format")->required();
   Companions& files = request->companions;
   command->add_option("--skeleton", files.skeleton, "Skeleton of an OBJ");
@@ -222,11 +265,16 @@ void addConvertCommand(CLI::App& app) {
   command->add_option("--amc", files.amc, "Motion for the ASF skeleton");
   command->add_option("--mapping", files.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
   command->add_option("--figure", files.figure, "Figure of a tutorial pose");
-  command->add_option("--unit-in", request->unitIn, "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command->add_option("--unit-in", request->unitIn,
+                      "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
   command->add_option("--unit-out", request->unitOut, "Unit of OUT; default: m, for ASF CMU's (length 0.45)");
-  command->add_option("--up-in", request->upIn, "The axis that points up in IN")->check(CLI::IsMember({"y", "z"}));
-  command->add_option("--up-out", request->upOut, "The axis that shall point up in OUT")->check(CLI::IsMember({"y", "z"}));
-  command->add_option("--bvh-positions", request->bvhPositions, "What position channels mean: stand in place of OFFSET or are added to it")
+  command->add_option("--up-in", request->upIn, "The axis that points up in IN")
+      ->check(CLI::IsMember({"y", "z"}));
+  command->add_option("--up-out", request->upOut, "The axis that shall point up in OUT")
+      ->check(CLI::IsMember({"y", "z"}));
+  command
+      ->add_option("--bvh-positions", request->bvhPositions,
+                   "What position channels mean: stand in place of OFFSET or are added to it")
       ->check(CLI::IsMember({"auto", "replace", "add"}));
   command->add_option("--fps", request->fps, "Frame rate of an AMC; default 120")->check(CLI::PositiveNumber);
   command->add_option("--end", request->end, "Last joint of the chain that a DH table shall hold");

@@ -41,18 +41,20 @@ std::string entriesOf(const Skeleton& skeleton) {
 VectorXd configurationOf(const Skeleton& skeleton, const Request& request) {
   if (request.q.empty()) return skeleton.rest();
   if (static_cast<int>(request.q.size()) != skeleton.nq())
-    throw std::invalid_argument(fmt::format("'{}' needs {} values after --q ({}), {} given", request.model, skeleton.nq(),
-                                            entriesOf(skeleton), request.q.size()));
+    throw std::invalid_argument(fmt::format("'{}' needs {} values after --q ({}), {} given", request.model,
+                                            skeleton.nq(), entriesOf(skeleton), request.q.size()));
   VectorXd q = VectorXd::Map(request.q.data(), skeleton.nq());
   if (!q.allFinite()) throw std::invalid_argument("the values after --q must be finite numbers");
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
     for (std::size_t k = 0; k < joint.axes.size(); ++k)
-      if (request.degrees && joint.axes[k].kind == AxisDof::Kind::Rotation) q[skeleton.qIndex(i) + static_cast<int>(k)] *= degree;
+      if (request.degrees && joint.axes[k].kind == AxisDof::Kind::Rotation)
+        q[skeleton.qIndex(i) + static_cast<int>(k)] *= degree;
     if (!joint.ball) continue;
     const Eigen::Quaterniond rotation = ballRotation(skeleton, q, i);
     if (!(std::abs(rotation.norm() - 1.0) < 1e-3))
-      throw std::invalid_argument(fmt::format("the quaternion of '{}' must have length 1, not {:.6g}", joint.name, rotation.norm()));
+      throw std::invalid_argument(
+          fmt::format("the quaternion of '{}' must have length 1, not {:.6g}", joint.name, rotation.norm()));
     setBallRotation(skeleton, q, i, rotation.normalized());
   }
   return q;
@@ -63,7 +65,8 @@ std::vector<std::string> warningsOf(const Skeleton& skeleton, const VectorXd& q)
   std::vector<std::string> warnings;
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (const double excess = limitViolation(skeleton, q, i); excess > 1e-12)
-      warnings.push_back(fmt::format("'{}' lies {:.6g} outside its limits (radians or metres)", skeleton.joint(i).name, excess));
+      warnings.push_back(fmt::format("'{}' lies {:.6g} outside its limits (radians or metres)",
+                                     skeleton.joint(i).name, excess));
   return warnings;
 }
 
@@ -72,10 +75,12 @@ void printJson(const Model& model, const VectorXd& q, const Frames& frames) {
   for (int i = 0; i < model.skeleton.jointCount(); ++i) {
     const auto& p = frames[i].translation();
     const Eigen::Quaterniond r(frames[i].linear());
-    joints.push_back({{"name", model.skeleton.joint(i).name},
-                      {"parent", model.skeleton.parent(i) < 0 ? json() : json(model.skeleton.joint(model.skeleton.parent(i)).name)},
-                      {"position", {p.x(), p.y(), p.z()}},
-                      {"orientation", {r.w(), r.x(), r.y(), r.z()}}});
+    joints.push_back(
+        {{"name", model.skeleton.joint(i).name},
+         {"parent",
+          model.skeleton.parent(i) < 0 ? json() : json(model.skeleton.joint(model.skeleton.parent(i)).name)},
+         {"position", {p.x(), p.y(), p.z()}},
+         {"orientation", {r.w(), r.x(), r.y(), r.z()}}});
   }
   const json out{{"model", model.name},
                  {"q", std::vector<double>(q.begin(), q.end())},
@@ -87,18 +92,21 @@ void printJson(const Model& model, const VectorXd& q, const Frames& frames) {
 void printTable(const Model& model, const VectorXd& q, const Frames& frames) {
   std::size_t width = 5;
   for (const Joint& joint : model.skeleton.joints()) width = std::max(width, joint.name.size());
-  fmt::print("{:<{}}  {:>37}   {}\n", "joint", width, "position x y z [m]", "orientation: quaternion w x y z, rotation vector [degrees]");
+  fmt::print("{:<{}}  {:>37}   {}\n", "joint", width, "position x y z [m]",
+             "orientation: quaternion w x y z, rotation vector [degrees]");
   const auto clean = [](double value) { return std::abs(value) < 5e-10 ? 0.0 : value; };  // no "-0.000000"
   for (int i = 0; i < model.skeleton.jointCount(); ++i) {
     const auto& p = frames[i].translation();
     Eigen::Quaterniond r(frames[i].linear());
     if (r.w() < 0.0) r.coeffs() = -r.coeffs();
     const Eigen::Vector3d turn = logRotation(r) / degree;
-    fmt::print("{:<{}}  {:12.6f} {:12.6f} {:12.6f}  {:9.6f} {:9.6f} {:9.6f} {:9.6f}  {:9.3f} {:9.3f} {:9.3f}\n", model.skeleton.joint(i).name,
-               width, clean(p.x()), clean(p.y()), clean(p.z()), clean(r.w()), clean(r.x()), clean(r.y()), clean(r.z()), clean(turn.x()),
-               clean(turn.y()), clean(turn.z()));
+    fmt::print(
+        "{:<{}}  {:12.6f} {:12.6f} {:12.6f}  {:9.6f} {:9.6f} {:9.6f} {:9.6f}  {:9.3f} {:9.3f} {:9.3f}\n",
+        model.skeleton.joint(i).name, width, clean(p.x()), clean(p.y()), clean(p.z()), clean(r.w()),
+        clean(r.x()), clean(r.y()), clean(r.z()), clean(turn.x()), clean(turn.y()), clean(turn.z()));
   }
-  for (const std::string& warning : warningsOf(model.skeleton, q)) fmt::print(stderr, "gelenk: warning: {}\n", warning);
+  for (const std::string& warning : warningsOf(model.skeleton, q))
+    fmt::print(stderr, "gelenk: warning: {}\n", warning);
 }
 
 void run(const Request& request) {
@@ -112,15 +120,19 @@ void run(const Request& request) {
 
 void addFkCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("fk", "Forward kinematics: world position and orientation of every joint");
+  CLI::App* command =
+      app.add_subcommand("fk", "Forward kinematics: world position and orientation of every joint");
   command->add_option("model", request->model, "Name of a built-in model, or a file")->required();
-  command->add_option("--q", request->q, "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
+  command->add_option(
+      "--q", request->q,
+      "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
   command->add_flag("--degrees", request->degrees, "Angles after --q are in degrees");
   command->add_flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
   const auto motion = addMotionTableOptions(*command);
   command->callback([request, motion] {
     if (motion->wanted() && (!request->q.empty() || request->asJson))
-      throw std::invalid_argument("--q and --json are of one pose; they do not go with --csv, --amc, --asf, --frame and --unit");
+      throw std::invalid_argument(
+          "--q and --json are of one pose; they do not go with --csv, --amc, --asf, --frame and --unit");
     motion->wanted() ? printMotionTable(request->model, *motion) : run(*request);
   });
 }

@@ -11,7 +11,9 @@ struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;  ///< 4 width height
 
-  const std::uint8_t* at(int x, int y) const { return &pixels[4 * (static_cast<std::size_t>(y) * width + x)]; }
+  const std::uint8_t* at(int x, int y) const {
+    return &pixels[4 * (static_cast<std::size_t>(y) * width + x)];
+  }
 };
 
 /// Writes a PNG without alpha, through a temporary file. Throws std::runtime_error with the system's reason.

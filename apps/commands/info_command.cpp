@@ -22,10 +22,13 @@ struct Request {
 };
 
 json boundsOf(const Eigen::AlignedBox3d& box) {
-  return {{"lower", {box.min().x(), box.min().y(), box.min().z()}}, {"upper", {box.max().x(), box.max().y(), box.max().z()}}};
+  return {{"lower", {box.min().x(), box.min().y(), box.min().z()}},
+          {"upper", {box.max().x(), box.max().y(), box.max().z()}}};
 }
 
-std::string counted(int n, const std::string& one, const std::string& many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
+std::string counted(int n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
 
 void addMesh(const Mesh& mesh, json& facts) {
   const MeshTopology shape = topology(mesh);
@@ -41,13 +44,17 @@ void addMesh(const Mesh& mesh, json& facts) {
   const auto warn = [&](int n, const std::string& one, const std::string& many) {
     if (n > 0) warnings.push_back(counted(n, one, many));
   };
-  warn(shape.boundaryEdges, "edge lies on one triangle only: the surface is open", "edges lie on one triangle only: the surface is open");
-  warn(shape.nonManifoldEdges, "edge is not manifold (more than two triangles, or two that disagree on orientation)",
+  warn(shape.boundaryEdges, "edge lies on one triangle only: the surface is open",
+       "edges lie on one triangle only: the surface is open");
+  warn(shape.nonManifoldEdges,
+       "edge is not manifold (more than two triangles, or two that disagree on orientation)",
        "edges are not manifold (more than two triangles, or two that disagree on orientation)");
-  warn(shape.nonManifoldVertices, "vertex joins several fans of triangles", "vertices join several fans of triangles");
+  warn(shape.nonManifoldVertices, "vertex joins several fans of triangles",
+       "vertices join several fans of triangles");
   warn(shape.unreferencedVertices, "vertex belongs to no triangle", "vertices belong to no triangle");
   warn(shape.degenerateTriangles, "triangle has no area", "triangles have no area");
-  if (shape.closed() && shape.manifold() && enclosedVolume(mesh) < 0.0) warnings.push_back("the triangles face inwards");
+  if (shape.closed() && shape.manifold() && enclosedVolume(mesh) < 0.0)
+    warnings.push_back("the triangles face inwards");
 }
 
 void addSkeleton(const Skeleton& skeleton, json& facts) {
@@ -79,7 +86,9 @@ void addMotion(const Skeleton& skeleton, const MotionClip& clip, json& facts) {
   facts["limitedSamples"] = samples;
   facts["samplesOutsideLimits"] = outside;
   if (outside > 0)
-    facts["warnings"].push_back(fmt::format("{} of {} limited values ({:.1f} %) lie outside the model's own limits; playback keeps them", outside, samples, 100.0 * outside / samples));
+    facts["warnings"].push_back(fmt::format(
+        "{} of {} limited values ({:.1f} %) lie outside the model's own limits; playback keeps them", outside,
+        samples, 100.0 * outside / samples));
 }
 
 json factsOf(const Request& request) {
@@ -101,18 +110,24 @@ json factsOf(const Request& request) {
   return facts;
 }
 
-std::string corner(const json& p) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", p[0].get<double>(), p[1].get<double>(), p[2].get<double>()); }
+std::string corner(const json& p) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+}
 
 void print(const json& facts) {
   fmt::print("{}: {}\n", facts["file"].get<std::string>(), facts["format"].get<std::string>());
   if (facts.contains("joints"))
-    fmt::print("  joints     {} ({} degrees of freedom), root '{}'\n", facts["joints"].get<int>(), facts["dofs"].get<int>(), facts["root"].get<std::string>());
+    fmt::print("  joints     {} ({} degrees of freedom), root '{}'\n", facts["joints"].get<int>(),
+               facts["dofs"].get<int>(), facts["root"].get<std::string>());
   if (facts.contains("vertices"))
-    fmt::print("  mesh       {} vertices, {} triangles, {}, {}, {}\n", facts["vertices"].get<int>(), facts["triangles"].get<int>(),
-               counted(facts["components"].get<int>(), "component", "components"), facts["closed"].get<bool>() ? "closed" : "open",
+    fmt::print("  mesh       {} vertices, {} triangles, {}, {}, {}\n", facts["vertices"].get<int>(),
+               facts["triangles"].get<int>(),
+               counted(facts["components"].get<int>(), "component", "components"),
+               facts["closed"].get<bool>() ? "closed" : "open",
                facts["manifold"].get<bool>() ? "manifold" : "not manifold");
   if (facts.contains("frames"))
-    fmt::print("  motion     {} at {:.6g} Hz, {:.3f} s\n", counted(facts["frames"].get<int>(), "frame", "frames"), facts["framesPerSecond"].get<double>(),
+    fmt::print("  motion     {} at {:.6g} Hz, {:.3f} s\n",
+               counted(facts["frames"].get<int>(), "frame", "frames"), facts["framesPerSecond"].get<double>(),
                facts["seconds"].get<double>());
   fmt::print("  bounds     {} to {} m\n", corner(facts["bounds"]["lower"]), corner(facts["bounds"]["upper"]));
   for (const json& note : facts["notes"]) fmt::print("  note       {}\n", note.get<std::string>());
@@ -135,11 +150,14 @@ void addInfoCommand(CLI::App& app) {
   command->add_option("file", request->file, "A file, or the name of a built-in model")->required();
   command->add_option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
   command->add_option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
-  command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
+  command->add_option("--asf", request->companions.asf,
+                      "ASF skeleton of an AMC, or to lay a fitted skeleton on");
   command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", request->companions.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
+  command->add_option("--mapping", request->companions.mapping,
+                      "Bones on joints, lines 'bone ... : joint joint ...'");
   command->add_option("--figure", request->companions.figure, "Figure of a tutorial pose");
-  command->add_option("--unit", request->unit, "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command->add_option("--unit", request->unit,
+                      "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
   command->add_flag("--json", request->asJson, "Print JSON");
   command->callback([request] { run(*request); });
 }

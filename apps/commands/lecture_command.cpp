@@ -28,7 +28,8 @@ std::vector<Row> rowsOf(const Request& request) {
   for (const LectureTopic& topic : lectureTopics()) {
     if (only && only != &topic) continue;
     for (const LectureCheck& check : topic.checks)
-      if (!only || only->id == request.id || check.id == request.id) rows.push_back({&check, evaluate(check)});
+      if (!only || only->id == request.id || check.id == request.id)
+        rows.push_back({&check, evaluate(check)});
   }
   return rows;
 }
@@ -40,37 +41,55 @@ std::string numbers(const std::vector<double>& values, int digits) {
 }
 
 std::string printedText(const LectureCheck& check) {
-  const char* sign = check.comparison == Comparison::AtMost ? "<= " : check.comparison == Comparison::AtLeast ? ">= " : "";
+  const char* sign = check.comparison == Comparison::AtMost    ? "<= "
+                     : check.comparison == Comparison::AtLeast ? ">= "
+                                                               : "";
   return sign + numbers(check.printed, 7) + (check.corrected.empty() ? "" : " (!)");
 }
 
 const char* word(bool ok) { return ok ? "ok" : "DIFFERS"; }
 
 void printTable(const std::vector<Row>& rows) {
-  fmt::print("{:<30} {:<42} {:<44} {:<52} {:>10}  {}\n", "example", "section", "printed", "computed", "difference", "verdict");
+  fmt::print("{:<30} {:<42} {:<44} {:<52} {:>10}  {}\n", "example", "section", "printed", "computed",
+             "difference", "verdict");
   for (const auto& [check, verdict] : rows) {
-    fmt::print("{:<30} {:<42} {:<44} {:<52} {:>10.2e}  {}\n", check->id, check->section, printedText(*check), numbers(verdict.computed, 11), verdict.difference, word(verdict.ok));
+    fmt::print("{:<30} {:<42} {:<44} {:<52} {:>10.2e}  {}\n", check->id, check->section, printedText(*check),
+               numbers(verdict.computed, 11), verdict.difference, word(verdict.ok));
     if (!check->note.empty()) fmt::print("{:<30} note: {}\n", "", check->note);
   }
 }
 
 void printMarkdown(const std::vector<Row>& rows) {
-  fmt::print("| example | section | what | printed | computed | difference | verdict | note |\n|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "| example | section | what | printed | computed | difference | verdict | note "
+      "|\n|---|---|---|---|---|---|---|---|\n");
   const auto cell = [](std::string text) {
     for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
     return text;
   };
   for (const auto& [check, verdict] : rows)
-    fmt::print("| {} | {} | {} | {} | {} | {:.2e} | {} | {} |\n", check->id, check->section, cell(check->what), printedText(*check), numbers(verdict.computed, 11), verdict.difference,
+    fmt::print("| {} | {} | {} | {} | {} | {:.2e} | {} | {} |\n", check->id, check->section,
+               cell(check->what), printedText(*check), numbers(verdict.computed, 11), verdict.difference,
                word(verdict.ok), cell(check->note));
 }
 
 void printJson(const std::vector<Row>& rows) {
   json array = json::array();
   for (const auto& [check, verdict] : rows) {
-    const char* comparison = check->comparison == Comparison::Equal ? "equal" : check->comparison == Comparison::AtMost ? "at most" : "at least";
-    array.push_back({{"id", check->id}, {"section", check->section}, {"what", check->what}, {"printed", check->printed}, {"corrected", check->corrected}, {"computed", verdict.computed},
-                     {"tolerance", check->tolerance}, {"comparison", comparison}, {"difference", verdict.difference}, {"ok", verdict.ok}, {"note", check->note}});
+    const char* comparison = check->comparison == Comparison::Equal    ? "equal"
+                             : check->comparison == Comparison::AtMost ? "at most"
+                                                                       : "at least";
+    array.push_back({{"id", check->id},
+                     {"section", check->section},
+                     {"what", check->what},
+                     {"printed", check->printed},
+                     {"corrected", check->corrected},
+                     {"computed", verdict.computed},
+                     {"tolerance", check->tolerance},
+                     {"comparison", comparison},
+                     {"difference", verdict.difference},
+                     {"ok", verdict.ok},
+                     {"note", check->note}});
   }
   fmt::print("{}\n", array.dump(2));
 }
@@ -98,7 +117,8 @@ void run(const Request& request) {
   else
     printTable(rows);
   const auto bad = std::count_if(rows.begin(), rows.end(), [](const Row& row) { return !row.verdict.ok; });
-  if (!request.asJson && !request.asMarkdown) fmt::print("{} of {} agree with the lecture\n", rows.size() - static_cast<std::size_t>(bad), rows.size());
+  if (!request.asJson && !request.asMarkdown)
+    fmt::print("{} of {} agree with the lecture\n", rows.size() - static_cast<std::size_t>(bad), rows.size());
   if (bad > 0) throw CLI::RuntimeError(1);
 }
 
@@ -106,7 +126,8 @@ void run(const Request& request) {
 
 void addLectureCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("lecture", "Every example of the lecture, printed against computed values");
+  CLI::App* command =
+      app.add_subcommand("lecture", "Every example of the lecture, printed against computed values");
   command->add_option("id", request->id, "One topic or one example; all where it is left out");
   command->add_flag("--steps", request->steps, "Print the whole derivation with every intermediate value");
   command->add_flag("--list", request->list, "List topics and examples");

@@ -30,29 +30,39 @@ std::vector<Foot> feetOf(const Skeleton& skeleton, const Request& request) {
   std::vector<Foot> feet;
   for (const std::string& name : request.feet) feet.push_back(footAt(skeleton, skeleton.jointIndex(name)));
   if (feet.empty()) feet = cmuFeet(skeleton);
-  if (feet.empty()) throw std::invalid_argument("no joint is called ltoes or rtoes: name the joints at the balls of the feet with --feet");
+  if (feet.empty())
+    throw std::invalid_argument(
+        "no joint is called ltoes or rtoes: name the joints at the balls of the feet with --feet");
   return feet;
 }
 
 void printFacts(const char* when, const FootFacts& facts, double rate) {
-  fmt::print("{:<7} planted feet: {:.4f} mm a frame on average ({:.4f} m/s), {:.4f} mm at most; deepest penetration {:.4f} mm\n", when,
-             1e3 * facts.meanSlide, facts.meanSlide * rate, 1e3 * facts.largestSlide, 1e3 * facts.deepestPenetration);
+  fmt::print(
+      "{:<7} planted feet: {:.4f} mm a frame on average ({:.4f} m/s), {:.4f} mm at most; deepest penetration "
+      "{:.4f} mm\n",
+      when, 1e3 * facts.meanSlide, facts.meanSlide * rate, 1e3 * facts.largestSlide,
+      1e3 * facts.deepestPenetration);
 }
 
 /// Largest way that a joint outside the planted legs, and any joint, moved.
-void printChange(const Skeleton& skeleton, const MotionClip& before, const MotionClip& after, const std::vector<Foot>& feet) {
+void printChange(const Skeleton& skeleton, const MotionClip& before, const MotionClip& after,
+                 const std::vector<Foot>& feet) {
   double rest = 0.0, any = 0.0;
   std::string where;
   for (int f = 0; f < before.frameCount(); ++f) {
-    const Frames a = forwardKinematics(skeleton, before.q.col(f)), b = forwardKinematics(skeleton, after.q.col(f));
+    const Frames a = forwardKinematics(skeleton, before.q.col(f)),
+                 b = forwardKinematics(skeleton, after.q.col(f));
     for (int i = 0; i < skeleton.jointCount(); ++i) {
       const double way = (a[i].translation() - b[i].translation()).norm();
-      const bool inLeg = std::any_of(feet.begin(), feet.end(), [&](const Foot& foot) { return !foot.leg.empty() && skeleton.isAncestor(foot.leg.front(), i); });
+      const bool inLeg = std::any_of(feet.begin(), feet.end(), [&](const Foot& foot) {
+        return !foot.leg.empty() && skeleton.isAncestor(foot.leg.front(), i);
+      });
       if (!inLeg) rest = std::max(rest, way);
       if (way > any) any = way, where = fmt::format("{} in frame {}", skeleton.joint(i).name, f + 1);
     }
   }
-  fmt::print("change  joints outside the legs: {:.4f} mm at most; legs and feet: {:.2f} mm at most ({})\n", 1e3 * rest, 1e3 * any, where);
+  fmt::print("change  joints outside the legs: {:.4f} mm at most; legs and feet: {:.2f} mm at most ({})\n",
+             1e3 * rest, 1e3 * any, where);
 }
 
 void write(const Request& request, const Imported& imported, const MotionClip& clip) {
@@ -61,13 +71,16 @@ void write(const Request& request, const Imported& imported, const MotionClip& c
   if (kind == FileKind::Amc) return writeFile(request.out, formatAmc(skeleton, clip));
   if (kind == FileKind::Bvh) return writeFile(request.out, formatBvh(skeleton, clip));
   if (kind == FileKind::Gltf)
-    return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr, {{imported.model.name, clip}});
+    return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr,
+                     {{imported.model.name, clip}});
   throw std::invalid_argument("'" + request.out + "': a motion can be written as .amc, .bvh, .gltf or .glb");
 }
 
 /// The motion of another file for the model at hand; what was done to it is told.
-MotionClip second(const Request& request, const Imported& imported, const MotionClip& clip, const std::string& path) {
-  const FittedClip fitted = clipFor(imported.model, clip.framesPerSecond, path, request.in, request.companions);
+MotionClip second(const Request& request, const Imported& imported, const MotionClip& clip,
+                  const std::string& path) {
+  const FittedClip fitted =
+      clipFor(imported.model, clip.framesPerSecond, path, request.in, request.companions);
   for (const std::string& note : fitted.notes) fmt::print("{}\n", note);
   return fitted.clip;
 }
@@ -84,19 +97,22 @@ std::vector<int> layerJoints(const Skeleton& skeleton, const Request& request) {
 Imported carriedOnto(const std::string& model, const Imported& from) {
   Imported target = importFiles(model);
   const RetargetedClip carried = retargeted(from.model.skeleton, *from.model.clip, target.model.skeleton);
-  fmt::print("{}: {}; path scaled by {:.4f}{}\n", model, describe(carried.matching), carried.scale, carried.rootMoves ? "" : ", but no joint can carry it");
+  fmt::print("{}: {}; path scaled by {:.4f}{}\n", model, describe(carried.matching), carried.scale,
+             carried.rootMoves ? "" : ", but no joint can carry it");
   target.model.clip = carried.clip;
   return target;
 }
 
 void run(const Request& request) {
-  if (request.out.empty() && !request.footPlant) throw std::invalid_argument("nothing would come of it: give -o FILE, or --foot-plant to see its numbers");
+  if (request.out.empty() && !request.footPlant)
+    throw std::invalid_argument("nothing would come of it: give -o FILE, or --foot-plant to see its numbers");
   Imported imported = importFiles(request.in, request.companions);
   if (!imported.model.clip) throw std::invalid_argument("'" + request.in + "' has no motion");
   if (!request.onto.empty()) imported = carriedOnto(request.onto, imported);
   const Skeleton& skeleton = imported.model.skeleton;
   MotionClip clip = *imported.model.clip;
-  if (!request.then.empty()) clip = crossFaded(skeleton, clip, second(request, imported, clip, request.then), request.fade);
+  if (!request.then.empty())
+    clip = crossFaded(skeleton, clip, second(request, imported, clip, request.then), request.fade);
   if (!request.layer.empty())
     clip = layered(skeleton, clip,
                    {.clip = second(request, imported, clip, request.layer),
@@ -108,9 +124,12 @@ void run(const Request& request) {
     const std::vector<Foot> feet = feetOf(skeleton, request);
     const std::vector<Contact> contacts = footContacts(skeleton, clip, feet, request.plant);
     const MotionClip planted = footPlanted(skeleton, clip, feet, contacts, request.plant);
-    fmt::print("{} contacts of {} feet in {} frames at {:.6g} Hz; floor at {:.4g} m\n", contacts.size(), feet.size(), clip.frameCount(), clip.framesPerSecond, request.plant.floor);
-    printFacts("before", footFacts(skeleton, clip, feet, contacts, request.plant.floor), clip.framesPerSecond);
-    printFacts("after", footFacts(skeleton, planted, feet, contacts, request.plant.floor), clip.framesPerSecond);
+    fmt::print("{} contacts of {} feet in {} frames at {:.6g} Hz; floor at {:.4g} m\n", contacts.size(),
+               feet.size(), clip.frameCount(), clip.framesPerSecond, request.plant.floor);
+    printFacts("before", footFacts(skeleton, clip, feet, contacts, request.plant.floor),
+               clip.framesPerSecond);
+    printFacts("after", footFacts(skeleton, planted, feet, contacts, request.plant.floor),
+               clip.framesPerSecond);
     printChange(skeleton, clip, planted, feet);
     clip = planted;
   }
@@ -125,24 +144,44 @@ void run(const Request& request) {
 
 void addMotionCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("motion", "Edit a motion: cross-fade, layer, smooth, plant the feet, resample, carry to another model");
+  CLI::App* command = app.add_subcommand(
+      "motion", "Edit a motion: cross-fade, layer, smooth, plant the feet, resample, carry to another model");
   command->add_option("in", request->in, "A file with a motion, or an ASF with --amc")->required();
   command->add_option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
   command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
   command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC");
   command->add_option("--then", request->then, "A second motion to fade into");
-  command->add_option("--fade", request->fade, "Seconds of the cross-fade")->check(CLI::PositiveNumber)->capture_default_str();
-  CLI::Option* layer = command->add_option("--layer", request->layer, "A second motion to lay over the first; it repeats where it is shorter");
-  command->add_option("--weight", request->weight, "Share of the layer, 0 to 1 (more for an additive one)")->check(CLI::NonNegativeNumber)->capture_default_str()->needs(layer);
-  command->add_option("--bones", request->bones, "Joints that take part in the layer; default: all")->needs(layer);
+  command->add_option("--fade", request->fade, "Seconds of the cross-fade")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  CLI::Option* layer = command->add_option(
+      "--layer", request->layer, "A second motion to lay over the first; it repeats where it is shorter");
+  command->add_option("--weight", request->weight, "Share of the layer, 0 to 1 (more for an additive one)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->needs(layer);
+  command->add_option("--bones", request->bones, "Joints that take part in the layer; default: all")
+      ->needs(layer);
   command->add_option("--limbs", request->limbs, "Joints that take part with all below them")->needs(layer);
-  command->add_flag("--additive", request->additive, "The layer's departure from the rest pose goes on top of the first motion")->needs(layer);
-  command->add_option("--onto", request->onto, "Carry the motion to this model, by joints of equal names: a built-in name, or a file that holds a skeleton");
-  command->add_option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz")->check(CLI::PositiveNumber);
-  command->add_flag("--foot-plant", request->footPlant, "Hold planted feet still and above the floor; prints before and after");
+  command
+      ->add_flag("--additive", request->additive,
+                 "The layer's departure from the rest pose goes on top of the first motion")
+      ->needs(layer);
+  command->add_option("--onto", request->onto,
+                      "Carry the motion to this model, by joints of equal names: a built-in name, or a file "
+                      "that holds a skeleton");
+  command->add_option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--foot-plant", request->footPlant,
+                    "Hold planted feet still and above the floor; prints before and after");
   command->add_option("--feet", request->feet, "Joints at the balls of the feet; default: ltoes, rtoes");
-  command->add_option("--floor", request->plant.floor, "Height of the floor (y), metres")->capture_default_str();
-  command->add_option("--planted-below", request->plant.plantedBelow, "A ball of the foot slower than this stands, m/s")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--floor", request->plant.floor, "Height of the floor (y), metres")
+      ->capture_default_str();
+  command
+      ->add_option("--planted-below", request->plant.plantedBelow,
+                   "A ball of the foot slower than this stands, m/s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->add_option("--fps", request->rate, "Resample to this frame rate")->check(CLI::PositiveNumber);
   command->callback([request] { run(*request); });
 }

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "apps/commands/commands.h"
-#include "apps/document/model_files.h"
 #include "apps/commands/muscle_report.h"
+#include "apps/document/model_files.h"
 #include "kinematics/io/text_file.h"
 
 namespace gelenk {
@@ -21,10 +21,12 @@ struct Options {
   std::string out = "muscles";
 };
 
-/// Two rows of plots a limb: volume, smallest det and intersecting pairs against the bend; smallest section against the twist.
+/// Two rows of plots a limb: volume, smallest det and intersecting pairs against the bend; smallest section
+/// against the twist.
 std::string gnuplotScript(const std::string& csv, const std::string& svg) {
   std::string script = fmt::format(
-      "set datafile separator ','\nset terminal svg size 1100,760 dynamic font 'Roboto,13' background '#ffffff'\nset output '{}'\n"
+      "set datafile separator ','\nset terminal svg size 1100,760 dynamic font 'Roboto,13' background "
+      "'#ffffff'\nset output '{}'\n"
       "set multiplot layout 2,2\nset grid lc rgb '#dddddd'\nset key top left\n"
       "array names[4] = ['lbs','ffd','ffd-volume','ffd-muscle']\n"
       "array colours[4] = ['#555555','#0072b2','#e69f00','#009e73']\n",
@@ -32,7 +34,8 @@ std::string gnuplotScript(const std::string& csv, const std::string& svg) {
   const auto plot = [&](const char* title, const char* ylabel, int column, const char* motion) {
     script += fmt::format(
         "set title '{}'\nset ylabel '{}'\nset xlabel 'degrees'\n"
-        "plot for [i=1:4] '{}' using (strcol(2) eq '{}' && strcol(3) eq names[i] ? $4 : NaN):{} with linespoints pt 7 ps 0.4 lw 2 "
+        "plot for [i=1:4] '{}' using (strcol(2) eq '{}' && strcol(3) eq names[i] ? $4 : NaN):{} with "
+        "linespoints pt 7 ps 0.4 lw 2 "
         "lc rgb colours[i] title names[i]\n",
         title, ylabel, csv, motion, column);
   };
@@ -56,12 +59,12 @@ bool plotWithGnuplot(const std::string& scriptPath) {
 }
 
 void printTable(const std::vector<DeformationRow>& rows) {
-  fmt::print("{:<12} {:<13} {:>8} {:<11} {:>9} {:>9} {:>7} {:>9}\n", "limb", "motion", "degrees", "method", "volume", "min det",
-             "pairs", "section");
+  fmt::print("{:<12} {:<13} {:>8} {:<11} {:>9} {:>9} {:>7} {:>9}\n", "limb", "motion", "degrees", "method",
+             "volume", "min det", "pairs", "section");
   for (const DeformationRow& row : rows)
     if (static_cast<int>(row.degrees) % 30 == 0 || row.degrees == 130 || row.degrees == 170)
-      fmt::print("{:<12} {:<13} {:>8g} {:<11} {:>9.6f} {:>9.4f} {:>7} {:>9}\n", row.limb, row.motion, row.degrees, row.method,
-                 row.volume, row.smallestDet, row.intersectingPairs,
+      fmt::print("{:<12} {:<13} {:>8g} {:<11} {:>9.6f} {:>9.4f} {:>7} {:>9}\n", row.limb, row.motion,
+                 row.degrees, row.method, row.volume, row.smallestDet, row.intersectingPairs,
                  row.motion == "bend" ? "-" : fmt::format("{:.4f}", row.smallestSection));
 }
 
@@ -72,7 +75,9 @@ void run(const Options& options) {
                                      options.weights.empty() ? std::nullopt : std::optional(options.weights));
   if (!model.skin) throw std::runtime_error("model '" + model.name + "' has no skin to deform");
   if (!restsAsBound(model))
-    throw std::runtime_error("model '" + model.name + "' is bound in another pose than its skeleton's rest pose, from which the report bends the limbs");
+    throw std::runtime_error(
+        "model '" + model.name +
+        "' is bound in another pose than its skeleton's rest pose, from which the report bends the limbs");
   const Frames rest = restFrames(model.skeleton);
   std::vector<Limb> limbs;
   if (!options.limb.empty())
@@ -80,7 +85,8 @@ void run(const Options& options) {
   else
     limbs = standardLimbs(model.skeleton, rest);
   if (limbs.empty())
-    throw std::runtime_error("model '" + model.name + "' has no limb of a known name; give one with --limb SHOULDER,ELBOW,WRIST");
+    throw std::runtime_error("model '" + model.name +
+                             "' has no limb of a known name; give one with --limb SHOULDER,ELBOW,WRIST");
 
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
@@ -90,7 +96,8 @@ void run(const Options& options) {
     if (limb.name.starts_with("right ")) continue;  // the mirror image of the left
     const bool terminal = isatty(STDERR_FILENO);
     const auto rows = measureLimb(model.skeleton, *model.skin, limb, [&](double share) {
-      if (terminal) fmt::print(stderr, "\r{:<24} {:3.0f} %{}", limb.name, 100.0 * share, share >= 1.0 ? "\n" : "");
+      if (terminal)
+        fmt::print(stderr, "\r{:<24} {:3.0f} %{}", limb.name, 100.0 * share, share >= 1.0 ? "\n" : "");
     });
     std::string file = limb.name;
     for (char& c : file)
@@ -99,7 +106,9 @@ void run(const Options& options) {
     writeFile(csv, toCsv(rows));
     writeFile(script, gnuplotScript(csv, options.out + "/" + file + ".svg"));
     if (!plotWithGnuplot(script))
-      fmt::print(stderr, "gelenk: gnuplot is not installed or failed; the table is written, {} makes the plot\n", script);
+      fmt::print(stderr,
+                 "gelenk: gnuplot is not installed or failed; the table is written, {} makes the plot\n",
+                 script);
     all.insert(all.end(), rows.begin(), rows.end());
   }
   printTable(all);
@@ -110,8 +119,9 @@ void run(const Options& options) {
 
 void addMusclesCommand(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "muscles", "Measure muscle layers against linear blending: volume, folding, self-intersection, sections (CSV and SVG)");
+  CLI::App* command = app.add_subcommand("muscles",
+                                         "Measure muscle layers against linear blending: volume, folding, "
+                                         "self-intersection, sections (CSV and SVG)");
   command->add_option("model", options->model, "Built-in model or body file")->capture_default_str();
   command->add_option("--skeleton", options->skeleton, "Skeleton of an OBJ body");
   command->add_option("--weights", options->weights, "Weights of an OBJ body; heat weights where not given");

@@ -28,8 +28,8 @@ struct Findings {
 /// Runs the experiment (a few seconds). Throws std::invalid_argument that lists the names there are.
 Findings runExperiment(const std::string& name);
 
-/// Runs the experiment, prints our values beside the published ones, and writes NAME.json and NAME.md into the folder where one is
-/// given.
+/// Runs the experiment, prints our values beside the published ones, and writes NAME.json and NAME.md into
+/// the folder where one is given.
 void reproduce(const std::string& name, const std::string& folder, const ReportStyle& style);
 
 }  // namespace gelenk

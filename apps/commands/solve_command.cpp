@@ -32,13 +32,15 @@ int effectorOf(const Model& model, const std::string& name) {
   if (ends.size() == 1) return ends.front();
   std::string names;
   for (int end : ends) names += (names.empty() ? "" : ", ") + model.skeleton.joint(end).name;
-  throw std::invalid_argument(fmt::format("'{}' has several ends; choose one with --joint: {}", model.name, names));
+  throw std::invalid_argument(
+      fmt::format("'{}' has several ends; choose one with --joint: {}", model.name, names));
 }
 
 Goal goalOf(const Request& request, int joint) {
   const std::vector<double>& t = request.target;
   if (t.size() != 3 && t.size() != 7)
-    throw std::invalid_argument(fmt::format("--target wants X Y Z or X Y Z QW QX QY QZ, {} values given", t.size()));
+    throw std::invalid_argument(
+        fmt::format("--target wants X Y Z or X Y Z QW QX QY QZ, {} values given", t.size()));
   for (double value : t)
     if (!std::isfinite(value)) throw std::invalid_argument("--target must be finite numbers");
   Goal goal{.joint = joint, .target = {t[0], t[1], t[2]}};
@@ -46,7 +48,8 @@ Goal goalOf(const Request& request, int joint) {
   goal.kind = GoalKind::Pose;
   goal.orientation = Eigen::Quaterniond(t[3], t[4], t[5], t[6]);
   if (!(std::abs(goal.orientation.norm() - 1.0) < 1e-3))
-    throw std::invalid_argument(fmt::format("the target's quaternion must have length 1, not {:.6g}", goal.orientation.norm()));
+    throw std::invalid_argument(
+        fmt::format("the target's quaternion must have length 1, not {:.6g}", goal.orientation.norm()));
   goal.orientation.normalize();
   return goal;
 }
@@ -54,12 +57,14 @@ Goal goalOf(const Request& request, int joint) {
 VectorXd startOf(const Request& request, const Skeleton& skeleton) {
   if (request.start.empty()) return skeleton.rest();
   if (static_cast<int>(request.start.size()) != skeleton.nq())
-    throw std::invalid_argument(fmt::format("--start needs {} values for this model, {} given", skeleton.nq(), request.start.size()));
+    throw std::invalid_argument(
+        fmt::format("--start needs {} values for this model, {} given", skeleton.nq(), request.start.size()));
   const VectorXd q = VectorXd::Map(request.start.data(), skeleton.nq());
   if (!q.allFinite()) throw std::invalid_argument("--start must be finite numbers");
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (skeleton.joint(i).ball && !(std::abs(ballRotation(skeleton, q, i).norm() - 1.0) < 1e-3))
-      throw std::invalid_argument(fmt::format("the start's quaternion of '{}' must have length 1", skeleton.joint(i).name));
+      throw std::invalid_argument(
+          fmt::format("the start's quaternion of '{}' must have length 1", skeleton.joint(i).name));
   return q;
 }
 
@@ -81,15 +86,22 @@ bool solve(const Request& request) {
   const auto solver = makeSolver(request.solver);
   const Model model = openModel(request.model);
   const int joint = effectorOf(model, request.joint);
-  const IkProblem problem{.skeleton = &model.skeleton, .start = startOf(request, model.skeleton), .goals = {goalOf(request, joint)},
-                          .positionTolerance = request.tolerance, .orientationTolerance = request.tolerance};
+  const IkProblem problem{.skeleton = &model.skeleton,
+                          .start = startOf(request, model.skeleton),
+                          .goals = {goalOf(request, joint)},
+                          .positionTolerance = request.tolerance,
+                          .orientationTolerance = request.tolerance};
   const std::string refusal = solver->whyUnsupported(problem);
   solver->prepare(model.skeleton);
-  const IkReport report = solver->solve(problem, request.budget, request.trace ? TraceLevel::Full : TraceLevel::Off);
+  const IkReport report =
+      solver->solve(problem, request.budget, request.trace ? TraceLevel::Full : TraceLevel::Off);
   const Judgement verdict = judge(problem, report.q);
   const bool solved = verdict.solved && report.why != Stop::Unsupported;
-  json out{{"model", model.name}, {"solver", request.solver}, {"joint", model.skeleton.joint(joint).name},
-           {"status", toString(report.why)}, {"solved", solved}};
+  json out{{"model", model.name},
+           {"solver", request.solver},
+           {"joint", model.skeleton.joint(joint).name},
+           {"status", toString(report.why)},
+           {"solved", solved}};
   if (!refusal.empty()) out["unsupported_because"] = refusal;
   out["solution"] = std::vector<double>(report.q.begin(), report.q.end());
   if (!verdict.goals.empty()) {
@@ -98,8 +110,9 @@ bool solve(const Request& request) {
   }
   out["limit_violation"] = verdict.limitViolation;
   const Counters& c = report.counters;
-  out["counters"] = {{"iterations", c.iterations}, {"forward_kinematics", c.forwardKinematics}, {"jacobians", c.jacobians},
-                     {"hessians", c.hessians}, {"factorisations", c.factorisations}, {"restarts", c.restarts}};
+  out["counters"] = {{"iterations", c.iterations},         {"forward_kinematics", c.forwardKinematics},
+                     {"jacobians", c.jacobians},           {"hessians", c.hessians},
+                     {"factorisations", c.factorisations}, {"restarts", c.restarts}};
   out["microseconds"] = report.seconds * 1e6;
   if (request.trace) out["trace"] = traceOf(report);
   fmt::print("{}\n", out.dump(2));
@@ -110,15 +123,23 @@ bool solve(const Request& request) {
 
 void addSolveCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("solve", "Solve one inverse-kinematics problem; print JSON; exit status 0 if solved, 2 if not");
+  CLI::App* command = app.add_subcommand(
+      "solve", "Solve one inverse-kinematics problem; print JSON; exit status 0 if solved, 2 if not");
   command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
-  command->add_option("--target", request->target, "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame")->required();
-  command->add_option("--solver", request->solver, "Solver by name (see compare --list)")->capture_default_str();
-  command->add_option("--joint", request->joint, "Joint that shall reach the target; default: the model's only end");
+  command
+      ->add_option("--target", request->target,
+                   "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame")
+      ->required();
+  command->add_option("--solver", request->solver, "Solver by name (see compare --list)")
+      ->capture_default_str();
+  command->add_option("--joint", request->joint,
+                      "Joint that shall reach the target; default: the model's only end");
   command->add_option("--start", request->start, "Start configuration; default: the rest pose");
   command->add_option("--tolerance", request->tolerance, "Metres and radians")->capture_default_str();
-  command->add_option("--max-iterations", request->budget.maxIterations, "Iterations of one attempt")->capture_default_str();
-  command->add_option("--restarts", request->budget.restarts, "Random restarts after the first attempt")->capture_default_str();
+  command->add_option("--max-iterations", request->budget.maxIterations, "Iterations of one attempt")
+      ->capture_default_str();
+  command->add_option("--restarts", request->budget.restarts, "Random restarts after the first attempt")
+      ->capture_default_str();
   command->add_option("--seed", request->budget.seed, "Seed of the restarts")->capture_default_str();
   command->add_flag("--trace", request->trace, "Adds every iteration: residual, step, damping, q");
   command->callback([request] {

@@ -13,12 +13,14 @@ namespace {
 using nlohmann::json;
 
 [[noreturn]] void fail(const std::string& entry, const std::string& expected, const json& found) {
-  throw std::runtime_error(fmt::format("{}: expected {}, found {}", entry, expected,
-                                       found.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 60)));
+  throw std::runtime_error(
+      fmt::format("{}: expected {}, found {}", entry, expected,
+                  found.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 60)));
 }
 
 const json& entryOf(const json& root, const char* key) {
-  if (!root.is_object() || !root.contains(key)) throw std::runtime_error(fmt::format("binding has no entry '{}'", key));
+  if (!root.is_object() || !root.contains(key))
+    throw std::runtime_error(fmt::format("binding has no entry '{}'", key));
   return root.at(key);
 }
 
@@ -34,7 +36,8 @@ std::vector<int> readJoints(const json& names, const Skeleton& skeleton) {
 }
 
 /// [vertex, joint, weight, joint, weight, ...], joints as indices into binding.joints.
-std::pair<int, Influences> readRow(const std::string& entry, const json& row, int vertexCount, const std::vector<int>& joints) {
+std::pair<int, Influences> readRow(const std::string& entry, const json& row, int vertexCount,
+                                   const std::vector<int>& joints) {
   if (!row.is_array() || row.size() < 3 || row.size() > 9 || row.size() % 2 == 0)
     fail(entry, "a vertex and one to four pairs of joint and weight", row);
   if (!row[0].is_number_integer() || row[0].get<long>() < 0 || row[0].get<long>() >= vertexCount)
@@ -44,9 +47,11 @@ std::pair<int, Influences> readRow(const std::string& entry, const json& row, in
   double sum = 0.0;
   for (std::size_t k = 0; 2 * k + 1 < row.size(); ++k) {
     const json &joint = row[2 * k + 1], &weight = row[2 * k + 2];
-    if (!joint.is_number_integer() || joint.get<long>() < 0 || joint.get<long>() >= static_cast<long>(joints.size()))
+    if (!joint.is_number_integer() || joint.get<long>() < 0 ||
+        joint.get<long>() >= static_cast<long>(joints.size()))
       fail(entry, fmt::format("an index into the list of {} joints", joints.size()), joint);
-    if (!weight.is_number() || !(weight.get<double>() > 0.0 && weight.get<double>() <= 1.0)) fail(entry, "a weight in (0, 1]", weight);
+    if (!weight.is_number() || !(weight.get<double>() > 0.0 && weight.get<double>() <= 1.0))
+      fail(entry, "a weight in (0, 1]", weight);
     influences.joints[k] = joints[joint.get<std::size_t>()];
     influences.weights[k] = weight.get<double>();
     sum += influences.weights[k];
@@ -89,7 +94,8 @@ WeightChange parseBinding(const std::string& text, int vertexCount, const Skelet
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string entry = fmt::format("binding.changed[{}]", i);
     change.push_back(readRow(entry, rows[i], vertexCount, joints));
-    if (i > 0 && change[i].first <= change[i - 1].first) fail(entry, "vertices in ascending order", rows[i][0]);
+    if (i > 0 && change[i].first <= change[i - 1].first)
+      fail(entry, "vertices in ascending order", rows[i][0]);
   }
   return change;
 }
@@ -97,7 +103,8 @@ WeightChange parseBinding(const std::string& text, int vertexCount, const Skelet
 void applyBinding(const Scene& scene, Model& model) {
   const auto saved = scene.panels.find("Binding");
   if (saved == scene.panels.end() || !model.skin) return;
-  for (const auto& [vertex, influences] : parseBinding(saved->second, static_cast<int>(model.skin->influences.size()), model.skeleton))
+  for (const auto& [vertex, influences] :
+       parseBinding(saved->second, static_cast<int>(model.skin->influences.size()), model.skeleton))
     model.skin->influences[vertex] = influences;
 }
 

@@ -17,9 +17,7 @@ using std::numbers::pi;
 namespace {
 
 /// World axes of the front view: right, up, towards the viewer. For up = y: x, y, z; for up = z: x, z, -y.
-Matrix3d frontAxes(const Vector3d& up) {
-  return rotationBetween(Vector3d::UnitY(), up).toRotationMatrix();
-}
+Matrix3d frontAxes(const Vector3d& up) { return rotationBetween(Vector3d::UnitY(), up).toRotationMatrix(); }
 
 /// The point of the target's plane (facing the viewer) that lies under the pixel.
 Vector3d onTargetPlane(const Camera& camera, const Viewport& viewport, const Vector2d& pixel) {
@@ -43,7 +41,8 @@ DepthRange depthRange(const Camera& camera, const Eigen::AlignedBox3d& box, doub
   const double middle = camera.axes().col(2).dot(camera.eye() - centre);
   DepthRange range{.near = middle - 1.2 * radius, .far = middle + std::max(1.2 * radius, extent)};
   if (camera.orthographic) {
-    range.near = std::min(range.near, middle - extent);  // the eye's plane may cut the scene: negative depths are fine
+    range.near =
+        std::min(range.near, middle - extent);  // the eye's plane may cut the scene: negative depths are fine
     range.far = std::max(range.far, range.near + 1e-3 * radius);
   } else {
     range.near = std::max({range.near, 1e-2 * camera.distance, 1e-3 * radius});
@@ -84,10 +83,12 @@ Matrix4d clipFromView(const Camera& camera, const Viewport& viewport, const Dept
 Projected project(const Camera& camera, const Viewport& viewport, const Vector3d& pointInWorld) {
   const Vector3d inView = camera.axes().transpose() * (pointInWorld - camera.eye());
   const double depth = -inView.z();
-  const double half = camera.orthographic ? camera.halfHeight() : std::tan(0.5 * camera.verticalFieldOfView) * depth;
+  const double half =
+      camera.orthographic ? camera.halfHeight() : std::tan(0.5 * camera.verticalFieldOfView) * depth;
   const double perPixel = 2.0 * half / viewport.height;
-  return {.pixel = {0.5 * viewport.width + inView.x() / perPixel, 0.5 * viewport.height - inView.y() / perPixel},
-          .depth = depth};
+  return {
+      .pixel = {0.5 * viewport.width + inView.x() / perPixel, 0.5 * viewport.height - inView.y() / perPixel},
+      .depth = depth};
 }
 
 Ray rayThroughPixel(const Camera& camera, const Viewport& viewport, const Vector2d& pixel) {
@@ -147,9 +148,11 @@ Camera frameBox(Camera camera, const Viewport& viewport, const Eigen::AlignedBox
   const double slope = std::tan(0.5 * camera.verticalFieldOfView), room = 1.0 - 2.0 * margin;
   double needed = 1e-9;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vector3d c = axes.transpose() * (box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - camera.target);
+    const Vector3d c =
+        axes.transpose() * (box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - camera.target);
     const double half = std::max(std::abs(c.y()), std::abs(c.x()) / viewport.aspect()) / room;
-    needed = std::max(needed, camera.orthographic ? std::max(half / slope, 1.01 * c.z()) : half / slope + c.z());
+    needed =
+        std::max(needed, camera.orthographic ? std::max(half / slope, 1.01 * c.z()) : half / slope + c.z());
   }
   camera.distance = needed;
   return camera;

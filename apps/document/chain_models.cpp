@@ -15,14 +15,16 @@
 namespace gelenk {
 namespace {
 
-/// The body around a skeleton, kept after the first time: it depends on the rest pose, the tree and the axes alone.
+/// The body around a skeleton, kept after the first time: it depends on the rest pose, the tree and the axes
+/// alone.
 Skin chainSkin(const std::string& name, const Skeleton& skeleton) {
   std::vector<double> facts{1.0};  // raise when the body around skeletons changes its form
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
     facts.push_back(joint.parent);
     for (const double value : joint.parentFromZero.matrix().reshaped()) facts.push_back(value);
-    for (const AxisDof& dof : joint.axes) facts.insert(facts.end(), {static_cast<double>(dof.kind), dof.axis.x(), dof.axis.y(), dof.axis.z()});
+    for (const AxisDof& dof : joint.axes)
+      facts.insert(facts.end(), {static_cast<double>(dof.kind), dof.axis.x(), dof.axis.y(), dof.axis.z()});
   }
   facts.insert(facts.end(), skeleton.rest().begin(), skeleton.rest().end());
   const std::string_view bytes(reinterpret_cast<const char*>(facts.data()), facts.size() * sizeof(double));
@@ -64,7 +66,8 @@ std::optional<PlanarChain> parsePlanarChain(const std::string& description) {
   if (!description.starts_with(prefix)) return std::nullopt;
   const auto parts = numberLists(std::string_view(description).substr(prefix.size()));
   if (!parts || parts->size() != 2 || (*parts)[0].size() != 2 || !allPositive((*parts)[1]))
-    throw std::invalid_argument("a planar arm is described by planar:X,Y:L1,L2,... with lengths above 0, not '" + description + "'");
+    throw std::invalid_argument(
+        "a planar arm is described by planar:X,Y:L1,L2,... with lengths above 0, not '" + description + "'");
   return PlanarChain{.base = {(*parts)[0][0], (*parts)[0][1]}, .lengths = (*parts)[1]};
 }
 
@@ -73,17 +76,22 @@ std::optional<Model> parseBallChain(const std::string& description) {
   if (!description.starts_with(prefix)) return std::nullopt;
   const auto parts = numberLists(std::string_view(description).substr(prefix.size()));
   if (!parts || parts->size() != 1 || !allPositive((*parts)[0]))
-    throw std::invalid_argument("a chain of ball joints is described by balls:L1,L2,... with lengths above 0, not '" + description + "'");
+    throw std::invalid_argument(
+        "a chain of ball joints is described by balls:L1,L2,... with lengths above 0, not '" + description +
+        "'");
   std::vector<Joint> joints;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   for (const double length : (*parts)[0]) {
-    Joint joint{.name = "joint" + std::to_string(joints.size() + 1), .parent = static_cast<int>(joints.size()) - 1};
+    Joint joint{.name = "joint" + std::to_string(joints.size() + 1),
+                .parent = static_cast<int>(joints.size()) - 1};
     joint.parentFromZero.translation() = offset;
     joint.ball = true;
     joints.push_back(joint);
     offset = {length, 0.0, 0.0};
   }
-  joints.push_back({.name = "end-effector", .parent = static_cast<int>(joints.size()) - 1, .parentFromZero = Eigen::Isometry3d(Eigen::Translation3d(offset))});
+  joints.push_back({.name = "end-effector",
+                    .parent = static_cast<int>(joints.size()) - 1,
+                    .parentFromZero = Eigen::Isometry3d(Eigen::Translation3d(offset))});
   Model model{.name = "ball chain", .skeleton = Skeleton(std::move(joints))};
   model.up = Eigen::Vector3d::UnitZ();
   model.handles = {"end-effector"};
@@ -101,8 +109,8 @@ Model dhModel(const DhTable& table) {
     model.skin = chainSkin(model.name, model.skeleton);
   else
     model.notes.push_back("all frames stand at one point: there is nothing to put a body around");
-  model.notes.push_back(fmt::format("{} Denavit-Hartenberg convention, {} rows, {} parameters (4 n + 3)", toString(table.convention),
-                                    table.rows.size(), parameterCount(table)));
+  model.notes.push_back(fmt::format("{} Denavit-Hartenberg convention, {} rows, {} parameters (4 n + 3)",
+                                    toString(table.convention), table.rows.size(), parameterCount(table)));
   return model;
 }
 

@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t longestHistory = 20;  // whole clips: 5,000 frames of 62 values are 2.5 MB
 
 auto keyAt(std::vector<JointKey>& keys, int frame) {
-  return std::lower_bound(keys.begin(), keys.end(), frame, [](const JointKey& key, int f) { return key.frame < f; });
+  return std::lower_bound(keys.begin(), keys.end(), frame,
+                          [](const JointKey& key, int f) { return key.frame < f; });
 }
 
 void setKey(std::vector<JointKey>& keys, JointKey key) {
@@ -34,7 +35,8 @@ bool dropKey(std::vector<JointKey>& keys, int frame) {
 
 }  // namespace
 
-ClipEditor::ClipEditor(const Skeleton& skeleton, MotionClip original) : skeleton_(skeleton), original_(std::move(original)) {
+ClipEditor::ClipEditor(const Skeleton& skeleton, MotionClip original)
+    : skeleton_(skeleton), original_(std::move(original)) {
   validate(skeleton_, original_);
   now_.base = original_;
   rebuild();
@@ -56,7 +58,8 @@ void ClipEditor::change(State next) {
 
 void ClipEditor::requireFrame(int frame) const {
   if (frame < 0 || frame >= now_.base.frameCount())
-    throw std::invalid_argument("the clip has frames 1 to " + std::to_string(now_.base.frameCount()) + ", not " + std::to_string(frame + 1));
+    throw std::invalid_argument("the clip has frames 1 to " + std::to_string(now_.base.frameCount()) +
+                                ", not " + std::to_string(frame + 1));
 }
 
 void ClipEditor::replace(MotionClip edited) {
@@ -64,12 +67,15 @@ void ClipEditor::replace(MotionClip edited) {
   change({.base = std::move(edited), .falloff = now_.falloff});
 }
 
-void ClipEditor::crossFade(const MotionClip& second, double seconds) { replace(crossFaded(skeleton_, keyed_, second, seconds)); }
+void ClipEditor::crossFade(const MotionClip& second, double seconds) {
+  replace(crossFaded(skeleton_, keyed_, second, seconds));
+}
 
 void ClipEditor::lay(const Layer& layer) { replace(layered(skeleton_, keyed_, layer)); }
 
 void ClipEditor::setFrameRate(double framesPerSecond) {
-  if (!(framesPerSecond > 0.0) || !std::isfinite(framesPerSecond)) throw std::invalid_argument("a frame rate must be positive");
+  if (!(framesPerSecond > 0.0) || !std::isfinite(framesPerSecond))
+    throw std::invalid_argument("a frame rate must be positive");
   original_.framesPerSecond = now_.base.framesPerSecond = framesPerSecond;
   for (auto* states : {&past_, &future_})
     for (State& state : *states) state.base.framesPerSecond = framesPerSecond;
@@ -78,7 +84,8 @@ void ClipEditor::setFrameRate(double framesPerSecond) {
 
 bool ClipEditor::hasKey(int joint, int frame) const {
   const auto at = now_.keys.find(joint);
-  return at != now_.keys.end() && std::any_of(at->second.begin(), at->second.end(), [&](const JointKey& key) { return key.frame == frame; });
+  return at != now_.keys.end() && std::any_of(at->second.begin(), at->second.end(),
+                                              [&](const JointKey& key) { return key.frame == frame; });
 }
 
 std::vector<int> ClipEditor::keyFrames() const {
@@ -90,7 +97,8 @@ std::vector<int> ClipEditor::keyFrames() const {
 
 void ClipEditor::setKeys(const std::vector<int>& joints, int frame, const Eigen::VectorXd& q) {
   requireFrame(frame);
-  if (q.size() != skeleton_.nq() || !q.allFinite()) throw std::invalid_argument("a key's pose does not fit the skeleton");
+  if (q.size() != skeleton_.nq() || !q.allFinite())
+    throw std::invalid_argument("a key's pose does not fit the skeleton");
   State next = now_;
   for (const int joint : joints) setKey(next.keys[joint], {frame, q});
   if (!joints.empty()) change(std::move(next));
@@ -127,7 +135,8 @@ void ClipEditor::moveKeys(int from, int to) {
 }
 
 void ClipEditor::setFalloff(double seconds) {
-  if (!(seconds >= 0.0) || !std::isfinite(seconds)) throw std::invalid_argument("the time in which a key fades cannot be negative");
+  if (!(seconds >= 0.0) || !std::isfinite(seconds))
+    throw std::invalid_argument("the time in which a key fades cannot be negative");
   now_.falloff = seconds;
   rebuild();
 }
@@ -150,11 +159,13 @@ bool ClipEditor::redo() {
 
 void ClipEditor::backToOriginal() { replace(original_); }
 
-std::vector<int> movedJoints(const Skeleton& skeleton, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+std::vector<int> movedJoints(const Skeleton& skeleton, const Eigen::VectorXd& from,
+                             const Eigen::VectorXd& to) {
   const Eigen::VectorXd dq = difference(skeleton, from, to);
   std::vector<int> moved;
   for (int i = 0; i < skeleton.jointCount(); ++i)
-    if (skeleton.vCount(i) > 0 && dq.segment(skeleton.vIndex(i), skeleton.vCount(i)).norm() > 1e-6) moved.push_back(i);
+    if (skeleton.vCount(i) > 0 && dq.segment(skeleton.vIndex(i), skeleton.vCount(i)).norm() > 1e-6)
+      moved.push_back(i);
   return moved;
 }
 

@@ -7,9 +7,11 @@
 
 namespace gelenk {
 
-/// A clip being edited: edits of the whole clip, one after the other, with keys of single joints on top, and the way back. Values only, no window.
+/// A clip being edited: edits of the whole clip, one after the other, with keys of single joints on top, and
+/// the way back. Values only, no window.
 ///
-/// Keys can be moved and taken away until the next edit of the whole clip, which takes the keyed clip as it is. Every change that is made can be undone.
+/// Keys can be moved and taken away until the next edit of the whole clip, which takes the keyed clip as it
+/// is. Every change that is made can be undone.
 class ClipEditor {
  public:
   /// Throws std::invalid_argument for a clip that does not fit it.
@@ -32,9 +34,10 @@ class ClipEditor {
   bool hasKey(int joint, int frame) const;
   /// Every frame in which a joint has a key, ascending.
   std::vector<int> keyFrames() const;
-  /// The joint takes this pose (nq, its own entries) in that frame; one change of several joints is undone at once.
+  /// The joint takes this pose (nq, its own entries) in that frame; one change of several joints is undone at
+  /// once.
   void setKeys(const std::vector<int>& joints, int frame, const Eigen::VectorXd& q);
-  void removeKeys(int frame);                  ///< of all joints in that frame
+  void removeKeys(int frame);  ///< of all joints in that frame
   void removeKey(int joint, int frame);
   /// All keys of one frame go to another, replacing what is there.
   void moveKeys(int from, int to);
@@ -66,6 +69,7 @@ class ClipEditor {
 };
 
 /// Joints whose own motion differs between two configurations by more than 1e-6 rad or m.
-std::vector<int> movedJoints(const Skeleton& skeleton, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
+std::vector<int> movedJoints(const Skeleton& skeleton, const Eigen::VectorXd& from,
+                             const Eigen::VectorXd& to);
 
 }  // namespace gelenk

@@ -7,11 +7,13 @@
 namespace gelenk {
 namespace {
 
-/// A catalogue solver, started from the present pose with a small budget, so that a frame stays a frame. Time is no part of
-/// the budget: the same frames give the same poses on every machine.
+/// A catalogue solver, started from the present pose with a small budget, so that a frame stays a frame. Time
+/// is no part of the budget: the same frames give the same poses on every machine.
 class WarmSolver final : public FrameSolver {
  public:
-  WarmSolver(const std::string& name, const Skeleton& skeleton) : solver_(makeSolver(name)) { solver_->prepare(skeleton); }
+  WarmSolver(const std::string& name, const Skeleton& skeleton) : solver_(makeSolver(name)) {
+    solver_->prepare(skeleton);
+  }
 
   IkReport frame(const IkProblem& problem) override {
     return solver_->solve(problem, {.maxIterations = 20, .maxSeconds = 3600.0}, TraceLevel::Residuals);
@@ -32,15 +34,17 @@ class DragFrameSolver final : public FrameSolver {
     goals_.clear();
     for (const Goal& goal : problem.goals) {
       goals_.push_back({.goal = goal, .role = goal.priority == 0 ? GoalRole::Pin : GoalRole::Drag});
-      if (goal.priority == 0) goals_.back().goal.weight = 1.0;  // pins have their weight in the solver's options
+      if (goal.priority == 0)
+        goals_.back().goal.weight = 1.0;  // pins have their weight in the solver's options
     }
     return settle(problem.start);
   }
   void reset() override { fresh_ = true; }
 
  private:
-  /// A picture lasts as long as hundreds of the solver's frames: while the pose creeps, it gets several, so that a body that lunges
-  /// for a target out of reach comes to rest within a few pictures. Large motions keep the solver's pace.
+  /// A picture lasts as long as hundreds of the solver's frames: while the pose creeps, it gets several, so
+  /// that a body that lunges for a target out of reach comes to rest within a few pictures. Large motions
+  /// keep the solver's pace.
   IkReport settle(const Eigen::VectorXd& start) {
     constexpr int most = 8;
     constexpr double creeping = 0.03;  // radians or metres since the picture before
@@ -60,13 +64,14 @@ class DragFrameSolver final : public FrameSolver {
     return total;
   }
 
-  /// A pelvis pushed 4 cm down on straight legs needs 14 mm against the posture's pull: with the default correction of at most
-  /// 10 mm it comes to rest 4 mm above a target that it can reach.
+  /// A pelvis pushed 4 cm down on straight legs needs 14 mm against the posture's pull: with the default
+  /// correction of at most 10 mm it comes to rest 4 mm above a target that it can reach.
   static DragOptions options() {
     DragOptions options;
     options.dragBias = 0.04;
-    // Three times the default: of eleven targets 1 to 3 m out of reach two ended in a cycle of 0.03 rad a frame without it, none
-    // with it, and a hand led at 3 cm a frame stays within 0.1 mm of its target either way.
+    // Three times the default: of eleven targets 1 to 3 m out of reach two ended in a cycle of 0.03 rad a
+    // frame without it, none with it, and a hand led at 3 cm a frame stays within 0.1 mm of its target either
+    // way.
     options.change = 0.01;
     return options;
   }

@@ -12,8 +12,8 @@
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/notation/robots.h"
 #include "skinning/bodies/body_around.h"
-#include "skinning/io/skin_cache.h"
 #include "skinning/bodies/mannequin_body.h"
+#include "skinning/io/skin_cache.h"
 
 namespace gelenk {
 namespace {
@@ -51,7 +51,8 @@ Model withBody(Model model) {
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '-';
   try {
-    model.skin = cachedSkin(cacheFolder(), name, bodySkinKey(model.skeleton), [&] { return bodySkin(model.skeleton); });
+    model.skin = cachedSkin(cacheFolder(), name, bodySkinKey(model.skeleton),
+                            [&] { return bodySkin(model.skeleton); });
   } catch (const std::exception& error) {
     model.notes.push_back(fmt::format("no body around the bones: {}", error.what()));
   }
@@ -68,7 +69,8 @@ Frames bindFrames(const Model& model) {
   const Frames rest = restFrames(model.skeleton);
   if (restsAsBound(model)) return rest;
   Frames bound(rest.size());
-  for (std::size_t i = 0; i < bound.size(); ++i) bound[i] = model.skin->jointFromRestWorld[i].inverse(Eigen::Isometry);
+  for (std::size_t i = 0; i < bound.size(); ++i)
+    bound[i] = model.skin->jointFromRestWorld[i].inverse(Eigen::Isometry);
   return bound;
 }
 
@@ -88,8 +90,9 @@ Model openModel(const std::string& nameOrFile) {
   if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);
   std::string known;
   for (const std::string& name : builtInModels()) known += (known.empty() ? "" : ", ") + name;
-  throw std::invalid_argument(fmt::format("no model is called '{}'; there are: {}, planar:X,Y:L1,L2,..., balls:L1,L2,... and files ending in {}", nameOrFile, known,
-                                          knownExtensions()));
+  throw std::invalid_argument(fmt::format(
+      "no model is called '{}'; there are: {}, planar:X,Y:L1,L2,..., balls:L1,L2,... and files ending in {}",
+      nameOrFile, known, knownExtensions()));
 }
 
 }  // namespace gelenk

@@ -15,26 +15,30 @@ struct Model {
   std::string name;
   Skeleton skeleton;
   std::optional<Skin> skin = {};
-  bool planar = false;                 ///< moves in the x-y plane: seen from above by default
-  Eigen::Vector3d up = Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
-  std::optional<MotionClip> clip = {};  ///< a motion that came with it, for players; never clamped
+  bool planar = false;  ///< moves in the x-y plane: seen from above by default
+  Eigen::Vector3d up =
+      Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
+  std::optional<MotionClip> clip = {};    ///< a motion that came with it, for players; never clamped
   std::vector<std::string> handles = {};  ///< joints that get a drag handle; empty: the end-effectors
-  std::vector<std::string> pins = {};     ///< handles that are pinned when the model is opened, such as the feet
-  std::vector<std::string> notes = {};    ///< facts worth telling, such as the weight lost by keeping four influences
+  std::vector<std::string> pins = {};  ///< handles that are pinned when the model is opened, such as the feet
+  std::vector<std::string> notes =
+      {};  ///< facts worth telling, such as the weight lost by keeping four influences
 };
 
 /// Built-in models by name ("figure", "planar", robots), else a file by its extension.
 /// Throws std::invalid_argument listing the names, or ParseError.
 Model openModel(const std::string& nameOrFile);
 
-/// Frames of the pose in which the skin is bound, worldFromJoint; without a skin the rest frames. The two differ where a body was bound in a pose that the skeleton's
-/// dofs need not reach (a fitted body on an ASF skeleton, some glTF files): what is built on the surface must begin here, not at restFrames.
+/// Frames of the pose in which the skin is bound, worldFromJoint; without a skin the rest frames. The two
+/// differ where a body was bound in a pose that the skeleton's dofs need not reach (a fitted body on an ASF
+/// skeleton, some glTF files): what is built on the surface must begin here, not at restFrames.
 Frames bindFrames(const Model& model);
 /// Whether the skin is bound in the skeleton's rest pose, to 1e-6 m and rad.
 bool restsAsBound(const Model& model);
 
-/// The model with a rounded body around its bones (skinning/bodies/body_around.h) where it has none; for everything that shows it. Taken from the
-/// cache when the same skeleton was shown before. A skeleton around which no body can be made stays bare, and a note says why.
+/// The model with a rounded body around its bones (skinning/bodies/body_around.h) where it has none; for
+/// everything that shows it. Taken from the cache when the same skeleton was shown before. A skeleton around
+/// which no body can be made stays bare, and a note says why.
 Model withBody(Model model);
 
 /// Names of the built-in models.

@@ -13,16 +13,16 @@
 #include "apps/document/chain_models.h"
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/pinocchio_skeleton.h"
+#include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
 #include "kinematics/motion/skeleton_transfer.h"
 #include "kinematics/skeleton_transform.h"
-#include "kinematics/io/text_file.h"
-#include "skinning/rigging/bone_heat.h"
 #include "skinning/io/gltf.h"
 #include "skinning/io/nurbs.h"
 #include "skinning/io/obj.h"
 #include "skinning/io/pinocchio_weights.h"
 #include "skinning/io/urdf_body.h"
+#include "skinning/rigging/bone_heat.h"
 #include "skinning/rigging/weight_transfer.h"
 
 namespace gelenk {
@@ -70,7 +70,8 @@ bool beginsWithNumJoints(const std::string& path, bool& isPose) {
 
 std::optional<FileKind> fileKind(const std::string& path) {
   const std::string name = lowerCase(path);
-  if (bool isPose = false; (name.ends_with(".skel") || name.ends_with(".txt")) && beginsWithNumJoints(path, isPose))
+  if (bool isPose = false;
+      (name.ends_with(".skel") || name.ends_with(".txt")) && beginsWithNumJoints(path, isPose))
     return isPose ? FileKind::TutorialPose : FileKind::TutorialSkeleton;
   for (const Extension& extension : extensions)
     if (name.ends_with(extension.ending)) return extension.kind;
@@ -97,7 +98,8 @@ std::string describe(FileKind kind) {
 
 std::string knownExtensions() {
   std::string list;
-  for (const Extension& extension : extensions) list += (list.empty() ? "" : ", ") + std::string(extension.ending);
+  for (const Extension& extension : extensions)
+    list += (list.empty() ? "" : ", ") + std::string(extension.ending);
   return list;
 }
 
@@ -108,10 +110,13 @@ std::string stem(const std::string& path) {
 }
 
 double metresPerUnit(const std::string& unit) {
-  static const std::map<std::string, double> named{{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
+  static const std::map<std::string, double> named{{"m", 1.0},    {"dm", 0.1},    {"cm", 0.01},
+                                                   {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
   if (const auto found = named.find(unit); found != named.end()) return found->second;
   const auto value = parseNumber(unit);
-  if (!value || !(*value > 0.0)) throw std::invalid_argument("a unit must be m, dm, cm, mm, in, ft or a positive number of metres, not '" + unit + "'");
+  if (!value || !(*value > 0.0))
+    throw std::invalid_argument("a unit must be m, dm, cm, mm, in, ft or a positive number of metres, not '" +
+                                unit + "'");
   return *value;
 }
 
@@ -123,8 +128,10 @@ Mesh readMesh(const std::string& path) {
     for (int i = degree; i < count; ++i) spans += knots[i + 1] > knots[i];
     return std::clamp(12 * spans, 8, 400);
   };
-  Mesh mesh = tessellate(surface, cells(surface.knotsU, surface.degreeU, surface.countU), cells(surface.knotsV, surface.degreeV, surface.countV));
-  if (mesh.triangles.empty()) throw ParseError(path, 0, "a surface", "control points that all lie in one place or line");
+  Mesh mesh = tessellate(surface, cells(surface.knotsU, surface.degreeU, surface.countU),
+                         cells(surface.knotsV, surface.degreeV, surface.countV));
+  if (mesh.triangles.empty())
+    throw ParseError(path, 0, "a surface", "control points that all lie in one place or line");
   return mesh;
 }
 
@@ -138,28 +145,36 @@ Mesh meshInMetres(const std::string& path, double metresPerUnit) {
 
 bool saysItsUnit(const std::string& path) {
   const auto kind = fileKind(path);
-  return kind == FileKind::Asf || kind == FileKind::Gltf || kind == FileKind::Urdf || kind == FileKind::DhTable;
+  return kind == FileKind::Asf || kind == FileKind::Gltf || kind == FileKind::Urdf ||
+         kind == FileKind::DhTable;
 }
 
 }  // namespace
 
-Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath, double metresPerUnit) {
+Model openBody(const std::string& objPath, const std::string& skeletonPath,
+               const std::optional<std::string>& weightsPath, double metresPerUnit) {
   Mesh mesh = meshInMetres(objPath, metresPerUnit);
-  Model model = importFiles(skeletonPath, {}, {.metresPerUnit = saysItsUnit(skeletonPath) ? std::nullopt : std::optional(metresPerUnit)}).model;
+  Model model =
+      importFiles(skeletonPath, {},
+                  {.metresPerUnit = saysItsUnit(skeletonPath) ? std::nullopt : std::optional(metresPerUnit)})
+          .model;
   model.name = stem(objPath);
   const Frames rest = restFrames(model.skeleton);
   SparseWeights weights;
   if (weightsPath) {
-    weights = jointWeights(readPinocchioWeights(*weightsPath, model.skeleton.jointCount() - 1, mesh), model.skeleton);
+    weights = jointWeights(readPinocchioWeights(*weightsPath, model.skeleton.jointCount() - 1, mesh),
+                           model.skeleton);
   } else {
     weights = boneHeatWeights(mesh, bonesOf(model.skeleton, rest));
     model.notes.push_back("no weights file: weights by heat diffusion on the surface");
   }
   WeightLoss loss;
   auto influences = fourLargest(weights, model.skeleton.jointCount(), &loss);
-  model.notes.push_back(fmt::format("four largest weights kept, bones that turn about one joint counted together: {:.2f} % of the weight lost on "
-                                    "average, {:.1f} % at most ({} of {} vertices had more)",
-                                    100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, mesh.positions.size()));
+  model.notes.push_back(
+      fmt::format("four largest weights kept, bones that turn about one joint counted together: {:.2f} % of "
+                  "the weight lost on "
+                  "average, {:.1f} % at most ({} of {} vertices had more)",
+                  100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, mesh.positions.size()));
   model.skin = bindSkin(std::move(mesh), rest, std::move(influences));
   return model;
 }
@@ -171,7 +186,8 @@ Model rotated(Model model, const Eigen::Quaterniond& worldFromOld) {
   if (model.skin) {
     for (auto& p : model.skin->mesh.positions) p = worldFromOld * p;
     for (auto& n : model.skin->mesh.normals) n = worldFromOld * n;
-    for (auto& frame : model.skin->jointFromRestWorld) frame = frame * Eigen::Isometry3d(worldFromOld.conjugate());
+    for (auto& frame : model.skin->jointFromRestWorld)
+      frame = frame * Eigen::Isometry3d(worldFromOld.conjugate());
   }
   return model;
 }
@@ -188,13 +204,20 @@ std::string joined(const std::vector<std::string>& words) {
 std::vector<BonePath> pathsFor(const AsfSkeleton& asf, const Skeleton& fitted) {
   std::vector<BonePath> table = cmuOnPinocchioHuman();
   const bool known = std::ranges::all_of(table, [&](const BonePath& path) {
-    return std::ranges::all_of(path.bones, [&](const std::string& bone) { return asf.findBone(bone).has_value(); }) &&
-           std::ranges::all_of(path.joints, [&](const std::string& joint) { return fitted.findJoint(joint).has_value(); });
+    return std::ranges::all_of(path.bones,
+                               [&](const std::string& bone) { return asf.findBone(bone).has_value(); }) &&
+           std::ranges::all_of(path.joints,
+                               [&](const std::string& joint) { return fitted.findJoint(joint).has_value(); });
   });
   if (known) return table;
   std::vector<BonePath> paths = bonePathsByName(asf, fitted);
-  const bool fromRoot = std::ranges::any_of(paths, [&](const BonePath& path) { return asf.skeleton.parent(*asf.findBone(path.bones.front())) == 0; });
-  if (!fromRoot) throw std::invalid_argument("the fitted skeleton and the ASF skeleton have no joints of equal names from the root on: say which bones lie on which joints with --mapping");
+  const bool fromRoot = std::ranges::any_of(paths, [&](const BonePath& path) {
+    return asf.skeleton.parent(*asf.findBone(path.bones.front())) == 0;
+  });
+  if (!fromRoot)
+    throw std::invalid_argument(
+        "the fitted skeleton and the ASF skeleton have no joints of equal names from the root on: say which "
+        "bones lie on which joints with --mapping");
   return paths;
 }
 
@@ -203,26 +226,34 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
   const double unit = options.metresPerUnit.value_or(1.0);  // the body's; the ASF says its own
   Mesh mesh = meshInMetres(objPath, unit);
   const Skeleton fitted = scaled(namedAsHuman(readPinocchioSkeleton(files.skeleton)), unit);
-  if (files.weights.empty()) throw std::invalid_argument("laying a fitted skeleton on an ASF skeleton needs its weights: give them with --weights");
+  if (files.weights.empty())
+    throw std::invalid_argument(
+        "laying a fitted skeleton on an ASF skeleton needs its weights: give them with --weights");
   const BoneWeights bones = readPinocchioWeights(files.weights, fitted.jointCount() - 1, mesh);
   Imported result;
   result.asf = readAsf(files.asf);
-  const auto paths = files.mapping.empty() ? pathsFor(*result.asf, fitted) : parseBonePaths(readFile(files.mapping), files.mapping);
+  const auto paths = files.mapping.empty() ? pathsFor(*result.asf, fitted)
+                                           : parseBonePaths(readFile(files.mapping), files.mapping);
   const TransferredSkeleton transferred = transferSkeleton(*result.asf, fitted, paths);
   result.model = {.name = stem(objPath), .skeleton = transferred.skeleton};
   WeightLoss loss;
-  auto influences = fourLargest(transferWeights(bones, mesh.positions, fitted, transferred), transferred.skeleton.jointCount(), &loss);
+  auto influences = fourLargest(transferWeights(bones, mesh.positions, fitted, transferred),
+                                transferred.skeleton.jointCount(), &loss);
   result.model.skin = bindSkin(std::move(mesh), transferred.bindFrames, std::move(influences));
   auto& notes = result.model.notes;
-  notes.push_back(fmt::format("four largest weights kept: {:.2f} % of the weight lost on average, {:.1f} % at most", 100.0 * loss.mean, 100.0 * loss.max));
+  notes.push_back(
+      fmt::format("four largest weights kept: {:.2f} % of the weight lost on average, {:.1f} % at most",
+                  100.0 * loss.mean, 100.0 * loss.max));
   if (!transferred.unmatchedBones.empty())
-    notes.push_back("bones of the ASF skeleton without a fitted counterpart (they follow their parent): " + joined(transferred.unmatchedBones));
+    notes.push_back("bones of the ASF skeleton without a fitted counterpart (they follow their parent): " +
+                    joined(transferred.unmatchedBones));
   if (!transferred.unmatchedJoints.empty())
     notes.push_back("fitted joints whose bone lies on no ASF bone: " + joined(transferred.unmatchedJoints));
   if (!files.amc.empty()) {
     const MotionClip clip = readAmc(files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
     result.model.clip = withScaledRoot(transferred.skeleton, clip, transferred.heightRatio);
-    notes.push_back(fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights", transferred.heightRatio));
+    notes.push_back(fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights",
+                                transferred.heightRatio));
   }
   return result;
 }
@@ -236,25 +267,31 @@ std::string figureBeside(const std::string& posePath) {
   for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, error))
     if (fileKind(entry.path().string()) == FileKind::TutorialSkeleton) found = entry.path().string(), ++count;
   if (count != 1)
-    throw std::invalid_argument(fmt::format("'{}' needs the figure it belongs to: give it with --figure ({} lie beside it)", posePath, count));
+    throw std::invalid_argument(fmt::format(
+        "'{}' needs the figure it belongs to: give it with --figure ({} lie beside it)", posePath, count));
   return found;
 }
 
-Imported importOne(const std::string& path, FileKind kind, const Companions& files, const ImportOptions& options) {
+Imported importOne(const std::string& path, FileKind kind, const Companions& files,
+                   const ImportOptions& options) {
   const double unit = options.metresPerUnit.value_or(1.0);
   Imported result{.model = {.name = stem(path), .skeleton = {}}};
   Model& model = result.model;
   switch (kind) {
-    case FileKind::PinocchioSkeleton: model.skeleton = scaled(namedAsHuman(readPinocchioSkeleton(path)), unit); break;
+    case FileKind::PinocchioSkeleton:
+      model.skeleton = scaled(namedAsHuman(readPinocchioSkeleton(path)), unit);
+      break;
     case FileKind::DhTable: model = openDhModel(path); break;
     case FileKind::Asf:
     case FileKind::Amc: {
       const bool isMotion = kind == FileKind::Amc;
-      if (isMotion && files.asf.empty()) throw std::invalid_argument("'" + path + "' needs the skeleton it belongs to: give it with --asf");
+      if (isMotion && files.asf.empty())
+        throw std::invalid_argument("'" + path + "' needs the skeleton it belongs to: give it with --asf");
       result.asf = readAsf(isMotion ? files.asf : path, options.metresPerUnit);
       model.skeleton = result.asf->skeleton;
       if (isMotion || !files.amc.empty())
-        result.model.clip = readAmc(isMotion ? path : files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
+        result.model.clip =
+            readAmc(isMotion ? path : files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
       break;
     }
     case FileKind::Bvh: {
@@ -267,14 +304,18 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
     case FileKind::TutorialSkeleton:
     case FileKind::TutorialPose: {
       const bool isPose = kind == FileKind::TutorialPose;
-      const std::string figurePath = !isPose ? path : !files.figure.empty() ? files.figure : figureBeside(path);
+      const std::string figurePath = !isPose                 ? path
+                                     : !files.figure.empty() ? files.figure
+                                                             : figureBeside(path);
       if (isPose && files.figure.empty()) model.notes.push_back("figure: " + figurePath);
       TutorialSkeleton tutorial = readTutorialSkeleton(figurePath);
       for (auto& position : tutorial.positions) position *= unit;
       result.figure = toSkeleton(tutorial);
       result.tutorial = std::move(tutorial);
       model.skeleton = result.figure->skeleton;
-      if (isPose) result.model.clip = MotionClip{.framesPerSecond = 1.0, .q = configuration(*result.figure, readTutorialPose(path))};
+      if (isPose)
+        result.model.clip =
+            MotionClip{.framesPerSecond = 1.0, .q = configuration(*result.figure, readTutorialPose(path))};
       break;
     }
     case FileKind::Gltf: {
@@ -283,7 +324,8 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       model.skin = std::move(gltf.skin);
       model.notes = gltf.notes;
       if (!gltf.clips.empty()) result.model.clip = gltf.clips.front().clip;
-      if (options.metresPerUnit) throw std::invalid_argument("glTF is in metres by definition; another unit cannot be given");
+      if (options.metresPerUnit)
+        throw std::invalid_argument("glTF is in metres by definition; another unit cannot be given");
       break;
     }
     case FileKind::Urdf: {
@@ -296,13 +338,18 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
     }
     case FileKind::ObjMesh:
     case FileKind::Nurbs: {
-      if (files.skeleton.empty()) throw std::invalid_argument("'" + path + "' is a mesh without a skeleton: give one with --skeleton, or name the skeleton's file where there is no such option");
+      if (files.skeleton.empty())
+        throw std::invalid_argument("'" + path +
+                                    "' is a mesh without a skeleton: give one with --skeleton, or name the "
+                                    "skeleton's file where there is no such option");
       if (!files.asf.empty()) return exerciseSheet(path, files, options);
-      model = openBody(path, files.skeleton, files.weights.empty() ? std::nullopt : std::optional(files.weights), unit);
+      model = openBody(path, files.skeleton,
+                       files.weights.empty() ? std::nullopt : std::optional(files.weights), unit);
       break;
     }
     case FileKind::PinocchioWeights:
-      throw std::invalid_argument("'" + path + "' holds weights only: give it with --weights, beside an OBJ and --skeleton");
+      throw std::invalid_argument(
+          "'" + path + "' holds weights only: give it with --weights, beside an OBJ and --skeleton");
   }
   return result;
 }
@@ -319,16 +366,23 @@ void standWhereMotionBegins(Model& model) {
 
 }  // namespace
 
-Imported importFiles(const std::string& nameOrFile, const Companions& companions, const ImportOptions& options) {
+Imported importFiles(const std::string& nameOrFile, const Companions& companions,
+                     const ImportOptions& options) {
   const auto names = builtInModels();
-  if (std::find(names.begin(), names.end(), nameOrFile) != names.end()) return {.model = openModel(nameOrFile)};
+  if (std::find(names.begin(), names.end(), nameOrFile) != names.end())
+    return {.model = openModel(nameOrFile)};
   const auto kind = fileKind(nameOrFile);
-  if (!kind && !std::filesystem::exists(nameOrFile)) return {.model = openModel(nameOrFile)};  // its message lists the names
-  if (!kind) throw std::invalid_argument("cannot tell what '" + nameOrFile + "' holds; known extensions: " + knownExtensions());
+  if (!kind && !std::filesystem::exists(nameOrFile))
+    return {.model = openModel(nameOrFile)};  // its message lists the names
+  if (!kind)
+    throw std::invalid_argument("cannot tell what '" + nameOrFile +
+                                "' holds; known extensions: " + knownExtensions());
   if (options.metresPerUnit && (kind == FileKind::Urdf || kind == FileKind::DhTable))
-    throw std::invalid_argument(describe(*kind) + "s are in metres by definition; another unit cannot be given");
+    throw std::invalid_argument(describe(*kind) +
+                                "s are in metres by definition; another unit cannot be given");
   if (options.framesPerSecond && *kind != FileKind::Amc && companions.amc.empty())
-    throw std::invalid_argument("'" + nameOrFile + "' says its own frame rate; another one can be given for an AMC only");
+    throw std::invalid_argument("'" + nameOrFile +
+                                "' says its own frame rate; another one can be given for an AMC only");
   Imported result = importOne(nameOrFile, *kind, companions, options);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
   if (options.zUp) {

@@ -14,23 +14,24 @@ namespace gelenk {
 
 /// What a file holds, told by its extension and, where several formats share one, by its first words.
 enum class FileKind {
-  ObjMesh,             ///< .obj
-  Nurbs,               ///< .nurbs, a surface that is tessellated and then treated as an OBJ
-  PinocchioSkeleton,   ///< .skel, .skeleton, .skeleton.out
-  PinocchioWeights,    ///< .attachment, .attachment.out, .weights
-  Asf,                 ///< .asf
-  Amc,                 ///< .amc
-  Bvh,                 ///< .bvh
-  TutorialSkeleton,    ///< .figure, or .skel and .txt that begin with NumJoints
-  TutorialPose,        ///< .pose
-  Gltf,                ///< .gltf, .glb
-  Urdf,                ///< .urdf
-  DhTable,             ///< .dh
+  ObjMesh,            ///< .obj
+  Nurbs,              ///< .nurbs, a surface that is tessellated and then treated as an OBJ
+  PinocchioSkeleton,  ///< .skel, .skeleton, .skeleton.out
+  PinocchioWeights,   ///< .attachment, .attachment.out, .weights
+  Asf,                ///< .asf
+  Amc,                ///< .amc
+  Bvh,                ///< .bvh
+  TutorialSkeleton,   ///< .figure, or .skel and .txt that begin with NumJoints
+  TutorialPose,       ///< .pose
+  Gltf,               ///< .gltf, .glb
+  Urdf,               ///< .urdf
+  DhTable,            ///< .dh
 };
 
 /// nullopt for an extension that no format here has.
 std::optional<FileKind> fileKind(const std::string& path);
-/// The triangles of an OBJ or of a NURBS surface (12 cells a knot span, 8 to 400 in each direction). Throws ParseError.
+/// The triangles of an OBJ or of a NURBS surface (12 cells a knot span, 8 to 400 in each direction). Throws
+/// ParseError.
 Mesh readMesh(const std::string& path);
 /// "Pinocchio skeleton" and the like, for messages and `gelenk info`.
 std::string describe(FileKind kind);
@@ -50,33 +51,42 @@ struct Companions {
   std::string skeleton, weights;  ///< of an OBJ
   std::string asf;                ///< of an AMC, or to lay a fitted skeleton on
   std::string amc;
-  std::string mapping;            ///< BonePath lines; default: CMU's bones on Pinocchio's human
-  std::string figure;             ///< of a tutorial pose
+  std::string mapping;  ///< BonePath lines; default: CMU's bones on Pinocchio's human
+  std::string figure;   ///< of a tutorial pose
 };
 
-/// Metres in a unit: "m", "dm", "cm", "mm", "in", "ft", or a positive number of metres. Throws std::invalid_argument.
+/// Metres in a unit: "m", "dm", "cm", "mm", "in", "ft", or a positive number of metres. Throws
+/// std::invalid_argument.
 double metresPerUnit(const std::string& unit);
 
 /// A model, with its motion where the files hold one (model.clip), and what its formats know beyond it.
 struct Imported {
   Model model;
-  std::optional<AsfSkeleton> asf = {};         ///< bones and their ends, where the skeleton is an ASF's
-  std::optional<TutorialFigure> figure = {};   ///< the order of joints in the file, where the skeleton is the tutorial's
-  std::optional<TutorialSkeleton> tutorial = {};  ///< the file itself, in metres; it and `figure` are absent once the model was turned
+  std::optional<AsfSkeleton> asf = {};  ///< bones and their ends, where the skeleton is an ASF's
+  std::optional<TutorialFigure> figure =
+      {};  ///< the order of joints in the file, where the skeleton is the tutorial's
+  std::optional<TutorialSkeleton> tutorial =
+      {};  ///< the file itself, in metres; it and `figure` are absent once the model was turned
 };
 
-/// Everything that the files hold together. OBJ + skeleton + weights + ASF + AMC: the exercise sheet (skeleton_transfer.h); what could not be matched and
-/// the root's scale are told in the notes. Throws ParseError and std::invalid_argument.
-Imported importFiles(const std::string& nameOrFile, const Companions& companions = {}, const ImportOptions& options = {});
+/// Everything that the files hold together. OBJ + skeleton + weights + ASF + AMC: the exercise sheet
+/// (skeleton_transfer.h); what could not be matched and the root's scale are told in the notes. Throws
+/// ParseError and std::invalid_argument.
+Imported importFiles(const std::string& nameOrFile, const Companions& companions = {},
+                     const ImportOptions& options = {});
 
 /// Turns a model as a whole: skeleton, skin, bind pose.
 Model rotated(Model model, const Eigen::Quaterniond& worldFromOld);
 
-/// A body with a skeleton, from an OBJ and any file that holds a skeleton; metresPerUnit is the OBJ's, and the skeleton's where that says none. With a weights file (Pinocchio's attachment) the four
-/// largest weights are used and what that loses is told in the notes; without one it gets heat weights. Throws ParseError and std::invalid_argument.
-Model openBody(const std::string& objPath, const std::string& skeletonPath, const std::optional<std::string>& weightsPath, double metresPerUnit = 1.0);
+/// A body with a skeleton, from an OBJ and any file that holds a skeleton; metresPerUnit is the OBJ's, and
+/// the skeleton's where that says none. With a weights file (Pinocchio's attachment) the four largest weights
+/// are used and what that loses is told in the notes; without one it gets heat weights. Throws ParseError and
+/// std::invalid_argument.
+Model openBody(const std::string& objPath, const std::string& skeletonPath,
+               const std::optional<std::string>& weightsPath, double metresPerUnit = 1.0);
 
-/// The skeleton or the whole model that one file holds. Throws std::invalid_argument for a file that holds none, and ParseError.
+/// The skeleton or the whole model that one file holds. Throws std::invalid_argument for a file that holds
+/// none, and ParseError.
 Model openModelFile(const std::string& path);
 
 /// A file's name without folder and extension.

@@ -22,8 +22,9 @@ struct MotionTableRequest {
 /// Adds --amc, --asf, --frame, --csv to the command; the request is filled when it is parsed.
 std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command);
 
-/// Prints `frame,bone,start_x,start_y,start_z,end_x,end_y,end_z` (metres; frames from 1; "rest" without a motion). Bones of an ASF skeleton
-/// go from their own start to their own end; of any other model, one row a joint: from the parent's place to its own.
+/// Prints `frame,bone,start_x,start_y,start_z,end_x,end_y,end_z` (metres; frames from 1; "rest" without a
+/// motion). Bones of an ASF skeleton go from their own start to their own end; of any other model, one row a
+/// joint: from the parent's place to its own.
 void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& request);
 
 }  // namespace gelenk

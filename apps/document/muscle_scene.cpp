@@ -26,29 +26,38 @@ class Reader {
   Reader(const json& value, std::string path) : value_(value), path_(std::move(path)) {}
 
   Reader at(const char* key) const {
-    if (!value_.is_object() || !value_.contains(key)) throw std::runtime_error(fmt::format("{} has no entry '{}'", path_, key));
+    if (!value_.is_object() || !value_.contains(key))
+      throw std::runtime_error(fmt::format("{} has no entry '{}'", path_, key));
     return {value_.at(key), path_ + "." + key};
   }
   Reader at(std::size_t i) const { return {value_.at(i), fmt::format("{}[{}]", path_, i)}; }
   std::size_t size(std::size_t expected) const {
     if (!value_.is_array() || (expected != anySize && value_.size() != expected))
-      throw std::runtime_error(fmt::format("{}: expected a list of {} entries, found {}", path_, expected,
-                                           value_.is_array() ? std::to_string(value_.size()) : value_.dump().substr(0, 40)));
+      throw std::runtime_error(
+          fmt::format("{}: expected a list of {} entries, found {}", path_, expected,
+                      value_.is_array() ? std::to_string(value_.size()) : value_.dump().substr(0, 40)));
     return value_.size();
   }
   bool flag() const {
-    if (!value_.is_boolean()) throw std::runtime_error(fmt::format("{}: expected true or false, found {}", path_, value_.dump().substr(0, 40)));
+    if (!value_.is_boolean())
+      throw std::runtime_error(
+          fmt::format("{}: expected true or false, found {}", path_, value_.dump().substr(0, 40)));
     return value_.get<bool>();
   }
   double number(double lower, double upper) const {
-    if (!value_.is_number()) throw std::runtime_error(fmt::format("{}: expected a number, found {}", path_, value_.dump().substr(0, 40)));
+    if (!value_.is_number())
+      throw std::runtime_error(
+          fmt::format("{}: expected a number, found {}", path_, value_.dump().substr(0, 40)));
     const double x = value_.get<double>();
     if (!(x >= lower && x <= upper))
-      throw std::runtime_error(fmt::format("{}: expected a number from {} to {}, found {}", path_, lower, upper, x));
+      throw std::runtime_error(
+          fmt::format("{}: expected a number from {} to {}, found {}", path_, lower, upper, x));
     return x;
   }
   std::string text() const {
-    if (!value_.is_string()) throw std::runtime_error(fmt::format("{}: expected a text, found {}", path_, value_.dump().substr(0, 40)));
+    if (!value_.is_string())
+      throw std::runtime_error(
+          fmt::format("{}: expected a text, found {}", path_, value_.dump().substr(0, 40)));
     return value_.get<std::string>();
   }
   const std::string& path() const { return path_; }
@@ -61,7 +70,8 @@ class Reader {
 
 MusclePlane readPlane(const Reader& from) {
   MusclePlane plane;
-  const Reader stretch = from.at("stretch"), offset = from.at("offset"), displacement = from.at("displacement");
+  const Reader stretch = from.at("stretch"), offset = from.at("offset"),
+               displacement = from.at("displacement");
   stretch.size(4);
   offset.size(2);
   for (int i = 0; i < 4; ++i) plane.stretch(i / 2, i % 2) = stretch.at(i).number(-10.0, 10.0);
@@ -92,7 +102,8 @@ LimbSettings readLimb(const Reader& from, std::size_t links) {
                                        .nearJoint = curve.at("near_joint").number(-1.0, 2.0),
                                        .tendon = curve.at("tendon").number(-1.0, 0.9),
                                        .fullBend = curve.at("full_bend").number(0.1, 3.2)});
-    settings.control.sculpted.push_back({readPlane(sculpted.at(i).at("plane2")), readPlane(sculpted.at(i).at("plane4"))});
+    settings.control.sculpted.push_back(
+        {readPlane(sculpted.at(i).at("plane2")), readPlane(sculpted.at(i).at("plane4"))});
   }
   return settings;
 }
@@ -123,24 +134,32 @@ std::string muscleSettingsText(const MuscleSettings& settings) {
                      {"curves", curves},
                      {"sculpted", sculpted}});
   }
-  return json{{"enabled", settings.enabled}, {"lattice", settings.lattice}, {"split", settings.split}, {"limbs", limbs}}.dump();
+  return json{{"enabled", settings.enabled},
+              {"lattice", settings.lattice},
+              {"split", settings.split},
+              {"limbs", limbs}}
+      .dump();
 }
 
 MuscleSettings parseMuscleSettings(const std::string& text, const std::vector<Limb>& limbs) {
   const json root = json::parse(text, nullptr, false);
   if (root.is_discarded()) throw std::runtime_error("muscles: no valid JSON");
   const Reader from(root, "muscles");
-  MuscleSettings settings{.enabled = from.at("enabled").flag(), .lattice = from.at("lattice").flag(), .split = from.at("split").flag(), .limbs = {}};
+  MuscleSettings settings{.enabled = from.at("enabled").flag(),
+                          .lattice = from.at("lattice").flag(),
+                          .split = from.at("split").flag(),
+                          .limbs = {}};
   const Reader list = from.at("limbs");
   const std::size_t count = list.size(Reader::anySize);
   for (std::size_t i = 0; i < count; ++i) {
     const std::string name = list.at(i).at("name").text();
-    const auto known = std::find_if(limbs.begin(), limbs.end(), [&](const Limb& limb) { return limb.name == name; });
+    const auto known =
+        std::find_if(limbs.begin(), limbs.end(), [&](const Limb& limb) { return limb.name == name; });
     if (known == limbs.end()) {
       std::string names;
       for (const Limb& limb : limbs) names += (names.empty() ? "" : ", ") + limb.name;
-      throw std::runtime_error(fmt::format("{}: the model has no limb '{}'; it has: {}", list.at(i).path(), name,
-                                           names.empty() ? "none" : names));
+      throw std::runtime_error(fmt::format("{}: the model has no limb '{}'; it has: {}", list.at(i).path(),
+                                           name, names.empty() ? "none" : names));
     }
     settings.limbs.emplace_back(name, readLimb(list.at(i), known->shape.links.size()));
     Limb trial = *known;

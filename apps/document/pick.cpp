@@ -23,7 +23,9 @@ std::optional<SurfaceHit> pickSurface(const std::vector<std::array<int, 3>>& tri
     const double depth = ac.dot(q) / determinant;
     if (depth < 0.0 || (nearest && depth >= nearest->depth)) continue;
     const Eigen::Vector3d weights((determinant - u - v) / determinant, u / determinant, v / determinant);
-    nearest = {.point = {.triangle = static_cast<int>(t), .barycentric = weights}, .position = ray.at(depth), .depth = depth};
+    nearest = {.point = {.triangle = static_cast<int>(t), .barycentric = weights},
+               .position = ray.at(depth),
+               .depth = depth};
   }
   return nearest;
 }
@@ -32,7 +34,8 @@ int dominantJoint(const Skin& skin, const SurfacePoint& point) {
   std::vector<double> share(skin.jointFromRestWorld.size(), 0.0);
   for (int corner = 0; corner < 3; ++corner) {
     const Influences& influences = skin.influences[skin.mesh.triangles[point.triangle][corner]];
-    for (int k = 0; k < 4; ++k) share[influences.joints[k]] += point.barycentric[corner] * influences.weights[k];
+    for (int k = 0; k < 4; ++k)
+      share[influences.joints[k]] += point.barycentric[corner] * influences.weights[k];
   }
   return static_cast<int>(std::ranges::max_element(share) - share.begin());
 }
@@ -53,15 +56,18 @@ std::optional<LatticePoint> pickLattice(const LimbPose& limb, const Camera& came
   double smallest = reach, depth = 0.0;
   for (int plane = 0; plane < static_cast<int>(limb.planes.size()); ++plane) {
     std::array<Projected, 16> at;
-    std::ranges::transform(limb.controlPoints(plane), at.begin(), [&](const Eigen::Vector3d& p) { return project(camera, viewport, p); });
+    std::ranges::transform(limb.controlPoints(plane), at.begin(),
+                           [&](const Eigen::Vector3d& p) { return project(camera, viewport, p); });
     if (std::ranges::any_of(at, [](const Projected& p) { return p.depth <= 0.0; })) continue;
     double distance = reach;
     for (int c = 0; c < 16; ++c) {
       if (c % 4 > 0) distance = std::min(distance, distanceToSegment(pixel, at[c - 1].pixel, at[c].pixel));
       if (c >= 4) distance = std::min(distance, distanceToSegment(pixel, at[c - 4].pixel, at[c].pixel));
     }
-    const auto point = std::ranges::min_element(at, {}, [&](const Projected& p) { return (p.pixel - pixel).norm(); });
-    const bool nearer = distance < smallest - 0.5 || (distance < smallest + 0.5 && nearest && point->depth < depth);
+    const auto point =
+        std::ranges::min_element(at, {}, [&](const Projected& p) { return (p.pixel - pixel).norm(); });
+    const bool nearer =
+        distance < smallest - 0.5 || (distance < smallest + 0.5 && nearest && point->depth < depth);
     if (distance >= reach || !(nearer || !nearest)) continue;
     smallest = distance;
     depth = point->depth;
@@ -70,12 +76,14 @@ std::optional<LatticePoint> pickLattice(const LimbPose& limb, const Camera& came
   return nearest;
 }
 
-std::optional<Eigen::Vector3d> dragTarget(const Camera& camera, const Viewport& viewport, const Eigen::Vector2d& pixel,
-                                          const Eigen::Vector3d& start, DragConstraint constraint) {
+std::optional<Eigen::Vector3d> dragTarget(const Camera& camera, const Viewport& viewport,
+                                          const Eigen::Vector2d& pixel, const Eigen::Vector3d& start,
+                                          DragConstraint constraint) {
   constexpr double steepest = 0.05;  // sine of the smallest angle between ray and plane, about 3 degrees
   const Ray ray = rayThroughPixel(camera, viewport, pixel);
   if (constraint == DragConstraint::ViewPlane || constraint == DragConstraint::GroundPlane) {
-    const Eigen::Vector3d normal = constraint == DragConstraint::ViewPlane ? Eigen::Vector3d(camera.axes().col(2)) : camera.up;
+    const Eigen::Vector3d normal =
+        constraint == DragConstraint::ViewPlane ? Eigen::Vector3d(camera.axes().col(2)) : camera.up;
     const double along = ray.direction.dot(normal);
     if (std::abs(along) < steepest) return std::nullopt;
     const double t = (start - ray.origin).dot(normal) / along;

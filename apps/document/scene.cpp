@@ -22,24 +22,25 @@ constexpr int formatVersion = 1;
 constexpr int deepestNesting = 200;
 
 constexpr std::array<std::pair<GoalState, const char*>, 4> stateNames{{{GoalState::Free, "free"},
-                                                                        {GoalState::Held, "held"},
-                                                                        {GoalState::Dragged, "dragged"},
-                                                                        {GoalState::Pinned, "pinned"}}};
+                                                                       {GoalState::Held, "held"},
+                                                                       {GoalState::Dragged, "dragged"},
+                                                                       {GoalState::Pinned, "pinned"}}};
 constexpr std::array<std::pair<GoalKind, const char*>, 6> kindNames{{{GoalKind::Position, "position"},
-                                                                      {GoalKind::Orientation, "orientation"},
-                                                                      {GoalKind::Pose, "pose"},
-                                                                      {GoalKind::Aim, "aim"},
-                                                                      {GoalKind::Pole, "pole"},
-                                                                      {GoalKind::Posture, "posture"}}};
-constexpr std::array<std::pair<bool ViewOptions::*, const char*>, 9> optionNames{{{&ViewOptions::skin, "skin"},
-                                                                                   {&ViewOptions::wireframe, "wireframe"},
-                                                                                   {&ViewOptions::skeleton, "skeleton"},
-                                                                                   {&ViewOptions::weights, "weights"},
-                                                                                   {&ViewOptions::jointFrames, "joint_frames"},
-                                                                                   {&ViewOptions::limits, "limits"},
-                                                                                   {&ViewOptions::handles, "handles"},
-                                                                                   {&ViewOptions::ground, "ground"},
-                                                                                   {&ViewOptions::shadow, "shadow"}}};
+                                                                     {GoalKind::Orientation, "orientation"},
+                                                                     {GoalKind::Pose, "pose"},
+                                                                     {GoalKind::Aim, "aim"},
+                                                                     {GoalKind::Pole, "pole"},
+                                                                     {GoalKind::Posture, "posture"}}};
+constexpr std::array<std::pair<bool ViewOptions::*, const char*>, 9> optionNames{
+    {{&ViewOptions::skin, "skin"},
+     {&ViewOptions::wireframe, "wireframe"},
+     {&ViewOptions::skeleton, "skeleton"},
+     {&ViewOptions::weights, "weights"},
+     {&ViewOptions::jointFrames, "joint_frames"},
+     {&ViewOptions::limits, "limits"},
+     {&ViewOptions::handles, "handles"},
+     {&ViewOptions::ground, "ground"},
+     {&ViewOptions::shadow, "shadow"}}};
 
 template <typename Table, typename Value>
 const char* nameIn(const Table& table, Value value) {
@@ -59,7 +60,8 @@ json quaternion(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z(
 /// A place in the file's tree, able to say what is wrong with it.
 class Entry {
  public:
-  Entry(const std::string& file, const json& value, std::string path) : file_(file), value_(value), path_(std::move(path)) {}
+  Entry(const std::string& file, const json& value, std::string path)
+      : file_(file), value_(value), path_(std::move(path)) {}
 
   [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
     throw ParseError(file_, 0, (path_.empty() ? "" : path_ + ": ") + expected, found);
@@ -79,7 +81,8 @@ class Entry {
   std::vector<Entry> list() const {
     if (!value_.is_array()) fail("a list [...]");
     std::vector<Entry> entries;
-    for (std::size_t i = 0; i < value_.size(); ++i) entries.emplace_back(file_, value_[i], fmt::format("{}[{}]", path_, i));
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      entries.emplace_back(file_, value_[i], fmt::format("{}[{}]", path_, i));
     return entries;
   }
   double number() const {
@@ -89,7 +92,9 @@ class Entry {
     return x;
   }
   int integer() const {
-    if (!value_.is_number_integer() || value_.get<double>() < -2147483648.0 || value_.get<double>() > 2147483647.0) fail("an integer of 32 bits");
+    if (!value_.is_number_integer() || value_.get<double>() < -2147483648.0 ||
+        value_.get<double>() > 2147483647.0)
+      fail("an integer of 32 bits");
     return value_.get<int>();
   }
   bool boolean() const {
@@ -111,7 +116,8 @@ class Entry {
   Eigen::Vector3d point() const { return vector(3); }
   Eigen::Quaterniond unitQuaternion() const {
     const Eigen::VectorXd v = vector(4);
-    if (std::abs(v.norm() - 1.0) > 1e-9) fail("a unit quaternion (w, x, y, z)", fmt::format("length {}", v.norm()));
+    if (std::abs(v.norm() - 1.0) > 1e-9)
+      fail("a unit quaternion (w, x, y, z)", fmt::format("length {}", v.norm()));
     return {v[0], v[1], v[2], v[3]};
   }
   template <typename Table>
@@ -138,19 +144,25 @@ class Entry {
 
 json parseText(std::string_view text, const std::string& path) {
   try {
-    json tree = json::parse(text, [&](int depth, json::parse_event_t, json&) {  // writing and telling a tree recurse
-      if (depth > deepestNesting) throw ParseError(path, 0, fmt::format("entries nested at most {} deep", deepestNesting), "more");
-      return true;
-    });
+    json tree =
+        json::parse(text, [&](int depth, json::parse_event_t, json&) {  // writing and telling a tree recurse
+          if (depth > deepestNesting)
+            throw ParseError(path, 0, fmt::format("entries nested at most {} deep", deepestNesting), "more");
+          return true;
+        });
     const Entry root(path, tree, "");
     if (!tree.is_object()) root.fail("a Gelenk scene {\"format\": \"gelenk-scene\", ...}");
-    if (root.at("format").text() != formatName) root.fail("\"format\": \"gelenk-scene\"", root.at("format").text());
+    if (root.at("format").text() != formatName)
+      root.fail("\"format\": \"gelenk-scene\"", root.at("format").text());
     if (root.at("version").integer() != formatVersion)
       root.fail(fmt::format("version {}", formatVersion), std::to_string(root.at("version").integer()));
     return tree;
   } catch (const json::parse_error& error) {
-    const int line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + std::min(error.byte, text.size()), '\n'));
-    throw ParseError(path, line, "JSON", error.byte >= text.size() ? "the end of the file" : "a character that does not belong there");
+    const int line = 1 + static_cast<int>(std::count(text.begin(),
+                                                     text.begin() + std::min(error.byte, text.size()), '\n'));
+    throw ParseError(
+        path, line, "JSON",
+        error.byte >= text.size() ? "the end of the file" : "a character that does not belong there");
   } catch (const json::out_of_range&) {  // thrown for nothing else while reading
     throw ParseError(path, 0, "numbers that a double can hold", "a larger one");
   }
@@ -166,11 +178,13 @@ json toJson(const SceneGoal& sceneGoal, const Skeleton& skeleton) {
              {"target", numbers(goal.target)},
              {"state", nameIn(stateNames, state)},
              {"handle", sceneGoal.handle}};
-  if (goal.kind == GoalKind::Orientation || goal.kind == GoalKind::Pose) entry["orientation"] = quaternion(goal.orientation);
+  if (goal.kind == GoalKind::Orientation || goal.kind == GoalKind::Pose)
+    entry["orientation"] = quaternion(goal.orientation);
   if (goal.kind == GoalKind::Aim) entry["axis"] = numbers(goal.axisInJoint);
   if (goal.kind == GoalKind::Posture) entry["posture"] = numbers(goal.posture);
   if (sceneGoal.surface.triangle >= 0)
-    entry["surface"] = {{"triangle", sceneGoal.surface.triangle}, {"barycentric", numbers(sceneGoal.surface.barycentric)}};
+    entry["surface"] = {{"triangle", sceneGoal.surface.triangle},
+                        {"barycentric", numbers(sceneGoal.surface.barycentric)}};
   return entry;
 }
 
@@ -215,12 +229,9 @@ Camera readCamera(const Entry& entry) {
 }
 
 json toJson(const Camera& camera) {
-  return {{"target", numbers(camera.target)},
-          {"up", numbers(camera.up)},
-          {"distance", camera.distance},
-          {"azimuth", camera.azimuth},
-          {"elevation", camera.elevation},
-          {"vertical_field_of_view", camera.verticalFieldOfView},
+  return {{"target", numbers(camera.target)},   {"up", numbers(camera.up)},
+          {"distance", camera.distance},        {"azimuth", camera.azimuth},
+          {"elevation", camera.elevation},      {"vertical_field_of_view", camera.verticalFieldOfView},
           {"orthographic", camera.orthographic}};
 }
 
@@ -271,15 +282,23 @@ ModelReference parseModelReference(std::string_view text, const std::string& fil
   return readReference(Entry(file, tree, ""));
 }
 
-ModelReference readModelReference(const std::string& path) { return parseModelReference(readFile(path), path); }
+ModelReference readModelReference(const std::string& path) {
+  return parseModelReference(readFile(path), path);
+}
 
 Model readModel(const ModelReference& reference) {
-  return withBody(importFiles(reference.nameOrFile, {.skeleton = reference.skeletonFile, .weights = reference.weightsFile, .asf = reference.asfFile,
-                                                     .amc = reference.amcFile, .mapping = reference.mappingFile, .figure = {}})
+  return withBody(importFiles(reference.nameOrFile, {.skeleton = reference.skeletonFile,
+                                                     .weights = reference.weightsFile,
+                                                     .asf = reference.asfFile,
+                                                     .amc = reference.amcFile,
+                                                     .mapping = reference.mappingFile,
+                                                     .figure = {}})
                       .model);
 }
 
-Scene loadScene(const std::string& path, const Skeleton& skeleton) { return parseScene(readFile(path), path, skeleton); }
+Scene loadScene(const std::string& path, const Skeleton& skeleton) {
+  return parseScene(readFile(path), path, skeleton);
+}
 
 Scene parseScene(std::string_view text, const std::string& file, const Skeleton& skeleton) {
   const json tree = parseText(text, file);
@@ -291,7 +310,8 @@ Scene parseScene(std::string_view text, const std::string& file, const Skeleton&
     if (!skeleton.joint(i).ball) continue;
     const int at = skeleton.qIndex(i) + static_cast<int>(skeleton.joint(i).axes.size());
     if (const double length = scene.q.segment<4>(at).norm(); std::abs(length - 1.0) > 1e-9)
-      root.at("q").fail(fmt::format("a unit quaternion for joint {} at entries {} to {}", skeleton.joint(i).name, at, at + 3),
+      root.at("q").fail(fmt::format("a unit quaternion for joint {} at entries {} to {}",
+                                    skeleton.joint(i).name, at, at + 3),
                         fmt::format("length {}", length));
   }
   for (const Entry& entry : root.at("goals").list()) scene.goals.push_back(readGoal(entry, skeleton));
@@ -301,7 +321,8 @@ Scene parseScene(std::string_view text, const std::string& file, const Skeleton&
     for (const auto& [member, name] : optionNames)
       if (const auto e = show->find(name)) scene.options.*member = e->boolean();
   if (const auto e = root.find("theme"))
-    scene.theme = e->oneOf(std::array<std::pair<Theme, const char*>, 2>{{{Theme::Light, "light"}, {Theme::Dark, "dark"}}});
+    scene.theme = e->oneOf(
+        std::array<std::pair<Theme, const char*>, 2>{{{Theme::Light, "light"}, {Theme::Dark, "dark"}}});
   if (const auto e = root.find("selected")) scene.selectedJoint = e->text();
   if (const auto panels = root.find("panels")) {
     if (!panels->value().is_object()) panels->fail("an object {...}");

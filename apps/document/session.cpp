@@ -17,11 +17,14 @@ namespace gelenk {
 namespace {
 
 constexpr double heldWeight = 1.0;
-constexpr double pinWeight = 300.0;   // on the squared error: a pin yields 300 times less than the hand that pulls
+constexpr double pinWeight =
+    300.0;  // on the squared error: a pin yields 300 times less than the hand that pulls
 constexpr double poleWeight = 0.1;
 constexpr std::size_t longestHistory = 200;
 
-bool hasOrientation(const Goal& goal) { return goal.kind == GoalKind::Pose || goal.kind == GoalKind::Orientation; }
+bool hasOrientation(const Goal& goal) {
+  return goal.kind == GoalKind::Pose || goal.kind == GoalKind::Orientation;
+}
 
 bool isEffective(const SceneGoal& goal) { return goal.state != GoalState::Free; }
 
@@ -47,7 +50,8 @@ bool ballAtLimit(const BallLimit& limit, const Eigen::Quaterniond& rotation) {
   const Eigen::Vector2d scaled = (c.head<2>() - limit.swingCentre).cwiseQuotient(limit.swingRadii);
   if (scaled.norm() >= 1.0 - Session::limitMargin) return true;
   return limit.twistUpper - limit.twistLower > 4.0 * Session::limitMargin &&
-         (c.z() <= limit.twistLower + Session::limitMargin || c.z() >= limit.twistUpper - Session::limitMargin);
+         (c.z() <= limit.twistLower + Session::limitMargin ||
+          c.z() >= limit.twistUpper - Session::limitMargin);
 }
 
 std::vector<int> endEffectors(const Skeleton& skeleton) {
@@ -94,7 +98,8 @@ void Session::followPose() {
 
 void Session::setPose(const Eigen::VectorXd& q) {
   if (q.size() != skeleton().nq())
-    throw std::invalid_argument(fmt::format("a pose of this model has {} values, not {}", skeleton().nq(), q.size()));
+    throw std::invalid_argument(
+        fmt::format("a pose of this model has {} values, not {}", skeleton().nq(), q.size()));
   if (!q.allFinite()) throw std::invalid_argument("a pose needs finite values");
   place(projectToLimits(skeleton(), q));
   followPose();
@@ -161,12 +166,14 @@ Eigen::Vector3d Session::blendedPoint(const SurfacePoint& point) const {
     for (int k = 0; k < 4; ++k)
       if (influences.weights[k] > 0.0)
         p += point.barycentric[corner] * influences.weights[k] *
-             (frames_[influences.joints[k]] * (skin.jointFromRestWorld[influences.joints[k]] * skin.mesh.positions[v]));
+             (frames_[influences.joints[k]] *
+              (skin.jointFromRestWorld[influences.joints[k]] * skin.mesh.positions[v]));
   }
   return p;
 }
 
-/// The blended point moves in its joint's frame as the pose changes; a solver needs it as a point fixed to that joint.
+/// The blended point moves in its joint's frame as the pose changes; a solver needs it as a point fixed to
+/// that joint.
 void Session::anchorSurfaceGoals() {
   for (SceneGoal& goal : goals_)
     if (goal.surface.triangle >= 0)
@@ -202,7 +209,9 @@ int Session::addGoal(Goal goal) {
 
 int Session::addJointGoal(int joint) {
   for (int i = 0; i < static_cast<int>(goals_.size()); ++i)
-    if (goals_[i].goal.joint == joint && goals_[i].goal.pointInJoint.isZero() && goals_[i].goal.kind != GoalKind::Pole) return i;
+    if (goals_[i].goal.joint == joint && goals_[i].goal.pointInJoint.isZero() &&
+        goals_[i].goal.kind != GoalKind::Pole)
+      return i;
   return addGoal({.joint = joint,
                   .target = frames_[joint].translation(),
                   .orientation = Eigen::Quaterniond(frames_[joint].linear()).normalized()});
@@ -213,7 +222,8 @@ int Session::addSurfaceGoal(const SurfacePoint& point) {
   std::vector<double> share(skeleton().jointCount(), 0.0);
   for (int corner = 0; corner < 3; ++corner) {
     const Influences& influences = skin.influences[skin.mesh.triangles[point.triangle][corner]];
-    for (int k = 0; k < 4; ++k) share[influences.joints[k]] += point.barycentric[corner] * influences.weights[k];
+    for (int k = 0; k < 4; ++k)
+      share[influences.joints[k]] += point.barycentric[corner] * influences.weights[k];
   }
   const int joint = static_cast<int>(std::ranges::max_element(share) - share.begin());
   const int goal = addGoal({.name = skeleton().joint(joint).name + " skin", .joint = joint});
@@ -247,10 +257,10 @@ void Session::setState(int goal, GoalState state) {
     g.goal.target = reached(goal);
     g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
   }
-  // A pinned foot keeps its sole on the ground: handles other than the root's are pinned with their orientation, where
-  // there are joints enough for it.
-  if (g.goal.kind == GoalKind::Position && state == GoalState::Pinned && g.handle && skeleton().parent(g.goal.joint) >= 0 &&
-      !model_->planar && skeleton().nv() >= 12) {
+  // A pinned foot keeps its sole on the ground: handles other than the root's are pinned with their
+  // orientation, where there are joints enough for it.
+  if (g.goal.kind == GoalKind::Position && state == GoalState::Pinned && g.handle &&
+      skeleton().parent(g.goal.joint) >= 0 && !model_->planar && skeleton().nv() >= 12) {
     g.goal.kind = GoalKind::Pose;
     g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
   }
@@ -259,7 +269,8 @@ void Session::setState(int goal, GoalState state) {
 
 void Session::togglePin(int goal) {
   if (dragged_ != goal) remember();
-  const bool pin = goals_[goal].state != GoalState::Pinned && !(dragged_ == goal && afterDrag_ == GoalState::Pinned);
+  const bool pin =
+      goals_[goal].state != GoalState::Pinned && !(dragged_ == goal && afterDrag_ == GoalState::Pinned);
   if (dragged_ == goal) {
     dragMoved_ = true;
     afterDrag_ = pin ? GoalState::Pinned : GoalState::Held;
@@ -293,9 +304,13 @@ void Session::beginDrag(int goal) {
   remember();
   SceneGoal& g = goals_[goal];
   // Points made for this drag go with it; what was pinned stays pinned; handles stay where they are put.
-  afterDrag_ = g.state == GoalState::Pinned ? GoalState::Pinned : g.handle ? GoalState::Held : GoalState::Free;
-  if (g.state == GoalState::Free || g.goal.kind == GoalKind::Position || g.goal.kind == GoalKind::Pose) g.goal.target = reached(goal);
-  if (g.goal.kind == GoalKind::Pose) g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
+  afterDrag_ = g.state == GoalState::Pinned ? GoalState::Pinned
+               : g.handle                   ? GoalState::Held
+                                            : GoalState::Free;
+  if (g.state == GoalState::Free || g.goal.kind == GoalKind::Position || g.goal.kind == GoalKind::Pose)
+    g.goal.target = reached(goal);
+  if (g.goal.kind == GoalKind::Pose)
+    g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
   g.state = GoalState::Dragged;
   dragged_ = goal;
   dragMoved_ = false;
@@ -456,7 +471,8 @@ void Session::restore(const Scene& scene) {
   for (const SceneGoal& goal : scene.goals)
     if (goal.surface.triangle >= 0 &&
         (!model_->skin || goal.surface.triangle >= static_cast<int>(model_->skin->mesh.triangles.size())))
-      throw std::invalid_argument(fmt::format("goal {}: the model's skin has no triangle {}", goal.goal.name, goal.surface.triangle));
+      throw std::invalid_argument(
+          fmt::format("goal {}: the model's skin has no triangle {}", goal.goal.name, goal.surface.triangle));
   setSolver(scene.solver);
   remember();
   apply({scene.q, scene.goals});

@@ -14,7 +14,8 @@
 
 namespace gelenk {
 
-/// One method of following goals from frame to frame: the stateful drag solver, or a catalogue solver started warm.
+/// One method of following goals from frame to frame: the stateful drag solver, or a catalogue solver started
+/// warm.
 class FrameSolver {
  public:
   virtual ~FrameSolver() = default;
@@ -24,27 +25,30 @@ class FrameSolver {
   virtual void reset() {}
 };
 
-/// Names that makeFrameSolver knows: "hybrid" (the drag solver, the default) and every entry of solverCatalogue().
+/// Names that makeFrameSolver knows: "hybrid" (the drag solver, the default) and every entry of
+/// solverCatalogue().
 std::vector<std::string> frameSolverNames();
 /// Throws std::invalid_argument that lists the names there are.
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name, const Skeleton& skeleton);
 
 /// What the last solved frame did; all facts are recomputed by forward kinematics outside the solver.
 struct FrameSolve {
-  bool ran = false;           ///< false: nothing was held, nothing to solve
+  bool ran = false;  ///< false: nothing was held, nothing to solve
   Stop why = Stop::Converged;
   int iterations = 0;
-  double seconds = 0.0;       ///< of the solver's call; not part of the status file
-  double error = 0.0;         ///< largest position error of the goals in the solve, metres
-  double jointMotion = 0.0;   ///< largest change of a rotation (radians) or translation (metres) this frame
+  double seconds = 0.0;      ///< of the solver's call; not part of the status file
+  double error = 0.0;        ///< largest position error of the goals in the solve, metres
+  double jointMotion = 0.0;  ///< largest change of a rotation (radians) or translation (metres) this frame
   std::vector<double> residuals;  ///< weighted residual norm before each iteration, then after the last
-  std::string unsupported;    ///< why the solver does not do this problem; empty where it does
+  std::string unsupported;        ///< why the solver does not do this problem; empty where it does
 };
 
-/// The state of dragging a model, without window or OpenGL: pose, goals, pins, history, solver, and the step of a frame.
+/// The state of dragging a model, without window or OpenGL: pose, goals, pins, history, solver, and the step
+/// of a frame.
 ///
-/// A drag: begin (a handle, a joint, a point of the skin) -> move the target, frame by frame -> end. A handle that is let go
-/// stays held at its target; other points let go entirely unless they are pinned. Every edit can be undone.
+/// A drag: begin (a handle, a joint, a point of the skin) -> move the target, frame by frame -> end. A handle
+/// that is let go stays held at its target; other points let go entirely unless they are pinned. Every edit
+/// can be undone.
 class Session {
  public:
   explicit Session(Model model);
@@ -54,18 +58,20 @@ class Session {
 
   const Model& model() const { return *model_; }
   const Skeleton& skeleton() const { return model_->skeleton; }
-  /// Binds the model's skin anew, one row a vertex: what was model() is replaced. Throws std::invalid_argument for a model without a
-  /// skin or another number of rows.
+  /// Binds the model's skin anew, one row a vertex: what was model() is replaced. Throws
+  /// std::invalid_argument for a model without a skin or another number of rows.
   void setInfluences(std::vector<Influences> influences);
 
   // --- pose
   const Eigen::VectorXd& q() const { return q_; }
   const Frames& frames() const { return frames_; }
-  /// Poses the model directly (sliders, keyframes, playback). Held goals and pins go along: their targets become the points
-  /// reached. q: nq; projected to the limits. Throws std::invalid_argument on a wrong length or values that are not finite.
+  /// Poses the model directly (sliders, keyframes, playback). Held goals and pins go along: their targets
+  /// become the points reached. q: nq; projected to the limits. Throws std::invalid_argument on a wrong
+  /// length or values that are not finite.
   void setPose(const Eigen::VectorXd& q);
-  void resetPose();   ///< rest pose, only the handles pinned at the beginning are pinned
-  /// Left and right change places, see kinematics/symmetry.h. Throws std::invalid_argument where the model is not symmetric.
+  void resetPose();  ///< rest pose, only the handles pinned at the beginning are pinned
+  /// Left and right change places, see kinematics/symmetry.h. Throws std::invalid_argument where the model is
+  /// not symmetric.
   void mirrorPose();
 
   // --- goals
@@ -76,12 +82,13 @@ class Session {
   Eigen::Vector3d reached(int goal) const;
   /// Position: |target - reached|; metres. 0 for a free handle.
   double error(int goal) const;
-  /// A goal at a joint's origin / at a point of the skin, held at its present place; the index of an existing one where there is.
+  /// A goal at a joint's origin / at a point of the skin, held at its present place; the index of an existing
+  /// one where there is.
   int addJointGoal(int joint);
   int addSurfaceGoal(const SurfacePoint& point);
   /// Any goal (Position, Pose, Pole, Aim), held. A repeated name gets a number.
   int addGoal(Goal goal);
-  void setTarget(int goal, const Eigen::Vector3d& target);             ///< metres, world; a free goal becomes held
+  void setTarget(int goal, const Eigen::Vector3d& target);  ///< metres, world; a free goal becomes held
   void setOrientation(int goal, const Eigen::Quaterniond& orientation);  ///< makes it a pose goal
   void clearOrientation(int goal);
   void setState(int goal, GoalState state);

@@ -9,8 +9,9 @@ namespace gelenk {
 
 const std::vector<LectureTopic>& lectureTopics() {
   static const std::vector<LectureTopic> topics{
-      planarForwardTopic(), twoLinkTopic(),      newtonOneDimensionTopic(), newtonSquareTopic(), pseudoInverseTopic(),
-      shortestPathTopic(),  rotationsTopic(),    denavitHartenbergTopic(),  legTopic(),
+      planarForwardTopic(), twoLinkTopic(),           newtonOneDimensionTopic(),
+      newtonSquareTopic(),  pseudoInverseTopic(),     shortestPathTopic(),
+      rotationsTopic(),     denavitHartenbergTopic(), legTopic(),
   };
   return topics;
 }
@@ -26,7 +27,8 @@ LectureVerdict evaluate(const LectureCheck& check) {
   for (std::size_t i = 0; i < check.printed.size(); ++i) {
     const double printed = expected.at(i), computed = verdict.computed[i];
     const double tolerance = check.tolerance.size() == 1 ? check.tolerance[0] : check.tolerance.at(i);
-    const double allowed = tolerance * (1.0 + 1e-9);  // a value that stands exactly between two printed digits
+    const double allowed =
+        tolerance * (1.0 + 1e-9);  // a value that stands exactly between two printed digits
     verdict.difference = std::max(verdict.difference, std::abs(computed - check.printed[i]));
     switch (check.comparison) {
       case Comparison::Equal: verdict.ok = verdict.ok && std::abs(computed - printed) <= allowed; break;
@@ -45,7 +47,8 @@ const LectureTopic& findLectureTopic(std::string_view id) {
       if (check.id == id) return topic;
     known += (known.empty() ? "" : ", ") + topic.id;
   }
-  throw std::invalid_argument("no example of the lecture is called '" + std::string(id) + "'; there are: " + known);
+  throw std::invalid_argument("no example of the lecture is called '" + std::string(id) +
+                              "'; there are: " + known);
 }
 
 }  // namespace gelenk

@@ -14,7 +14,8 @@ enum class Comparison {
   AtLeast,  ///< computed >= printed
 };
 
-/// One printed value of the slides (a number, a point, a matrix row by row) or one checkable claim, and its computation.
+/// One printed value of the slides (a number, a point, a matrix row by row) or one checkable claim, and its
+/// computation.
 struct LectureCheck {
   std::string id;                 ///< unique, such as "planar-fk-p2"
   std::string section;            ///< where it stands on the slides
@@ -23,20 +24,22 @@ struct LectureCheck {
   std::vector<double> tolerance;  ///< half a printed digit each; one value stands for all
   std::function<std::vector<double>()> compute;
   Comparison comparison = Comparison::Equal;
-  std::vector<double> corrected = {};  ///< where the slide's value is wrong: what is compared instead; empty otherwise
-  std::string note = {};          ///< where the slide rounds or is wrong: what and how
+  std::vector<double> corrected =
+      {};                 ///< where the slide's value is wrong: what is compared instead; empty otherwise
+  std::string note = {};  ///< where the slide rounds or is wrong: what and how
 };
 
 /// One example of the lecture: its checks, and the whole derivation with every intermediate value.
 struct LectureTopic {
-  std::string id;       ///< as typed: `gelenk lecture ID --steps`
+  std::string id;  ///< as typed: `gelenk lecture ID --steps`
   std::string section;
   std::string title;
   std::string (*steps)();
   std::vector<LectureCheck> checks;
 };
 
-/// Lecture 10.1 and 10.2, every example, in the order of the slides: one list for the table, the tests and the sandbox.
+/// Lecture 10.1 and 10.2, every example, in the order of the slides: one list for the table, the tests and
+/// the sandbox.
 const std::vector<LectureTopic>& lectureTopics();
 
 struct LectureVerdict {
@@ -46,7 +49,8 @@ struct LectureVerdict {
 };
 LectureVerdict evaluate(const LectureCheck& check);
 
-/// The topic of that id, or the one that holds a check of that id. Throws std::invalid_argument listing the topics.
+/// The topic of that id, or the one that holds a check of that id. Throws std::invalid_argument listing the
+/// topics.
 const LectureTopic& findLectureTopic(std::string_view id);
 
 // The topics, one function each, in topics_*.cpp.

@@ -25,7 +25,13 @@ struct Leg {
 Leg legOf(const Skeleton& figure, int side) {
   const std::string ending = side == 0 ? "_l" : "_r";
   const auto joint = [&](const char* name) { return figure.jointIndex(name + ending); };
-  Leg leg{.thigh = joint("thigh"), .calf = joint("calf"), .foot = joint("foot"), .ball = joint("ball"), .heelInFoot = {}, .ballInFoot = {}, .toeInBall = {}};
+  Leg leg{.thigh = joint("thigh"),
+          .calf = joint("calf"),
+          .foot = joint("foot"),
+          .ball = joint("ball"),
+          .heelInFoot = {},
+          .ballInFoot = {},
+          .toeInBall = {}};
   const Frames rest = restFrames(figure);
   // At rest the figure stands: the points of the sole lie on y = 0, the heel 5 cm behind the ankle.
   const auto onGround = [](Vector3d p) { return Vector3d(p.x(), 0.0, p.z()); };
@@ -39,7 +45,8 @@ struct Sole {
   Vector3d heel, ball, toe;
 };
 Sole soleAt(const Leg& leg, const Frames& frames) {
-  return {frames[leg.foot] * leg.heelInFoot, frames[leg.foot] * leg.ballInFoot, frames[leg.ball] * leg.toeInBall};
+  return {frames[leg.foot] * leg.heelInFoot, frames[leg.foot] * leg.ballInFoot,
+          frames[leg.ball] * leg.toeInBall};
 }
 
 double smooth(double s) { return s <= 0.0 ? 0.0 : s >= 1.0 ? 1.0 : s * s * (3.0 - 2.0 * s); }
@@ -47,14 +54,16 @@ double smooth(double s) { return s <= 0.0 ? 0.0 : s >= 1.0 ? 1.0 : s * s * (3.0 
 /// Leads the ball of the foot to a point by hip and knee; the foot's own angles stay.
 void leadBall(const Skeleton& figure, const Leg& leg, const Vector3d& target, VectorXd& q) {
   static const std::unique_ptr<IkSolver> twoLink = makeTwoLink();
-  const IkProblem problem{.skeleton = &figure,
-                          .start = q,
-                          .goals = {{.name = "ball of the foot", .joint = leg.foot, .pointInJoint = leg.ballInFoot, .target = target}}};
+  const IkProblem problem{
+      .skeleton = &figure,
+      .start = q,
+      .goals = {
+          {.name = "ball of the foot", .joint = leg.foot, .pointInJoint = leg.ballInFoot, .target = target}}};
   q = twoLink->solve(problem, {}, TraceLevel::Off).q;
 }
 
-/// The ball at the target, then heel and toes out of the ground: turning the foot moves the ball, so both alternate until the
-/// heel is above the ground to 1e-12 m.
+/// The ball at the target, then heel and toes out of the ground: turning the foot moves the ball, so both
+/// alternate until the heel is above the ground to 1e-12 m.
 void plant(const Skeleton& figure, const Leg& leg, const Vector3d& target, VectorXd& q) {
   const int ankle = figure.qIndex(leg.foot), toes = figure.qIndex(leg.ball);
   for (int i = 0; i < 60; ++i) {
@@ -69,7 +78,8 @@ void plant(const Skeleton& figure, const Leg& leg, const Vector3d& target, Vecto
     const Frames frames = forwardKinematics(figure, q);
     const Sole sole = soleAt(leg, frames);
     if (sole.toe.y() >= -1e-12) break;
-    q[toes] -= std::min(0.2, -sole.toe.y() / (sole.toe - frames[leg.ball].translation()).norm());  // toes bend up
+    q[toes] -=
+        std::min(0.2, -sole.toe.y() / (sole.toe - frames[leg.ball].translation()).norm());  // toes bend up
     q = projectToLimits(figure, q);
   }
 }
@@ -87,7 +97,8 @@ double keyedAngle(const std::vector<LegKey>& keys, double phase) {
   std::size_t next = 0;
   while (next < keys.size() && keys[next].phase <= phase) ++next;
   const LegKey before = next > 0 ? keys[next - 1] : LegKey{keys.back().phase - 1.0, keys.back().degrees};
-  const LegKey after = next < keys.size() ? keys[next] : LegKey{keys.front().phase + 1.0, keys.front().degrees};
+  const LegKey after =
+      next < keys.size() ? keys[next] : LegKey{keys.front().phase + 1.0, keys.front().degrees};
   const double s = after.phase > before.phase ? (phase - before.phase) / (after.phase - before.phase) : 0.0;
   return before.degrees + (after.degrees - before.degrees) * 0.5 * (1.0 - std::cos(M_PI * s));
 }
@@ -106,9 +117,11 @@ LegAnimation keyframedLegs(const Skeleton& figure, const LegKeys& keys, int cycl
       const double phase = seconds / keys.cycle + 0.5 * side;
       const Leg& leg = legs[side];
       const Vector3d hip(-keyedAngle(keys.hip, phase) * degree, 0.0, 0.0);
-      setBallRotation(figure, q, leg.thigh, (ballRotation(figure, q, leg.thigh) * expRotation(hip)).normalized());
+      setBallRotation(figure, q, leg.thigh,
+                      (ballRotation(figure, q, leg.thigh) * expRotation(hip)).normalized());
       q[figure.qIndex(leg.calf)] = keyedAngle(keys.knee, phase) * degree;
-      q[figure.qIndex(leg.foot)] = figure.rest()[figure.qIndex(leg.foot)] + keyedAngle(keys.foot, phase) * degree;
+      q[figure.qIndex(leg.foot)] =
+          figure.rest()[figure.qIndex(leg.foot)] + keyedAngle(keys.foot, phase) * degree;
       const double within = phase - std::floor(phase);
       onGround[side] = within >= keys.footFlat && within < keys.liftOff;
     }
@@ -156,7 +169,9 @@ LegAnimation pinFeet(const Skeleton& figure, const LegAnimation& animation) {
   const int frames = static_cast<int>(animation.q.size());
   for (int side = 0; side < 2; ++side) {
     const Leg leg = legOf(figure, side);
-    const auto animatedBall = [&](int f) { return soleAt(leg, forwardKinematics(figure, animation.q[f])).ball; };
+    const auto animatedBall = [&](int f) {
+      return soleAt(leg, forwardKinematics(figure, animation.q[f])).ball;
+    };
     Vector3d pin = Vector3d::Zero();
     Vector3d offset = Vector3d::Zero();  // pinned minus animated at lift-off, blended away in the air
     int liftOff = 0, touchDown = frames;
@@ -177,7 +192,8 @@ LegAnimation pinFeet(const Skeleton& figure, const LegAnimation& animation) {
         touchDown = f;
         while (touchDown < frames && !animation.onGround[touchDown][side]) ++touchDown;
       }
-      // The way back to the animation, so that nothing jumps: the offset of the lift-off fades, that of the coming pin (down to the ground) grows.
+      // The way back to the animation, so that nothing jumps: the offset of the lift-off fades, that of the
+      // coming pin (down to the ground) grows.
       const double s = (f - liftOff + 1.0) / (touchDown - liftOff + 1.0);
       const double landing = touchDown < frames ? -animatedBall(touchDown).y() : 0.0;
       Vector3d target = animated + (1.0 - smooth(s)) * offset + Vector3d(0.0, smooth(s) * landing, 0.0);

@@ -4,8 +4,8 @@
 
 namespace gelenk::slide {
 
-// What the slides are given: start values, lengths, targets. What they print as results stands in the checks (topics_*.cpp).
-// The chain P_1 = (50, 400), l = 150, 200, 100 itself is lecturePlanarChain().
+// What the slides are given: start values, lengths, targets. What they print as results stands in the checks
+// (topics_*.cpp). The chain P_1 = (50, 400), l = 150, 200, 100 itself is lecturePlanarChain().
 
 // 10.1.2, example with three links
 inline const Eigen::Vector3d forwardLengths{4.0, 6.0, 2.0};

@@ -21,7 +21,8 @@ inline std::string matrix(const Eigen::MatrixXd& m, int digits = 6, int indent =
   std::string out;
   for (Eigen::Index i = 0; i < m.rows(); ++i) {
     out += std::string(static_cast<std::size_t>(indent), ' ') + "[";
-    for (Eigen::Index j = 0; j < m.cols(); ++j) out += fmt::format("{:>{}.{}g}", std::abs(m(i, j)) < 1e-14 ? 0.0 : m(i, j), digits + 8, digits);
+    for (Eigen::Index j = 0; j < m.cols(); ++j)
+      out += fmt::format("{:>{}.{}g}", std::abs(m(i, j)) < 1e-14 ? 0.0 : m(i, j), digits + 8, digits);
     out += " ]\n";
   }
   return out;

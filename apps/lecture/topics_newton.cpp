@@ -1,4 +1,5 @@
-// Lecture 10.1.4: Newton's method in one and several dimensions, the pseudo-inverse, and the claim of the shortest way.
+// Lecture 10.1.4: Newton's method in one and several dimensions, the pseudo-inverse, and the claim of the
+// shortest way.
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -18,15 +19,18 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
-NewtonRun planarNewton(const PlanarChain& chain, const VectorXd& phi, const Vector2d& X, double tolerance, int maxSteps) {
+NewtonRun planarNewton(const PlanarChain& chain, const VectorXd& phi, const Vector2d& X, double tolerance,
+                       int maxSteps) {
   return newton([&](const VectorXd& p) -> VectorXd { return endEffector(chain, p); },
-                [&](const VectorXd& p) -> MatrixXd { return jacobian(chain, p); }, phi, X, tolerance, maxSteps);
+                [&](const VectorXd& p) -> MatrixXd { return jacobian(chain, p); }, phi, X, tolerance,
+                maxSteps);
 }
 
 const NewtonRun& lectureNewtonRun() {
   const PlanarChain chain = lecturePlanarChain();
   static const NewtonRun run =
-      planarNewton(chain, slide::startAngles, slide::newTarget, 1e-12 * std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0));
+      planarNewton(chain, slide::startAngles, slide::newTarget,
+                   1e-12 * std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0));
   return run;
 }
 
@@ -36,12 +40,16 @@ namespace {
 
 constexpr double degree = M_PI / 180.0;
 
-// --- one dimension ---------------------------------------------------------------------------------------------
+// --- one dimension
+// ---------------------------------------------------------------------------------------------
 
 constexpr double goodStart = 0.1, farStart = 1.2;
 
-std::vector<NewtonStep1d> convergentRun(double delta = 1e-6) { return newton1d(oneLinkHeight, goodStart, oneLinkTarget, delta, 1e-13); }
-/// Towards height 0: near phi = 0 a zero, but beyond |phi| = 1.1656 (tan phi = 2 phi) the tangent leads away from it.
+std::vector<NewtonStep1d> convergentRun(double delta = 1e-6) {
+  return newton1d(oneLinkHeight, goodStart, oneLinkTarget, delta, 1e-13);
+}
+/// Towards height 0: near phi = 0 a zero, but beyond |phi| = 1.1656 (tan phi = 2 phi) the tangent leads away
+/// from it.
 std::vector<NewtonStep1d> divergentRun() { return newton1d(oneLinkHeight, farStart, 0.0, 1e-6, 1e-13); }
 
 std::vector<double> errorsOf(const std::vector<NewtonStep1d>& run, double zero) {
@@ -53,26 +61,37 @@ std::vector<double> errorsOf(const std::vector<NewtonStep1d>& run, double zero) 
 std::string table(const std::vector<NewtonStep1d>& run, double zero) {
   std::string out = "    i   phi^i [rad]            g = f - X         difference quotient   |phi^i - zero|\n";
   for (std::size_t i = 0; i < run.size(); ++i)
-    out += fmt::format("  {:3}   {:<20.15g}   {:<15.6e}   {:<19.10g}   {:.3e}\n", i, run[i].phi, run[i].g, run[i].slope, std::abs(run[i].phi - zero));
+    out += fmt::format("  {:3}   {:<20.15g}   {:<15.6e}   {:<19.10g}   {:.3e}\n", i, run[i].phi, run[i].g,
+                       run[i].slope, std::abs(run[i].phi - zero));
   return out;
 }
 
 std::string oneDimensionSteps() {
-  std::string out = fmt::format("One-link arm, l = {:g}; f(phi) = l sin phi is the end-effector's height. X = {:g}, so phi = 30 degrees.\n", slide::armLength, oneLinkTarget);
+  std::string out = fmt::format(
+      "One-link arm, l = {:g}; f(phi) = l sin phi is the end-effector's height. X = {:g}, so phi = 30 "
+      "degrees.\n",
+      slide::armLength, oneLinkTarget);
   out += "phi^(i+1) = phi^i - (f(phi^i) - X) / f'(phi^i),  f'(phi) ~ (f(phi + D) - f(phi)) / D\n\n";
   out += fmt::format("Start {:g}, D = 1e-6:\n{}", goodStart, table(convergentRun(), M_PI / 6));
-  out += fmt::format("  order of convergence, from the last three errors: {:.3f}\n\n", convergenceOrder(errorsOf(convergentRun(), M_PI / 6), 1e-11));
-  out += fmt::format("A coarse quotient, D = 0.1, bends the tangent: order {:.3f}\n{}\n", convergenceOrder(errorsOf(convergentRun(0.1), M_PI / 6), 1e-12),
+  out += fmt::format("  order of convergence, from the last three errors: {:.3f}\n\n",
+                     convergenceOrder(errorsOf(convergentRun(), M_PI / 6), 1e-11));
+  out += fmt::format("A coarse quotient, D = 0.1, bends the tangent: order {:.3f}\n{}\n",
+                     convergenceOrder(errorsOf(convergentRun(0.1), M_PI / 6), 1e-12),
                      table(convergentRun(0.1), M_PI / 6));
-  out += fmt::format("Divergence: X = 0 from phi = {:g}. Beyond |phi| = 1.1656, where tan phi = 2 phi, each tangent leads farther from the zero at 0:\n{}",
-                     farStart, table(divergentRun(), 0.0));
+  out += fmt::format(
+      "Divergence: X = 0 from phi = {:g}. Beyond |phi| = 1.1656, where tan phi = 2 phi, each tangent leads "
+      "farther from the zero at 0:\n{}",
+      farStart, table(divergentRun(), 0.0));
   out += "  the iteration leaves for another zero of the sine, half a turn or more away: the arm jumps.\n";
   return out;
 }
 
-// --- n = m -----------------------------------------------------------------------------------------------------
+// --- n = m
+// -----------------------------------------------------------------------------------------------------
 
-PlanarChain twoLinkArm() { return {.base = Vector2d::Zero(), .lengths = {slide::armLength, slide::armLength}}; }
+PlanarChain twoLinkArm() {
+  return {.base = Vector2d::Zero(), .lengths = {slide::armLength, slide::armLength}};
+}
 const Vector2d squareStart{-0.5, 1.5};
 NewtonRun squareRun() { return planarNewton(twoLinkArm(), squareStart, slide::armTarget, 1e-12); }
 
@@ -81,31 +100,44 @@ double stepNearStraight(double phi2) {
 }
 
 std::string runTable(const NewtonRun& run) {
-  std::string out = "    i   phi^i [rad]                                     f(phi^i)                          |g|         sigma_max   sigma_min   |step|\n";
+  std::string out =
+      "    i   phi^i [rad]                                     f(phi^i)                          |g|         "
+      "sigma_max   sigma_min   |step|\n";
   for (std::size_t i = 0; i < run.steps.size(); ++i) {
     const NewtonStep& s = run.steps[i];
-    out += fmt::format("  {:3}   {:<45}   {:<31}   {:<9.3e}   {:<9.4g}   {:<9.4g}   {}\n", i, text::point(s.phi, 10), text::point(s.f, 10), s.g.norm(),
-                       s.singularValues[0], s.singularValues.tail<1>()[0], s.step.size() ? fmt::format("{:.3e}", s.step.norm()) : "-");
+    out += fmt::format("  {:3}   {:<45}   {:<31}   {:<9.3e}   {:<9.4g}   {:<9.4g}   {}\n", i,
+                       text::point(s.phi, 10), text::point(s.f, 10), s.g.norm(), s.singularValues[0],
+                       s.singularValues.tail<1>()[0],
+                       s.step.size() ? fmt::format("{:.3e}", s.step.norm()) : "-");
   }
   return out;
 }
 
 std::string squareSteps() {
   const NewtonRun run = squareRun();
-  std::string out = fmt::format("Two-link arm, l1 = l2 = {:g}, P1 = (0, 0), X = {}, from phi = {}; n = m = 2.\n", slide::armLength, text::point(slide::armTarget), text::point(squareStart));
+  std::string out =
+      fmt::format("Two-link arm, l1 = l2 = {:g}, P1 = (0, 0), X = {}, from phi = {}; n = m = 2.\n",
+                  slide::armLength, text::point(slide::armTarget), text::point(squareStart));
   out += "phi^(i+1) = phi^i - D_f(phi^i)^-1 (f(phi^i) - X)\n\n" + runTable(run);
-  out += fmt::format("\nFirst step in full:\n    D_f =\n{}    D_f^-1 =\n{}    step = {}\n", text::matrix(run.steps[0].D), text::matrix(run.steps[0].Dplus), text::point(run.steps[0].step));
-  out += "\nThe straight arm: det D_f = l1 l2 sin phi_2, so the inverse does not exist at phi_2 = 0, and next to it the step explodes:\n";
+  out += fmt::format("\nFirst step in full:\n    D_f =\n{}    D_f^-1 =\n{}    step = {}\n",
+                     text::matrix(run.steps[0].D), text::matrix(run.steps[0].Dplus),
+                     text::point(run.steps[0].step));
+  out +=
+      "\nThe straight arm: det D_f = l1 l2 sin phi_2, so the inverse does not exist at phi_2 = 0, and next "
+      "to it the step explodes:\n";
   for (const double phi2 : {0.1, 0.01, 0.001, 1e-4, 0.0}) {
     const NewtonRun straight = planarNewton(twoLinkArm(), Vector2d(0.3, phi2), slide::armTarget, 1e-12, 1);
     const NewtonStep& s = straight.steps[0];
-    out += fmt::format("  phi_2 = {:<7g} |det| = {:<10.3g} sigma_min = {:<10.3g} {}\n", phi2, std::abs(s.D.determinant()), s.singularValues[1],
-                       s.step.size() ? fmt::format("|step| = {:.4g} rad", s.step.norm()) : "no inverse: the method stops");
+    out += fmt::format(
+        "  phi_2 = {:<7g} |det| = {:<10.3g} sigma_min = {:<10.3g} {}\n", phi2, std::abs(s.D.determinant()),
+        s.singularValues[1],
+        s.step.size() ? fmt::format("|step| = {:.4g} rad", s.step.norm()) : "no inverse: the method stops");
   }
   return out;
 }
 
-// --- n > m -----------------------------------------------------------------------------------------------------
+// --- n > m
+// -----------------------------------------------------------------------------------------------------
 
 const NewtonStep& firstStep() { return lectureNewtonRun().steps[0]; }
 const NewtonStep& secondStep() { return lectureNewtonRun().steps[1]; }
@@ -132,135 +164,292 @@ double shortestOther() {
 std::string pseudoInverseSteps() {
   const NewtonStep& s = firstStep();
   const PlanarChain chain = lecturePlanarChain();
-  std::string out = fmt::format("P1 = {}, l = 150, 200, 100, phi^alt = {}, X^neu = {}\n", text::point(chain.base), text::point(slide::startAngles), text::point(slide::newTarget));
+  std::string out =
+      fmt::format("P1 = {}, l = 150, 200, 100, phi^alt = {}, X^neu = {}\n", text::point(chain.base),
+                  text::point(slide::startAngles), text::point(slide::newTarget));
   out += "\n1st Newton step\n  points P1 ... P4:";
   for (const Vector2d& P : linkPoints(chain, s.phi)) out += " " + text::point(P);
-  out += fmt::format("\n  X^alt = f(phi^0) = {}\n  g = X^alt - X^neu = {}\n", text::point(s.f), text::point(s.g));
-  out += fmt::format("    D_f = (column i: X - P_i turned by 90 degrees)\n{}    D_f D_f^T =\n{}    D_f^+ = D_f^T (D_f D_f^T)^-1 =\n{}", text::matrix(s.D, 8),
-                     text::matrix(s.D * s.D.transpose(), 8), text::matrix(s.Dplus, 7));
-  out += fmt::format("  singular values {}\n  step = -D_f^+ g = {}\n  phi^1 = {}\n", text::point(s.singularValues), text::point(s.step), text::point(secondStep().phi, 10));
-  out += fmt::format("  where the linear function leads: {}; where the arm really goes: f(phi^1) = {}\n", text::point(s.linearised, 10), text::point(secondStep().f, 10));
-  out += "  The slide prints phi^1 = (0.295, 1., -0.833): \"1.\" stands for 1.00419, and its f(phi^1) = (336.44, 681.27) belongs to the unrounded angles;\n"
-         "  the rounded ones give " + text::point(endEffector(chain, Eigen::Vector3d(0.295, 1.0, -0.833)), 8) + ".\n\n";
+  out += fmt::format("\n  X^alt = f(phi^0) = {}\n  g = X^alt - X^neu = {}\n", text::point(s.f),
+                     text::point(s.g));
+  out += fmt::format(
+      "    D_f = (column i: X - P_i turned by 90 degrees)\n{}    D_f D_f^T =\n{}    D_f^+ = D_f^T (D_f "
+      "D_f^T)^-1 =\n{}",
+      text::matrix(s.D, 8), text::matrix(s.D * s.D.transpose(), 8), text::matrix(s.Dplus, 7));
+  out += fmt::format("  singular values {}\n  step = -D_f^+ g = {}\n  phi^1 = {}\n",
+                     text::point(s.singularValues), text::point(s.step), text::point(secondStep().phi, 10));
+  out += fmt::format("  where the linear function leads: {}; where the arm really goes: f(phi^1) = {}\n",
+                     text::point(s.linearised, 10), text::point(secondStep().f, 10));
+  out +=
+      "  The slide prints phi^1 = (0.295, 1., -0.833): \"1.\" stands for 1.00419, and its f(phi^1) = "
+      "(336.44, 681.27) belongs to the unrounded angles;\n"
+      "  the rounded ones give " +
+      text::point(endEffector(chain, Eigen::Vector3d(0.295, 1.0, -0.833)), 8) + ".\n\n";
   out += "On to |g| <= 1e-12 (l1 + l2 + l3):\n" + runTable(lectureNewtonRun());
   out += fmt::format("  {} iterations\n\n", lectureNewtonRun().iterations());
-  out += fmt::format("Shortest of all solutions of D_f d = -g: null-space part of the step {:.1e}; of 1,000 others the shortest is {:.6f} times as long.\n", nullSpacePart(), shortestOther());
+  out += fmt::format(
+      "Shortest of all solutions of D_f d = -g: null-space part of the step {:.1e}; of 1,000 others the "
+      "shortest is {:.6f} times as long.\n",
+      nullSpacePart(), shortestOther());
   return out;
 }
 
-// --- the minimum over all solutions ----------------------------------------------------------------------------
+// --- the minimum over all solutions
+// ----------------------------------------------------------------------------
 
 const NearestSolution& trueMinimum() {
-  static const NearestSolution found = nearestSolution(lecturePlanarChain(), slide::startAngles, slide::newTarget, lectureNewtonRun().steps.back().phi);
+  static const NearestSolution found = nearestSolution(lecturePlanarChain(), slide::startAngles,
+                                                       slide::newTarget, lectureNewtonRun().steps.back().phi);
   return found;
 }
 double newtonDistance() { return (lectureNewtonRun().steps.back().phi - slide::startAngles).norm(); }
 
-/// Newton's end relative to the true minimum when the target is moved there in small steps: the ratio for `pieces` steps.
+/// Newton's end relative to the true minimum when the target is moved there in small steps: the ratio for
+/// `pieces` steps.
 double pathRatio(int pieces) {
   const PlanarChain chain = lecturePlanarChain();
   const Vector2d from = endEffector(chain, slide::startAngles);
   VectorXd phi = slide::startAngles;
-  for (int i = 1; i <= pieces; ++i) phi = planarNewton(chain, phi, from + (slide::newTarget - from) * i / pieces, 1e-9).steps.back().phi;
+  for (int i = 1; i <= pieces; ++i)
+    phi = planarNewton(chain, phi, from + (slide::newTarget - from) * i / pieces, 1e-9).steps.back().phi;
   return (phi - slide::startAngles).norm() / trueMinimum().distance;
 }
 
 std::string shortestSteps() {
   const NearestSolution& best = trueMinimum();
   const VectorXd end = lectureNewtonRun().steps.back().phi;
-  std::string out = "The lecture asks for ||phi_new - phi_old|| = min over all phi with f(phi) = X. Newton takes the shortest of each linearised step;\n"
-                    "is the sum of its steps the shortest way? Compared with the true minimum (augmented Lagrangian on Ceres, 18 starts):\n\n";
+  std::string out =
+      "The lecture asks for ||phi_new - phi_old|| = min over all phi with f(phi) = X. Newton takes the "
+      "shortest of each linearised step;\n"
+      "is the sum of its steps the shortest way? Compared with the true minimum (augmented Lagrangian on "
+      "Ceres, 18 starts):\n\n";
   out += fmt::format("  Newton's end   {}  distance {:.10f}\n", text::point(end, 10), newtonDistance());
-  out += fmt::format("  true minimum   {}  distance {:.10f}, |f - X| = {:.1e}, {} Ceres iterations\n", text::point(best.phi, 10), best.distance, best.violation, best.iterations);
-  out += fmt::format("  Newton's way is {:.4f} % longer; the two poses are {:.4f} rad apart.\n\n", 100 * (newtonDistance() / best.distance - 1), (end - best.phi).norm());
-  out += "Moving the target there in more, smaller steps (as dragging does) follows the pseudo-inverse's path, not the minimum:\n";
-  for (const int pieces : {1, 2, 5, 20, 100}) out += fmt::format("  {:3} steps: {:.4f} % longer\n", pieces, 100 * (pathRatio(pieces) - 1));
-  out += "The claim holds for each linearised step, and for the whole only to first order in the distance to the target.\n";
+  out += fmt::format("  true minimum   {}  distance {:.10f}, |f - X| = {:.1e}, {} Ceres iterations\n",
+                     text::point(best.phi, 10), best.distance, best.violation, best.iterations);
+  out += fmt::format("  Newton's way is {:.4f} % longer; the two poses are {:.4f} rad apart.\n\n",
+                     100 * (newtonDistance() / best.distance - 1), (end - best.phi).norm());
+  out +=
+      "Moving the target there in more, smaller steps (as dragging does) follows the pseudo-inverse's path, "
+      "not the minimum:\n";
+  for (const int pieces : {1, 2, 5, 20, 100})
+    out += fmt::format("  {:3} steps: {:.4f} % longer\n", pieces, 100 * (pathRatio(pieces) - 1));
+  out +=
+      "The claim holds for each linearised step, and for the whole only to first order in the distance to "
+      "the target.\n";
   return out;
 }
 
 }  // namespace
 
 LectureTopic newtonOneDimensionTopic() {
-  LectureTopic topic{.id = "newton-1d", .section = "10.1.4", .title = "Newton in one dimension", .steps = &oneDimensionSteps, .checks = {}};
+  LectureTopic topic{.id = "newton-1d",
+                     .section = "10.1.4",
+                     .title = "Newton in one dimension",
+                     .steps = &oneDimensionSteps,
+                     .checks = {}};
   const std::string section = "10.1.4, one-dimensional Newton method";
   topic.checks = {
-      {.id = "newton-1d-zero", .section = section, .what = "one-link arm, l = 10, height 5: phi = 30 degrees", .printed = {30}, .tolerance = {1e-10},
+      {.id = "newton-1d-zero",
+       .section = section,
+       .what = "one-link arm, l = 10, height 5: phi = 30 degrees",
+       .printed = {30},
+       .tolerance = {1e-10},
        .compute = [] { return std::vector{convergentRun().back().phi / degree}; }},
-      {.id = "newton-1d-order", .section = section, .what = "order of convergence with a fine quotient", .printed = {2}, .tolerance = {0.25},
+      {.id = "newton-1d-order",
+       .section = section,
+       .what = "order of convergence with a fine quotient",
+       .printed = {2},
+       .tolerance = {0.25},
        .compute = [] { return std::vector{convergenceOrder(errorsOf(convergentRun(), M_PI / 6), 1e-11)}; }},
-      {.id = "newton-1d-coarse", .section = section, .what = "order with D = 0.1: the quotient is no derivative", .printed = {1}, .tolerance = {0.1},
-       .compute = [] { return std::vector{convergenceOrder(errorsOf(convergentRun(0.1), M_PI / 6), 1e-12)}; }},
-      {.id = "newton-1d-divergence", .section = section, .what = "start 1.2, zero at 0: |phi^i| grows at each of the first 2 steps",
-       .printed = {1, 1}, .tolerance = {0},
-       .compute = [] {
-         const auto run = divergentRun();
-         return std::vector{std::abs(run[1].phi / run[0].phi), std::abs(run[2].phi / run[1].phi)};
-       },
-       .comparison = Comparison::AtLeast, .note = "diverges from the zero it started next to, and ends at another one"},
+      {.id = "newton-1d-coarse",
+       .section = section,
+       .what = "order with D = 0.1: the quotient is no derivative",
+       .printed = {1},
+       .tolerance = {0.1},
+       .compute =
+           [] { return std::vector{convergenceOrder(errorsOf(convergentRun(0.1), M_PI / 6), 1e-12)}; }},
+      {.id = "newton-1d-divergence",
+       .section = section,
+       .what = "start 1.2, zero at 0: |phi^i| grows at each of the first 2 steps",
+       .printed = {1, 1},
+       .tolerance = {0},
+       .compute =
+           [] {
+             const auto run = divergentRun();
+             return std::vector{std::abs(run[1].phi / run[0].phi), std::abs(run[2].phi / run[1].phi)};
+           },
+       .comparison = Comparison::AtLeast,
+       .note = "diverges from the zero it started next to, and ends at another one"},
   };
   return topic;
 }
 
 LectureTopic newtonSquareTopic() {
-  LectureTopic topic{.id = "newton-square", .section = "10.1.4, n = m", .title = "Newton in several dimensions, n = m", .steps = &squareSteps, .checks = {}};
+  LectureTopic topic{.id = "newton-square",
+                     .section = "10.1.4, n = m",
+                     .title = "Newton in several dimensions, n = m",
+                     .steps = &squareSteps,
+                     .checks = {}};
   topic.checks = {
-      {.id = "newton-square-zero", .section = topic.section, .what = "two-link arm to (10, 0): phi = (-60, 120) degrees", .printed = {-60, 120}, .tolerance = {1e-9},
-       .compute = [] { return std::vector{squareRun().steps.back().phi[0] / degree, squareRun().steps.back().phi[1] / degree}; }},
-      {.id = "newton-square-iterations", .section = topic.section, .what = "iterations to |g| <= 1e-12", .printed = {8}, .tolerance = {0},
-       .compute = [] { return std::vector{static_cast<double>(squareRun().iterations())}; }, .comparison = Comparison::AtMost},
-      {.id = "newton-square-singular", .section = topic.section, .what = "straight arm: sigma_min of D_f", .printed = {0}, .tolerance = {1e-14},
-       .compute = [] { return std::vector{planarNewton(twoLinkArm(), Vector2d(0.3, 0.0), slide::armTarget).steps[0].singularValues[1]}; },
+      {.id = "newton-square-zero",
+       .section = topic.section,
+       .what = "two-link arm to (10, 0): phi = (-60, 120) degrees",
+       .printed = {-60, 120},
+       .tolerance = {1e-9},
+       .compute =
+           [] {
+             return std::vector{squareRun().steps.back().phi[0] / degree,
+                                squareRun().steps.back().phi[1] / degree};
+           }},
+      {.id = "newton-square-iterations",
+       .section = topic.section,
+       .what = "iterations to |g| <= 1e-12",
+       .printed = {8},
+       .tolerance = {0},
+       .compute = [] { return std::vector{static_cast<double>(squareRun().iterations())}; },
+       .comparison = Comparison::AtMost},
+      {.id = "newton-square-singular",
+       .section = topic.section,
+       .what = "straight arm: sigma_min of D_f",
+       .printed = {0},
+       .tolerance = {1e-14},
+       .compute =
+           [] {
+             return std::vector{
+                 planarNewton(twoLinkArm(), Vector2d(0.3, 0.0), slide::armTarget).steps[0].singularValues[1]};
+           },
        .note = "the inverse does not exist: the method stops"},
-      {.id = "newton-square-explosion", .section = topic.section, .what = "a tenth of phi_2 makes the step ten times longer", .printed = {10}, .tolerance = {0.1},
+      {.id = "newton-square-explosion",
+       .section = topic.section,
+       .what = "a tenth of phi_2 makes the step ten times longer",
+       .printed = {10},
+       .tolerance = {0.1},
        .compute = [] { return std::vector{stepNearStraight(1e-4) / stepNearStraight(1e-3)}; }},
   };
   return topic;
 }
 
 LectureTopic pseudoInverseTopic() {
-  LectureTopic topic{.id = "pseudo-inverse", .section = "10.1.4, n > m", .title = "Newton with the pseudo-inverse, n > m", .steps = &pseudoInverseSteps, .checks = {}};
+  LectureTopic topic{.id = "pseudo-inverse",
+                     .section = "10.1.4, n > m",
+                     .title = "Newton with the pseudo-inverse, n > m",
+                     .steps = &pseudoInverseSteps,
+                     .checks = {}};
   const std::string section = "10.1.4, example of inverse kinematics";
   const auto column = [](int i) { return [i] { return text::list(firstStep().D.col(i)); }; };
   topic.checks = {
-      {.id = "pseudo-inverse-x-old", .section = section, .what = "X^alt", .printed = {230, 763}, .tolerance = {0.5}, .compute = [] { return text::list(firstStep().f); }},
-      {.id = "pseudo-inverse-d1", .section = section, .what = "df / dphi_1", .printed = {-363, 180}, .tolerance = {0.5}, .compute = column(0)},
-      {.id = "pseudo-inverse-d2", .section = section, .what = "df / dphi_2", .printed = {-278, 56}, .tolerance = {0.5}, .compute = column(1)},
-      {.id = "pseudo-inverse-d3", .section = section, .what = "df / dphi_3", .printed = {-78, 62}, .tolerance = {0.5}, .compute = column(2)},
-      {.id = "pseudo-inverse-dplus", .section = section, .what = "D_f^+, row by row",
-       .printed = {0.001025, 0.006793, -0.005497, -0.010536, 0.002010, 0.00595}, .tolerance = {5e-7, 5e-7, 5e-7, 5e-7, 5e-7, 5e-6},
+      {.id = "pseudo-inverse-x-old",
+       .section = section,
+       .what = "X^alt",
+       .printed = {230, 763},
+       .tolerance = {0.5},
+       .compute = [] { return text::list(firstStep().f); }},
+      {.id = "pseudo-inverse-d1",
+       .section = section,
+       .what = "df / dphi_1",
+       .printed = {-363, 180},
+       .tolerance = {0.5},
+       .compute = column(0)},
+      {.id = "pseudo-inverse-d2",
+       .section = section,
+       .what = "df / dphi_2",
+       .printed = {-278, 56},
+       .tolerance = {0.5},
+       .compute = column(1)},
+      {.id = "pseudo-inverse-d3",
+       .section = section,
+       .what = "df / dphi_3",
+       .printed = {-78, 62},
+       .tolerance = {0.5},
+       .compute = column(2)},
+      {.id = "pseudo-inverse-dplus",
+       .section = section,
+       .what = "D_f^+, row by row",
+       .printed = {0.001025, 0.006793, -0.005497, -0.010536, 0.002010, 0.00595},
+       .tolerance = {5e-7, 5e-7, 5e-7, 5e-7, 5e-7, 5e-6},
        .compute = [] { return text::list(firstStep().Dplus); },
        .corrected = {0.001025, 0.006793, -0.005497, -0.010535, 0.002010, 0.00595},
-       .note = "the slide prints -0.010536 where -0.0105355 rounds to -0.010535 (D_f rounded to three decimals gives the slide's digit); "
+       .note = "the slide prints -0.010536 where -0.0105355 rounds to -0.010535 (D_f rounded to three "
+               "decimals gives the slide's digit); "
                "its D_f^+ does not follow from the whole numbers printed above it"},
-      {.id = "pseudo-inverse-phi1", .section = section, .what = "phi^1", .printed = {0.295, 1.0, -0.833}, .tolerance = {5e-4, 0.5, 5e-4},
-       .compute = [] { return text::list(secondStep().phi); }, .note = "the slide rounds 1.004 to \"1.\""},
-      {.id = "pseudo-inverse-phi1-unrounded", .section = section, .what = "phi^1 in unrounded arithmetic", .printed = {0.29530, 1.00419, -0.83348}, .tolerance = {5e-6},
+      {.id = "pseudo-inverse-phi1",
+       .section = section,
+       .what = "phi^1",
+       .printed = {0.295, 1.0, -0.833},
+       .tolerance = {5e-4, 0.5, 5e-4},
+       .compute = [] { return text::list(secondStep().phi); },
+       .note = "the slide rounds 1.004 to \"1.\""},
+      {.id = "pseudo-inverse-phi1-unrounded",
+       .section = section,
+       .what = "phi^1 in unrounded arithmetic",
+       .printed = {0.29530, 1.00419, -0.83348},
+       .tolerance = {5e-6},
        .compute = [] { return text::list(secondStep().phi); }},
-      {.id = "pseudo-inverse-f1", .section = section, .what = "f(phi^1)", .printed = {336.44, 681.27}, .tolerance = {5e-3}, .compute = [] { return text::list(secondStep().f); },
+      {.id = "pseudo-inverse-f1",
+       .section = section,
+       .what = "f(phi^1)",
+       .printed = {336.44, 681.27},
+       .tolerance = {5e-3},
+       .compute = [] { return text::list(secondStep().f); },
        .note = "belongs to the unrounded phi^1"},
-      {.id = "pseudo-inverse-iterations", .section = section, .what = "iterations to 1e-12 of the chain's length", .printed = {6}, .tolerance = {0},
-       .compute = [] { return std::vector{static_cast<double>(lectureNewtonRun().iterations())}; }, .comparison = Comparison::AtMost},
-      {.id = "pseudo-inverse-residual", .section = section, .what = "|f - X| at the end", .printed = {1e-12 * 450}, .tolerance = {0},
-       .compute = [] { return std::vector{lectureNewtonRun().steps.back().g.norm()}; }, .comparison = Comparison::AtMost},
-      {.id = "pseudo-inverse-shortest", .section = "10.1.4, n > m, interpretation", .what = "null-space part of the step: the shortest of all solutions", .printed = {0},
-       .tolerance = {1e-14}, .compute = [] { return std::vector{nullSpacePart()}; }},
-      {.id = "pseudo-inverse-others", .section = "10.1.4, n > m, interpretation", .what = "length of the shortest of 1,000 other solutions / the step's", .printed = {1},
-       .tolerance = {0}, .compute = [] { return std::vector{shortestOther()}; }, .comparison = Comparison::AtLeast},
+      {.id = "pseudo-inverse-iterations",
+       .section = section,
+       .what = "iterations to 1e-12 of the chain's length",
+       .printed = {6},
+       .tolerance = {0},
+       .compute = [] { return std::vector{static_cast<double>(lectureNewtonRun().iterations())}; },
+       .comparison = Comparison::AtMost},
+      {.id = "pseudo-inverse-residual",
+       .section = section,
+       .what = "|f - X| at the end",
+       .printed = {1e-12 * 450},
+       .tolerance = {0},
+       .compute = [] { return std::vector{lectureNewtonRun().steps.back().g.norm()}; },
+       .comparison = Comparison::AtMost},
+      {.id = "pseudo-inverse-shortest",
+       .section = "10.1.4, n > m, interpretation",
+       .what = "null-space part of the step: the shortest of all solutions",
+       .printed = {0},
+       .tolerance = {1e-14},
+       .compute = [] { return std::vector{nullSpacePart()}; }},
+      {.id = "pseudo-inverse-others",
+       .section = "10.1.4, n > m, interpretation",
+       .what = "length of the shortest of 1,000 other solutions / the step's",
+       .printed = {1},
+       .tolerance = {0},
+       .compute = [] { return std::vector{shortestOther()}; },
+       .comparison = Comparison::AtLeast},
   };
   return topic;
 }
 
 LectureTopic shortestPathTopic() {
-  LectureTopic topic{.id = "shortest", .section = "10.1.4, general inverse kinematics", .title = "Is Newton's way the shortest?", .steps = &shortestSteps, .checks = {}};
+  LectureTopic topic{.id = "shortest",
+                     .section = "10.1.4, general inverse kinematics",
+                     .title = "Is Newton's way the shortest?",
+                     .steps = &shortestSteps,
+                     .checks = {}};
   topic.checks = {
-      {.id = "shortest-feasible", .section = topic.section, .what = "|f - X| of the true minimum", .printed = {1e-9}, .tolerance = {0},
-       .compute = [] { return std::vector{trueMinimum().violation}; }, .comparison = Comparison::AtMost},
-      {.id = "shortest-ratio", .section = topic.section, .what = "Newton's ||phi_new - phi_old|| / the minimum over all solutions", .printed = {1}, .tolerance = {0.05},
+      {.id = "shortest-feasible",
+       .section = topic.section,
+       .what = "|f - X| of the true minimum",
+       .printed = {1e-9},
+       .tolerance = {0},
+       .compute = [] { return std::vector{trueMinimum().violation}; },
+       .comparison = Comparison::AtMost},
+      {.id = "shortest-ratio",
+       .section = topic.section,
+       .what = "Newton's ||phi_new - phi_old|| / the minimum over all solutions",
+       .printed = {1},
+       .tolerance = {0.05},
        .compute = [] { return std::vector{newtonDistance() / trueMinimum().distance}; },
        .note = "the claim holds for the linearised step; for the whole way only nearly"},
-      {.id = "shortest-minimum", .section = topic.section, .what = "no solution is shorter than the minimum: Newton's / minimum", .printed = {1}, .tolerance = {0},
-       .compute = [] { return std::vector{newtonDistance() / trueMinimum().distance + 1e-12}; }, .comparison = Comparison::AtLeast},
+      {.id = "shortest-minimum",
+       .section = topic.section,
+       .what = "no solution is shorter than the minimum: Newton's / minimum",
+       .printed = {1},
+       .tolerance = {0},
+       .compute = [] { return std::vector{newtonDistance() / trueMinimum().distance + 1e-12}; },
+       .comparison = Comparison::AtLeast},
   };
   return topic;
 }

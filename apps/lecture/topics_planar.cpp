@@ -39,25 +39,30 @@ double routesApart() {
 }
 
 std::string steps() {
-  std::string out = fmt::format("Given: P1 = (0, 0), l = {}, phi = {} degrees\n", text::point(slide::forwardLengths), text::point(slide::forwardDegrees));
+  std::string out = fmt::format("Given: P1 = (0, 0), l = {}, phi = {} degrees\n",
+                                text::point(slide::forwardLengths), text::point(slide::forwardDegrees));
   out += fmt::format("Degrees of freedom n + 2 = {}\n\n", degreesOfFreedom(chain()));
   out += "P_(i+1) = P_i + l_i (cos, sin)(phi_1 + ... + phi_i)\n";
   const auto P = linkPoints(chain(), phi());
   double sum = 0.0;
   for (int i = 0; i < 3; ++i) {
     sum += slide::forwardDegrees[i];
-    out += fmt::format("  P{} = {} + {} (cos {:g}, sin {:g}) = {} + {} {} = {}\n", i + 2, text::point(P[i]), slide::forwardLengths[i], sum, sum,
-                       text::point(P[i]), slide::forwardLengths[i], text::point(Vector2d(std::cos(sum * degree), std::sin(sum * degree))),
+    out += fmt::format("  P{} = {} + {} (cos {:g}, sin {:g}) = {} + {} {} = {}\n", i + 2, text::point(P[i]),
+                       slide::forwardLengths[i], sum, sum, text::point(P[i]), slide::forwardLengths[i],
+                       text::point(Vector2d(std::cos(sum * degree), std::sin(sum * degree))),
                        text::point(P[i + 1], 15));
   }
-  out += fmt::format("  on the slide: P2 = (2, 2 sqrt3) = {}, P3 = (2 + 3 sqrt3, 2 sqrt3 - 3) = {}, P4 = (2 + 4 sqrt3, 2 sqrt3 - 2) = {}\n\n",
-                     text::point(Vector2d(2, 2 * root3), 15), text::point(Vector2d(2 + 3 * root3, 2 * root3 - 3), 15),
-                     text::point(Vector2d(2 + 4 * root3, 2 * root3 - 2), 15));
+  out += fmt::format(
+      "  on the slide: P2 = (2, 2 sqrt3) = {}, P3 = (2 + 3 sqrt3, 2 sqrt3 - 3) = {}, P4 = (2 + 4 sqrt3, 2 "
+      "sqrt3 - 2) = {}\n\n",
+      text::point(Vector2d(2, 2 * root3), 15), text::point(Vector2d(2 + 3 * root3, 2 * root3 - 3), 15),
+      text::point(Vector2d(2 + 4 * root3, 2 * root3 - 2), 15));
   out += "The same through the hierarchy, K_1 = T(P1) R(phi_1), K_(i+1) = K_i T(l_i, 0) R(phi_(i+1)):\n";
   const auto frames = hierarchicalFrames(chain(), phi());
   for (int i = 0; i < 3; ++i)
-    out += fmt::format("  K_{}: origin {}, x axis {}, y axis {}\n", i + 1, text::point(frames[i].translation()), text::point(frames[i].linear().col(0)),
-                       text::point(frames[i].linear().col(1)));
+    out +=
+        fmt::format("  K_{}: origin {}, x axis {}, y axis {}\n", i + 1, text::point(frames[i].translation()),
+                    text::point(frames[i].linear().col(0)), text::point(frames[i].linear().col(1)));
   out += fmt::format("  X = K_3 (l_3, 0) = {}\n\n", text::point(frames.back().translation(), 15));
   out += fmt::format("And through the general skeleton (three hinges about z): X = {}\n",
                      text::point(forwardKinematics(toSkeleton(chain()), phi()).back().translation(), 15));
@@ -69,17 +74,42 @@ std::string steps() {
 
 LectureTopic planarForwardTopic() {
   const std::string section = "10.1.2, example with 3 links";
-  LectureTopic topic{.id = "planar-fk", .section = "10.1 - 10.1.2", .title = "Forward kinematics of a planar chain", .steps = &steps, .checks = {}};
+  LectureTopic topic{.id = "planar-fk",
+                     .section = "10.1 - 10.1.2",
+                     .title = "Forward kinematics of a planar chain",
+                     .steps = &steps,
+                     .checks = {}};
   topic.checks = {
-      {.id = "planar-fk-p2", .section = section, .what = "P2 = (2, 2 sqrt3)", .printed = {2, 2 * root3}, .tolerance = {1e-12},
+      {.id = "planar-fk-p2",
+       .section = section,
+       .what = "P2 = (2, 2 sqrt3)",
+       .printed = {2, 2 * root3},
+       .tolerance = {1e-12},
        .compute = [] { return pointNumber(2); }},
-      {.id = "planar-fk-p3", .section = section, .what = "P3 = (2 + 3 sqrt3, 2 sqrt3 - 3)", .printed = {2 + 3 * root3, 2 * root3 - 3},
-       .tolerance = {1e-12}, .compute = [] { return pointNumber(3); }},
-      {.id = "planar-fk-p4", .section = section, .what = "P4 = (2 + 4 sqrt3, 2 sqrt3 - 2)", .printed = {2 + 4 * root3, 2 * root3 - 2},
-       .tolerance = {1e-12}, .compute = [] { return pointNumber(4); }},
-      {.id = "planar-fk-routes", .section = "10.1.1, hierarchical coordinate systems", .what = "sums, T(l,0) R(phi) and skeleton agree",
-       .printed = {1e-12}, .tolerance = {0}, .compute = [] { return std::vector{routesApart()}; }, .comparison = Comparison::AtMost},
-      {.id = "planar-fk-dof", .section = "10.1, degrees of freedom", .what = "n + 2 for n = 3", .printed = {5}, .tolerance = {0},
+      {.id = "planar-fk-p3",
+       .section = section,
+       .what = "P3 = (2 + 3 sqrt3, 2 sqrt3 - 3)",
+       .printed = {2 + 3 * root3, 2 * root3 - 3},
+       .tolerance = {1e-12},
+       .compute = [] { return pointNumber(3); }},
+      {.id = "planar-fk-p4",
+       .section = section,
+       .what = "P4 = (2 + 4 sqrt3, 2 sqrt3 - 2)",
+       .printed = {2 + 4 * root3, 2 * root3 - 2},
+       .tolerance = {1e-12},
+       .compute = [] { return pointNumber(4); }},
+      {.id = "planar-fk-routes",
+       .section = "10.1.1, hierarchical coordinate systems",
+       .what = "sums, T(l,0) R(phi) and skeleton agree",
+       .printed = {1e-12},
+       .tolerance = {0},
+       .compute = [] { return std::vector{routesApart()}; },
+       .comparison = Comparison::AtMost},
+      {.id = "planar-fk-dof",
+       .section = "10.1, degrees of freedom",
+       .what = "n + 2 for n = 3",
+       .printed = {5},
+       .tolerance = {0},
        .compute = [] { return std::vector<double>{static_cast<double>(degreesOfFreedom(chain()))}; }},
   };
   return topic;

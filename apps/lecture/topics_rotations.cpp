@@ -5,8 +5,8 @@
 #include "apps/lecture/example.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
-#include "kinematics/notation/euler.h"
 #include "kinematics/forward_kinematics.h"
+#include "kinematics/notation/euler.h"
 #include "kinematics/rotation.h"
 #include "solvers/methods/quaternion_chain.h"
 
@@ -20,7 +20,9 @@ using Eigen::VectorXd;
 
 constexpr double degree = M_PI / 180.0;
 const std::vector<double> lengths{1.0, 0.8, 0.5};
-const std::vector<Vector3d> pose{{20 * degree, -30 * degree, 40 * degree}, {-50 * degree, 60 * degree, 10 * degree}, {70 * degree, -20 * degree, -80 * degree}};
+const std::vector<Vector3d> pose{{20 * degree, -30 * degree, 40 * degree},
+                                 {-50 * degree, 60 * degree, 10 * degree},
+                                 {70 * degree, -20 * degree, -80 * degree}};
 
 /// Three joints at the ends of links along x, each with three axes in the given order, or a ball.
 Skeleton chain(const EulerOrder* order) {
@@ -29,17 +31,22 @@ Skeleton chain(const EulerOrder* order) {
     Joint joint{.name = "joint" + std::to_string(i + 1), .parent = i - 1};
     if (i > 0) joint.parentFromZero.translation() = Vector3d(lengths[static_cast<std::size_t>(i) - 1], 0, 0);
     if (order)
-      for (const int axis : {order->first, order->second, order->third}) joint.axes.push_back(AxisDof{.axis = Vector3d::Unit(axis)});
+      for (const int axis : {order->first, order->second, order->third})
+        joint.axes.push_back(AxisDof{.axis = Vector3d::Unit(axis)});
     else
       joint.ball = true;
     joints.push_back(joint);
   }
-  joints.push_back({.name = "end-effector", .parent = 2, .parentFromZero = Isometry3d(Eigen::Translation3d(lengths[2], 0, 0))});
+  joints.push_back({.name = "end-effector",
+                    .parent = 2,
+                    .parentFromZero = Isometry3d(Eigen::Translation3d(lengths[2], 0, 0))});
   return Skeleton(std::move(joints));
 }
 
 /// The lecture's pose: R(phi^x, phi^y, phi^z) at every joint.
-Quaterniond rotationOf(int joint) { return Quaterniond(rotationFromEuler(lectureEulerOrder(), pose[static_cast<std::size_t>(joint)])); }
+Quaterniond rotationOf(int joint) {
+  return Quaterniond(rotationFromEuler(lectureEulerOrder(), pose[static_cast<std::size_t>(joint)]));
+}
 
 Frames framesByQuaternions() {
   const Skeleton skeleton = chain(nullptr);
@@ -50,7 +57,8 @@ Frames framesByQuaternions() {
 
 Frames framesByEuler(const EulerOrder& order) {
   VectorXd q(9);
-  for (int i = 0; i < 3; ++i) q.segment<3>(3 * i) = eulerFromRotation(order, rotationOf(i).toRotationMatrix());
+  for (int i = 0; i < 3; ++i)
+    q.segment<3>(3 * i) = eulerFromRotation(order, rotationOf(i).toRotationMatrix());
   return forwardKinematics(chain(&order), q);
 }
 
@@ -70,12 +78,14 @@ double ordersApart() {
   double apart = 0.0;
   for (const EulerOrder& order : eulerOrders()) {
     const Frames byEuler = framesByEuler(order);
-    for (std::size_t i = 0; i < byEuler.size(); ++i) apart = std::max(apart, (byEuler[i].matrix() - byQuaternions[i].matrix()).cwiseAbs().maxCoeff());
+    for (std::size_t i = 0; i < byEuler.size(); ++i)
+      apart = std::max(apart, (byEuler[i].matrix() - byQuaternions[i].matrix()).cwiseAbs().maxCoeff());
   }
   return apart;
 }
 
-/// At gimbal lock the first and the third angle turn about one line: sine of the angle between the two axes in the world.
+/// At gimbal lock the first and the third angle turn about one line: sine of the angle between the two axes
+/// in the world.
 double lockedAxesApart(double middle) {
   const Eigen::Matrix3d E = eulerRates(lectureEulerOrder(), {0.4, middle, 0.9});
   return E.col(0).cross(E.col(2)).norm();
@@ -100,35 +110,56 @@ QuaternionChainFit fit(const Vector3d& target, UnitConstraint constraint, double
 }
 
 std::string fitTable(const Vector3d& target) {
-  std::string out = fmt::format("  target {}, {:.3f} away; reach {:.3f}\n    constraint              iterations   max ||q| - 1|   error it claims   error of the rigid chain\n",
-                                text::point(target), target.norm(), lengths[0] + lengths[1] + lengths[2]);
+  std::string out = fmt::format(
+      "  target {}, {:.3f} away; reach {:.3f}\n    constraint              iterations   max ||q| - 1|   "
+      "error it claims   error of the rigid chain\n",
+      text::point(target), target.norm(), lengths[0] + lengths[1] + lengths[2]);
   const auto row = [&](const std::string& name, const QuaternionChainFit& f) {
-    out += fmt::format("    {:<22}  {:10}   {:13.2e}   {:15.6e}   {:.6e}\n", name, f.iterations, f.constraintError, f.claimedError, f.trueError);
+    out += fmt::format("    {:<22}  {:10}   {:13.2e}   {:15.6e}   {:.6e}\n", name, f.iterations,
+                       f.constraintError, f.claimedError, f.trueError);
   };
   row("manifold", fit(target, UnitConstraint::Manifold));
-  for (const double weight : {0.1, 1.0, 10.0, 100.0}) row(fmt::format("penalty, weight {:g}", weight), fit(target, UnitConstraint::Penalty, weight));
+  for (const double weight : {0.1, 1.0, 10.0, 100.0})
+    row(fmt::format("penalty, weight {:g}", weight), fit(target, UnitConstraint::Penalty, weight));
   return out;
 }
 
 std::string steps() {
-  std::string out = "T_(i -> i+1) = T(l_i, 0) R(phi_(i+1)),  R(phi) = R(phi^x, phi^y, phi^z): rotations about x, then y, then z of the moving frame.\n";
+  std::string out =
+      "T_(i -> i+1) = T(l_i, 0) R(phi_(i+1)),  R(phi) = R(phi^x, phi^y, phi^z): rotations about x, then y, "
+      "then z of the moving frame.\n";
   for (int i = 0; i < 3; ++i)
-    out += fmt::format("  joint {}: l = {:g}, (phi^x, phi^y, phi^z) = {} degrees, q = (w x y z) {}\n", i + 1, lengths[static_cast<std::size_t>(i)],
-                       text::point(pose[static_cast<std::size_t>(i)] / degree, 6), text::point(Eigen::Vector4d(rotationOf(i).w(), rotationOf(i).x(), rotationOf(i).y(), rotationOf(i).z()), 7));
-  out += fmt::format("\nEnd-effector by the slide's product      {}\n           by the skeleton, quaternions  {}\n", text::point(endByProducts().translation(), 12), text::point(framesByQuaternions().back().translation(), 12));
+    out += fmt::format(
+        "  joint {}: l = {:g}, (phi^x, phi^y, phi^z) = {} degrees, q = (w x y z) {}\n", i + 1,
+        lengths[static_cast<std::size_t>(i)], text::point(pose[static_cast<std::size_t>(i)] / degree, 6),
+        text::point(
+            Eigen::Vector4d(rotationOf(i).w(), rotationOf(i).x(), rotationOf(i).y(), rotationOf(i).z()), 7));
+  out += fmt::format(
+      "\nEnd-effector by the slide's product      {}\n           by the skeleton, quaternions  {}\n",
+      text::point(endByProducts().translation(), 12),
+      text::point(framesByQuaternions().back().translation(), 12));
   out += "  by the skeleton, each of the twelve orders (angles of joint 1 in degrees):\n";
   for (const EulerOrder& order : eulerOrders())
-    out += fmt::format("    {}: {:<40} end {}\n", order.name, text::point(eulerFromRotation(order, rotationOf(0).toRotationMatrix()) / degree, 8),
+    out += fmt::format("    {}: {:<40} end {}\n", order.name,
+                       text::point(eulerFromRotation(order, rotationOf(0).toRotationMatrix()) / degree, 8),
                        text::point(framesByEuler(order).back().translation(), 12));
   out += fmt::format("  largest difference of any matrix entry: {:.1e}\n\n", ordersApart());
-  out += "Gimbal lock: x, y, z at phi^y = 90 degrees. The world axes about which the angles turn, and |det E| = |cos phi^y|:\n";
+  out +=
+      "Gimbal lock: x, y, z at phi^y = 90 degrees. The world axes about which the angles turn, and |det E| = "
+      "|cos phi^y|:\n";
   for (const double middle : {0.0, 45.0, 80.0, 89.0, 90.0}) {
     const Eigen::Matrix3d E = eulerRates(lectureEulerOrder(), {0.4, middle * degree, 0.9});
-    out += fmt::format("  phi^y = {:4g}: |det| = {:<10.4g} sine between first and third axis = {:.4g}\n", middle, std::abs(E.determinant()), lockedAxesApart(middle * degree));
+    out += fmt::format("  phi^y = {:4g}: |det| = {:<10.4g} sine between first and third axis = {:.4g}\n",
+                       middle, std::abs(E.determinant()), lockedAxesApart(middle * degree));
   }
-  out += "At 90 degrees first and third axis are one line: a direction of turning is lost, and only phi^x + phi^z is determined.\n\n";
-  out += "Optimising quaternions under ||q|| = 1, three ball joints, Ceres Levenberg-Marquardt:\n" + fitTable(reachable) + fitTable(unreachable);
-  out += "On the manifold the constraint holds to rounding. As a penalty it is a wish: out of reach, quaternions grow and the links stretch.\n";
+  out +=
+      "At 90 degrees first and third axis are one line: a direction of turning is lost, and only phi^x + "
+      "phi^z is determined.\n\n";
+  out += "Optimising quaternions under ||q|| = 1, three ball joints, Ceres Levenberg-Marquardt:\n" +
+         fitTable(reachable) + fitTable(unreachable);
+  out +=
+      "On the manifold the constraint holds to rounding. As a penalty it is a wish: out of reach, "
+      "quaternions grow and the links stretch.\n";
   return out;
 }
 
@@ -136,24 +167,60 @@ std::string steps() {
 
 LectureTopic rotationsTopic() {
   const std::string section = "10.2, hierarchical coordinate systems in 3D";
-  LectureTopic topic{.id = "rotations", .section = "10.2", .title = "Euler angles and quaternions", .steps = &steps, .checks = {}};
+  LectureTopic topic{.id = "rotations",
+                     .section = "10.2",
+                     .title = "Euler angles and quaternions",
+                     .steps = &steps,
+                     .checks = {}};
   topic.checks = {
-      {.id = "rotations-routes", .section = section, .what = "T(l, 0) R(phi^x, phi^y, phi^z) equals the quaternion skeleton", .printed = {1e-14}, .tolerance = {0},
-       .compute = [] { return std::vector{(endByProducts().matrix() - framesByQuaternions().back().matrix()).cwiseAbs().maxCoeff()}; }, .comparison = Comparison::AtMost},
-      {.id = "rotations-orders", .section = section, .what = "all twelve Euler orders give the same pose", .printed = {1e-14}, .tolerance = {0},
-       .compute = [] { return std::vector{ordersApart()}; }, .comparison = Comparison::AtMost},
-      {.id = "rotations-gimbal", .section = section, .what = "gimbal lock at phi^y = 90: sine between first and third axis", .printed = {0}, .tolerance = {1e-15},
-       .compute = [] { return std::vector{lockedAxesApart(90 * degree)}; }},
-      {.id = "rotations-manifold", .section = "10.2, condition ||q|| = 1", .what = "manifold: reached, max ||q| - 1|", .printed = {1e-10, 1e-14}, .tolerance = {0},
-       .compute = [] {
-         const QuaternionChainFit f = fit(reachable, UnitConstraint::Manifold);
-         return std::vector{f.trueError, f.constraintError};
-       },
+      {.id = "rotations-routes",
+       .section = section,
+       .what = "T(l, 0) R(phi^x, phi^y, phi^z) equals the quaternion skeleton",
+       .printed = {1e-14},
+       .tolerance = {0},
+       .compute =
+           [] {
+             return std::vector{
+                 (endByProducts().matrix() - framesByQuaternions().back().matrix()).cwiseAbs().maxCoeff()};
+           },
        .comparison = Comparison::AtMost},
-      {.id = "rotations-manifold-unreachable", .section = "10.2, condition ||q|| = 1", .what = "manifold, out of reach: the rigid chain's nearest distance",
-       .printed = {unreachable.norm() - 2.3}, .tolerance = {1e-8}, .compute = [] { return std::vector{fit(unreachable, UnitConstraint::Manifold).trueError}; }},
-      {.id = "rotations-penalty-unreachable", .section = "10.2, condition ||q|| = 1", .what = "penalty of weight 1, out of reach: max ||q| - 1|", .printed = {1e-3}, .tolerance = {0},
-       .compute = [] { return std::vector{fit(unreachable, UnitConstraint::Penalty).constraintError}; }, .comparison = Comparison::AtLeast,
+      {.id = "rotations-orders",
+       .section = section,
+       .what = "all twelve Euler orders give the same pose",
+       .printed = {1e-14},
+       .tolerance = {0},
+       .compute = [] { return std::vector{ordersApart()}; },
+       .comparison = Comparison::AtMost},
+      {.id = "rotations-gimbal",
+       .section = section,
+       .what = "gimbal lock at phi^y = 90: sine between first and third axis",
+       .printed = {0},
+       .tolerance = {1e-15},
+       .compute = [] { return std::vector{lockedAxesApart(90 * degree)}; }},
+      {.id = "rotations-manifold",
+       .section = "10.2, condition ||q|| = 1",
+       .what = "manifold: reached, max ||q| - 1|",
+       .printed = {1e-10, 1e-14},
+       .tolerance = {0},
+       .compute =
+           [] {
+             const QuaternionChainFit f = fit(reachable, UnitConstraint::Manifold);
+             return std::vector{f.trueError, f.constraintError};
+           },
+       .comparison = Comparison::AtMost},
+      {.id = "rotations-manifold-unreachable",
+       .section = "10.2, condition ||q|| = 1",
+       .what = "manifold, out of reach: the rigid chain's nearest distance",
+       .printed = {unreachable.norm() - 2.3},
+       .tolerance = {1e-8},
+       .compute = [] { return std::vector{fit(unreachable, UnitConstraint::Manifold).trueError}; }},
+      {.id = "rotations-penalty-unreachable",
+       .section = "10.2, condition ||q|| = 1",
+       .what = "penalty of weight 1, out of reach: max ||q| - 1|",
+       .printed = {1e-3},
+       .tolerance = {0},
+       .compute = [] { return std::vector{fit(unreachable, UnitConstraint::Penalty).constraintError}; },
+       .comparison = Comparison::AtLeast,
        .note = "the penalty lets the links stretch instead of keeping ||q|| = 1"},
   };
   return topic;

@@ -22,16 +22,19 @@ const Vector2d origin = Vector2d::Zero();
 
 TwoLinkSolution solution() { return solveTwoLink(origin, l, l, slide::armTarget); }
 
-/// Of the slide's candidates for phi_1 at a given phi_2 (degrees): both, or only those that forward kinematics confirms.
+/// Of the slide's candidates for phi_1 at a given phi_2 (degrees): both, or only those that forward
+/// kinematics confirms.
 std::vector<double> candidates(double phi2, bool holding) {
   std::vector<double> found;
   for (const ArctangentCandidate& c : arctangentCandidates(origin, l, l, slide::armTarget))
-    if (std::abs(c.phi2 / degree - phi2) < 1e-6 && (!holding || c.distance < 1e-9)) found.push_back(c.phi1 / degree);
+    if (std::abs(c.phi2 / degree - phi2) < 1e-6 && (!holding || c.distance < 1e-9))
+      found.push_back(c.phi1 / degree);
   std::sort(found.begin(), found.end());
   return found;
 }
 
-/// Worst distance from the target over both branches of random targets inside the annulus, in units of l1 + l2.
+/// Worst distance from the target over both branches of random targets inside the annulus, in units of l1 +
+/// l2.
 double worstInside(int targets) {
   std::mt19937_64 random(1);
   double worst = 0.0;
@@ -41,12 +44,16 @@ double worstInside(int targets) {
     const Vector2d X(r * std::cos(angle), r * std::sin(angle));
     const TwoLinkSolution found = solveTwoLink(origin, l1, l2, X);
     for (const TwoLinkBranch& branch : found.branches())
-      worst = std::max(worst, (endEffector({.base = origin, .lengths = {l1, l2}}, Vector2d(branch.phi1, branch.phi2)) - X).norm() / (l1 + l2));
+      worst = std::max(
+          worst, (endEffector({.base = origin, .lengths = {l1, l2}}, Vector2d(branch.phi1, branch.phi2)) - X)
+                         .norm() /
+                     (l1 + l2));
   }
   return worst;
 }
 
-/// Largest elbow step over target step while a target crosses the pole direction in steps of 1 mm (arm 0.3 and 0.27, distance 0.4).
+/// Largest elbow step over target step while a target crosses the pole direction in steps of 1 mm (arm 0.3
+/// and 0.27, distance 0.4).
 double elbowJump(bool historyAware) {
   const Vector3d base = Vector3d::Zero(), pole = Vector3d::UnitY();
   Vector3d elbow, end;
@@ -63,34 +70,53 @@ double elbowJump(bool historyAware) {
 }
 
 std::string steps() {
-  std::string out = fmt::format("Given: P1 = (0, 0), X = {}, l1 = l2 = {:g}\n", text::point(slide::armTarget), l);
-  out += fmt::format("Reachable workspace: |l1 - l2| = {:g} <= |X - P1| = {:g} <= l1 + l2 = {:g}\n", 0.0, slide::armTarget.norm(), 2 * l);
+  std::string out =
+      fmt::format("Given: P1 = (0, 0), X = {}, l1 = l2 = {:g}\n", text::point(slide::armTarget), l);
+  out += fmt::format("Reachable workspace: |l1 - l2| = {:g} <= |X - P1| = {:g} <= l1 + l2 = {:g}\n", 0.0,
+                     slide::armTarget.norm(), 2 * l);
   out += "  (the slide prints the lower end as l1 - l2, which is meant for l1 >= l2)\n\n";
   const double cosine = (slide::armTarget.squaredNorm() - 2 * l * l) / (2 * l * l);
-  out += fmt::format("cos phi_2 = (dx^2 + dy^2 - l1^2 - l2^2) / (2 l1 l2) = {:g}  =>  phi_2 = +-{:.10g} degrees\n\n", cosine, std::acos(cosine) / degree);
-  out += "tan phi_1 = (dy (l1 + l2 c2) - dx l2 s2) / (dx (l1 + l2 c2) + dy l2 s2); the arctangent leaves two candidates, pi apart.\n";
+  out += fmt::format(
+      "cos phi_2 = (dx^2 + dy^2 - l1^2 - l2^2) / (2 l1 l2) = {:g}  =>  phi_2 = +-{:.10g} degrees\n\n", cosine,
+      std::acos(cosine) / degree);
+  out +=
+      "tan phi_1 = (dy (l1 + l2 c2) - dx l2 s2) / (dx (l1 + l2 c2) + dy l2 s2); the arctangent leaves two "
+      "candidates, pi apart.\n";
   out += "Forward kinematics tells which one holds:\n";
   for (const ArctangentCandidate& c : arctangentCandidates(origin, l, l, slide::armTarget)) {
     const Vector2d X = endEffector({.base = origin, .lengths = {l, l}}, Vector2d(c.phi1, c.phi2));
-    out += fmt::format("  phi_2 = {:6.1f}, phi_1 = {:6.1f} degrees: f(phi) = {:<22} {}\n", c.phi2 / degree, c.phi1 / degree, text::point(X),
+    out += fmt::format("  phi_2 = {:6.1f}, phi_1 = {:6.1f} degrees: f(phi) = {:<22} {}\n", c.phi2 / degree,
+                       c.phi1 / degree, text::point(X),
                        c.distance < 1e-9 ? "holds" : fmt::format("misses the target by {:g}", c.distance));
   }
   out += "\nWith atan2(numerator, denominator) only those that hold are left. All branches:\n";
   const TwoLinkSolution all = solution();
   for (const TwoLinkBranch& branch : all.branches())
-    out += fmt::format("  phi_1 = {:.10g}, phi_2 = {:.10g} degrees ({})\n", branch.phi1 / degree, branch.phi2 / degree, branch.exact ? "exact" : "nearest");
+    out += fmt::format("  phi_1 = {:.10g}, phi_2 = {:.10g} degrees ({})\n", branch.phi1 / degree,
+                       branch.phi2 / degree, branch.exact ? "exact" : "nearest");
   out += "\nThe borders (same arm unless said otherwise):\n";
-  struct Border { const char* name; double l1, l2; Vector2d X; };
-  for (const Border& b : {Border{"target at the base, l1 = l2", l, l, {0, 0}}, Border{"straight, r = l1 + l2", l, l, {2 * l, 0}},
-                          Border{"folded, l1 = 10, l2 = 4", l, 4, {6, 0}}, Border{"outside", l, l, {25, 0}},
-                          Border{"in the hole, l1 = 10, l2 = 4", l, 4, {2, 0}}, Border{"l2 = 0", l, 0, {0, l}}}) {
+  struct Border {
+    const char* name;
+    double l1, l2;
+    Vector2d X;
+  };
+  for (const Border& b :
+       {Border{"target at the base, l1 = l2", l, l, {0, 0}},
+        Border{"straight, r = l1 + l2", l, l, {2 * l, 0}}, Border{"folded, l1 = 10, l2 = 4", l, 4, {6, 0}},
+        Border{"outside", l, l, {25, 0}}, Border{"in the hole, l1 = 10, l2 = 4", l, 4, {2, 0}},
+        Border{"l2 = 0", l, 0, {0, l}}}) {
     const TwoLinkSolution s = solveTwoLink(origin, b.l1, b.l2, b.X);
-    out += fmt::format("  {:<30} {:<14} phi = ({:g}, {:g}) degrees, {}, gap {:g}\n", b.name, toString(s.kind), s.branch[0].phi1 / degree,
-                       s.branch[0].phi2 / degree, s.branch[0].exact ? "exact" : "nearest point", s.gap);
+    out += fmt::format("  {:<30} {:<14} phi = ({:g}, {:g}) degrees, {}, gap {:g}\n", b.name, toString(s.kind),
+                       s.branch[0].phi1 / degree, s.branch[0].phi2 / degree,
+                       s.branch[0].exact ? "exact" : "nearest point", s.gap);
   }
-  out += fmt::format("\nWorst error of 100,000 random targets inside the annulus: {:.2e} (l1 + l2)\n", worstInside(100'000));
-  out += fmt::format("In space, a target crossing the pole direction in 1 mm steps moves the elbow by {:.3g} times the target's step with a fixed pole, "
-                     "{:.3g} times with a pole that is carried along.\n", elbowJump(false), elbowJump(true));
+  out += fmt::format("\nWorst error of 100,000 random targets inside the annulus: {:.2e} (l1 + l2)\n",
+                     worstInside(100'000));
+  out += fmt::format(
+      "In space, a target crossing the pole direction in 1 mm steps moves the elbow by {:.3g} times the "
+      "target's step with a fixed pole, "
+      "{:.3g} times with a pole that is carried along.\n",
+      elbowJump(false), elbowJump(true));
   return out;
 }
 
@@ -98,36 +124,97 @@ std::string steps() {
 
 LectureTopic twoLinkTopic() {
   const std::string section = "10.1.3, numerical example";
-  LectureTopic topic{.id = "two-link", .section = "10.1.3", .title = "Analytic inverse kinematics of two links", .steps = &steps, .checks = {}};
+  LectureTopic topic{.id = "two-link",
+                     .section = "10.1.3",
+                     .title = "Analytic inverse kinematics of two links",
+                     .steps = &steps,
+                     .checks = {}};
   topic.checks = {
-      {.id = "two-link-phi2", .section = section, .what = "phi_2 in {-120, 120} degrees", .printed = {-120, 120}, .tolerance = {1e-10},
-       .compute = [] { return std::vector{solution().branch[1].phi2 / degree, solution().branch[0].phi2 / degree}; }},
-      {.id = "two-link-candidates-plus", .section = section, .what = "arctangent for phi_2 = 120: {-60, 120}", .printed = {-60, 120}, .tolerance = {1e-10},
-       .compute = [] { return candidates(120, false); }, .note = "of these forward kinematics confirms -60 alone: see two-link-phi1-plus"},
-      {.id = "two-link-candidates-minus", .section = section, .what = "arctangent for phi_2 = -120: {-120, 60}", .printed = {-120, 60}, .tolerance = {1e-10},
-       .compute = [] { return candidates(-120, false); }, .note = "of these forward kinematics confirms 60 alone: see two-link-phi1-minus"},
-      {.id = "two-link-phi1-plus", .section = section, .what = "phi_1 that holds for phi_2 = 120 degrees", .printed = {-60}, .tolerance = {1e-10},
+      {.id = "two-link-phi2",
+       .section = section,
+       .what = "phi_2 in {-120, 120} degrees",
+       .printed = {-120, 120},
+       .tolerance = {1e-10},
+       .compute =
+           [] {
+             return std::vector{solution().branch[1].phi2 / degree, solution().branch[0].phi2 / degree};
+           }},
+      {.id = "two-link-candidates-plus",
+       .section = section,
+       .what = "arctangent for phi_2 = 120: {-60, 120}",
+       .printed = {-60, 120},
+       .tolerance = {1e-10},
+       .compute = [] { return candidates(120, false); },
+       .note = "of these forward kinematics confirms -60 alone: see two-link-phi1-plus"},
+      {.id = "two-link-candidates-minus",
+       .section = section,
+       .what = "arctangent for phi_2 = -120: {-120, 60}",
+       .printed = {-120, 60},
+       .tolerance = {1e-10},
+       .compute = [] { return candidates(-120, false); },
+       .note = "of these forward kinematics confirms 60 alone: see two-link-phi1-minus"},
+      {.id = "two-link-phi1-plus",
+       .section = section,
+       .what = "phi_1 that holds for phi_2 = 120 degrees",
+       .printed = {-60},
+       .tolerance = {1e-10},
        .compute = [] { return candidates(120, true); }},
-      {.id = "two-link-phi1-minus", .section = section, .what = "phi_1 that holds for phi_2 = -120 degrees", .printed = {60}, .tolerance = {1e-10},
+      {.id = "two-link-phi1-minus",
+       .section = section,
+       .what = "phi_1 that holds for phi_2 = -120 degrees",
+       .printed = {60},
+       .tolerance = {1e-10},
        .compute = [] { return candidates(-120, true); }},
-      {.id = "two-link-atan2", .section = section, .what = "atan2 gives exactly those: (-60, 120), (60, -120)", .printed = {-60, 120, 60, -120}, .tolerance = {1e-10},
-       .compute = [] {
-         std::vector<double> angles;
-         const TwoLinkSolution all = solution();
-         for (const TwoLinkBranch& b : all.branches()) angles.insert(angles.end(), {b.phi1 / degree, b.phi2 / degree});
-         return angles;
-       }},
-      {.id = "two-link-annulus", .section = "10.1.3, reachable workspace", .what = "[l1 - l2, l1 + l2], here for l1 = 10, l2 = 4: gaps at r = 6 and 14",
-       .printed = {0, 0}, .tolerance = {1e-14},
-       .compute = [] { return std::vector{solveTwoLink(origin, l, 4, {l - 4, 0}).gap, solveTwoLink(origin, l, 4, {l + 4, 0}).gap}; },
-       .note = "the slide prints the lower end as l1 - l2; for l1 < l2 it is l2 - l1, so |l1 - l2| in general"},
-      {.id = "two-link-annulus-swapped", .section = "10.1.3, reachable workspace", .what = "the same for l1 = 4, l2 = 10 needs |l1 - l2|: gaps at r = 6 and 5",
-       .printed = {0, 1}, .tolerance = {1e-14},
-       .compute = [] { return std::vector{solveTwoLink(origin, 4, l, {l - 4, 0}).gap, solveTwoLink(origin, 4, l, {l - 5, 0}).gap}; }},
-      {.id = "two-link-error", .section = "10.1.3, analytic solution", .what = "worst error of 20,000 targets inside, units of l1 + l2", .printed = {1e-14},
-       .tolerance = {0}, .compute = [] { return std::vector{worstInside(20'000)}; }, .comparison = Comparison::AtMost},
-      {.id = "two-link-pole", .section = "10.1.3 in space", .what = "elbow step / target step across the pole, carried pole", .printed = {5}, .tolerance = {0},
-       .compute = [] { return std::vector{elbowJump(true)}; }, .comparison = Comparison::AtMost, .note = "a fixed pole flips the elbow there"},
+      {.id = "two-link-atan2",
+       .section = section,
+       .what = "atan2 gives exactly those: (-60, 120), (60, -120)",
+       .printed = {-60, 120, 60, -120},
+       .tolerance = {1e-10},
+       .compute =
+           [] {
+             std::vector<double> angles;
+             const TwoLinkSolution all = solution();
+             for (const TwoLinkBranch& b : all.branches())
+               angles.insert(angles.end(), {b.phi1 / degree, b.phi2 / degree});
+             return angles;
+           }},
+      {.id = "two-link-annulus",
+       .section = "10.1.3, reachable workspace",
+       .what = "[l1 - l2, l1 + l2], here for l1 = 10, l2 = 4: gaps at r = 6 and 14",
+       .printed = {0, 0},
+       .tolerance = {1e-14},
+       .compute =
+           [] {
+             return std::vector{solveTwoLink(origin, l, 4, {l - 4, 0}).gap,
+                                solveTwoLink(origin, l, 4, {l + 4, 0}).gap};
+           },
+       .note =
+           "the slide prints the lower end as l1 - l2; for l1 < l2 it is l2 - l1, so |l1 - l2| in general"},
+      {.id = "two-link-annulus-swapped",
+       .section = "10.1.3, reachable workspace",
+       .what = "the same for l1 = 4, l2 = 10 needs |l1 - l2|: gaps at r = 6 and 5",
+       .printed = {0, 1},
+       .tolerance = {1e-14},
+       .compute =
+           [] {
+             return std::vector{solveTwoLink(origin, 4, l, {l - 4, 0}).gap,
+                                solveTwoLink(origin, 4, l, {l - 5, 0}).gap};
+           }},
+      {.id = "two-link-error",
+       .section = "10.1.3, analytic solution",
+       .what = "worst error of 20,000 targets inside, units of l1 + l2",
+       .printed = {1e-14},
+       .tolerance = {0},
+       .compute = [] { return std::vector{worstInside(20'000)}; },
+       .comparison = Comparison::AtMost},
+      {.id = "two-link-pole",
+       .section = "10.1.3 in space",
+       .what = "elbow step / target step across the pole, carried pole",
+       .printed = {5},
+       .tolerance = {0},
+       .compute = [] { return std::vector{elbowJump(true)}; },
+       .comparison = Comparison::AtMost,
+       .note = "a fixed pole flips the elbow there"},
   };
   return topic;
 }

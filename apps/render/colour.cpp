@@ -6,7 +6,9 @@
 namespace gelenk {
 
 Eigen::Vector3f linearLight(const Colour& colour) {
-  const auto linear = [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); };
+  const auto linear = [](float c) {
+    return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+  };
   return {linear(colour.r), linear(colour.g), linear(colour.b)};
 }
 
@@ -19,7 +21,8 @@ Colour viridis(float t) {
   const int i = std::min(static_cast<int>(at), last - 1);
   const float share = at - static_cast<float>(i);
   const auto channel = [&](int shift) {
-    const auto low = static_cast<float>(keys[i] >> shift & 0xff), high = static_cast<float>(keys[i + 1] >> shift & 0xff);
+    const auto low = static_cast<float>(keys[i] >> shift & 0xff),
+               high = static_cast<float>(keys[i + 1] >> shift & 0xff);
     return (low + share * (high - low)) / 255.0f;
   };
   return {channel(16), channel(8), channel(0), 1.0f};

@@ -19,7 +19,8 @@ std::vector<char32_t> codePoints(const std::string& words) {
     const auto lead = static_cast<unsigned char>(words[i++]);
     const int more = lead < 0x80 ? 0 : lead >> 5 == 6 ? 1 : lead >> 4 == 14 ? 2 : lead >> 3 == 30 ? 3 : -1;
     char32_t point = more == 0 ? lead : more < 0 ? 0xfffd : lead & (0x3f >> more);
-    for (int k = 0; k < more && i < words.size(); ++k) point = point << 6 | (static_cast<unsigned char>(words[i++]) & 0x3f);
+    for (int k = 0; k < more && i < words.size(); ++k)
+      point = point << 6 | (static_cast<unsigned char>(words[i++]) & 0x3f);
     points.push_back(point);
   }
   return points;
@@ -33,9 +34,11 @@ struct Lettering::Face {
 
   explicit Face(int size) {
     if (FT_Init_FreeType(&library) != 0) throw std::runtime_error("FreeType cannot be started");
-    if (FT_New_Face(library, typeface, 0, &face) != 0 || FT_Set_Pixel_Sizes(face, 0, static_cast<FT_UInt>(size)) != 0) {
+    if (FT_New_Face(library, typeface, 0, &face) != 0 ||
+        FT_Set_Pixel_Sizes(face, 0, static_cast<FT_UInt>(size)) != 0) {
       FT_Done_FreeType(library);  // and its faces
-      throw std::runtime_error(std::string("the typeface ") + typeface + " is missing: apt install fonts-roboto-unhinted");
+      throw std::runtime_error(std::string("the typeface ") + typeface +
+                               " is missing: apt install fonts-roboto-unhinted");
     }
   }
   ~Face() { FT_Done_FreeType(library); }
@@ -48,7 +51,8 @@ struct Lettering::Face {
     for (const char32_t point : codePoints(words)) {
       const FT_UInt glyph = FT_Get_Char_Index(face, point);
       FT_Vector kerning{0, 0};
-      if (before != 0 && FT_HAS_KERNING(face)) FT_Get_Kerning(face, before, glyph, FT_KERNING_DEFAULT, &kerning);
+      if (before != 0 && FT_HAS_KERNING(face))
+        FT_Get_Kerning(face, before, glyph, FT_KERNING_DEFAULT, &kerning);
       pen += kerning.x;
       if (FT_Load_Glyph(face, glyph, flags) != 0) continue;
       use(face->glyph, static_cast<int>(pen / 64));
@@ -74,10 +78,12 @@ void Lettering::write(Image& picture, int x, int y, const std::string& words, co
       for (int column = 0; column < static_cast<int>(bitmap.width); ++column) {
         const int px = x + pen + slot->bitmap_left + column, py = y - slot->bitmap_top + row;
         if (px < 0 || py < 0 || px >= picture.width || py >= picture.height) continue;
-        const float cover = colour.a * static_cast<float>(bitmap.buffer[row * bitmap.pitch + column]) / 255.0f;
+        const float cover =
+            colour.a * static_cast<float>(bitmap.buffer[row * bitmap.pitch + column]) / 255.0f;
         std::uint8_t* pixel = &picture.pixels[4 * (static_cast<std::size_t>(py) * picture.width + px)];
         for (int k = 0; k < 3; ++k)
-          pixel[k] = static_cast<std::uint8_t>(std::lround((1.0f - cover) * static_cast<float>(pixel[k]) + 255.0f * cover * ink[k]));
+          pixel[k] = static_cast<std::uint8_t>(
+              std::lround((1.0f - cover) * static_cast<float>(pixel[k]) + 255.0f * cover * ink[k]));
       }
   });
 }

@@ -12,9 +12,11 @@ ModelView::ModelView(const Model& model) : model_(&model) {
   }
   restBounds_ = bounds(rest);
   size_ = std::max(restBounds_.diagonal().norm(), 1e-9);
-  // The ground lies under the rest pose. A planar scene is seen from above: a little distance gives its shadow room.
+  // The ground lies under the rest pose. A planar scene is seen from above: a little distance gives its
+  // shadow room.
   const Eigen::Vector3d up = model.up;
-  groundHeight_ = std::min(restBounds_.min().dot(up), restBounds_.max().dot(up)) - (model.planar ? 0.012 * size_ : 0.0);
+  groundHeight_ =
+      std::min(restBounds_.min().dot(up), restBounds_.max().dot(up)) - (model.planar ? 0.012 * size_ : 0.0);
 }
 
 Eigen::AlignedBox3d ModelView::bounds(const Frames& worldFromJoint) const {
@@ -40,11 +42,13 @@ void ModelView::showWeights(int joint) {
   shownWeights_ = joint;
 }
 
-RenderScene ModelView::compose(const Eigen::VectorXd& q, const ViewOptions& options, Theme theme, std::optional<int> selected) {
+RenderScene ModelView::compose(const Eigen::VectorXd& q, const ViewOptions& options, Theme theme,
+                               std::optional<int> selected) {
   return compose(forwardKinematics(model_->skeleton, q), options, theme, selected);
 }
 
-RenderScene ModelView::compose(const Frames& frames, const ViewOptions& options, Theme theme, std::optional<int> selected) {
+RenderScene ModelView::compose(const Frames& frames, const ViewOptions& options, Theme theme,
+                               std::optional<int> selected) {
   RenderScene scene;
   scene.theme = theme;
   scene.size = size_;

@@ -43,8 +43,10 @@ MuscleSkin cutOut(const MuscleSkin& body, const std::vector<int>& joints, double
     part.outside.push_back(body.outside[v]);
   }
   for (const auto& [a, b, c] : body.skin.mesh.triangles)
-    if (kept[a] >= 0 && kept[b] >= 0 && kept[c] >= 0) part.skin.mesh.triangles.push_back({kept[a], kept[b], kept[c]});
-  if (part.skin.mesh.triangles.empty()) throw std::invalid_argument("no part of the skin follows limb '" + body.limbs[0].name + "'");
+    if (kept[a] >= 0 && kept[b] >= 0 && kept[c] >= 0)
+      part.skin.mesh.triangles.push_back({kept[a], kept[b], kept[c]});
+  if (part.skin.mesh.triangles.empty())
+    throw std::invalid_argument("no part of the skin follows limb '" + body.limbs[0].name + "'");
   return part;
 }
 
@@ -65,11 +67,13 @@ Camera alongBendAxis(const Limb& limb, const Frames& rest, const Viewport& cell)
   Camera camera{.up = -frames.rotations[0].col(2), .orthographic = true};
   const Eigen::Matrix3d front = camera.axes();
   camera.azimuth = std::atan2(towardsViewer.dot(front.col(0)), towardsViewer.dot(front.col(2)));
-  // Most of the first bone above the joint, as much of the second as fits, room on the side to which it bends.
+  // Most of the first bone above the joint, as much of the second as fits, room on the side to which it
+  // bends.
   const double reach = limb.shape.links[0].length;
   const double height = 1.56 * reach, width = height * cell.aspect();
   const double insideOnScreen = frames.rotations[0].col(0).dot(camera.axes().col(0)) > 0.0 ? 1.0 : -1.0;
-  camera.target = joint + 0.06 * reach * camera.up + insideOnScreen * (0.5 * width - 0.40 * reach) * camera.axes().col(0);
+  camera.target =
+      joint + 0.06 * reach * camera.up + insideOnScreen * (0.5 * width - 0.40 * reach) * camera.axes().col(0);
   camera.distance = 0.5 * height / std::tan(0.5 * camera.verticalFieldOfView);
   return camera;
 }
@@ -98,8 +102,11 @@ class SheetPainter {
 
   Image paint() {
     const int left = scaled(84), top = scaled(72), bottom = scaled(44), gap = scaled(6);
-    Image page{.width = left + 3 * (cell_.width + gap), .height = top + 3 * (cell_.height + gap) + bottom, .pixels = {}};
-    page.pixels.assign(4 * static_cast<std::size_t>(page.width) * page.height, sheet_.theme == Theme::Dark ? 30 : 255);
+    Image page{.width = left + 3 * (cell_.width + gap),
+               .height = top + 3 * (cell_.height + gap) + bottom,
+               .pixels = {}};
+    page.pixels.assign(4 * static_cast<std::size_t>(page.width) * page.height,
+                       sheet_.theme == Theme::Dark ? 30 : 255);
     const Lettering large(scaled(28)), small(scaled(18));
     const Colour ink = sheet_.theme == Theme::Dark ? Colour{0.9f, 0.9f, 0.9f} : Colour{0.15f, 0.17f, 0.2f};
     for (int column = 0; column < 3; ++column) {
@@ -128,7 +135,8 @@ class SheetPainter {
  private:
   int scaled(int pixels) const { return static_cast<int>(std::lround(sheet_.scale * pixels)); }
 
-  int legend(Image& page, const Lettering& type, int x, int y, const Colour& colour, const std::string& words) const {
+  int legend(Image& page, const Lettering& type, int x, int y, const Colour& colour,
+             const std::string& words) const {
     type.write(page, x, y, words, colour);
     return scaled(36) + type.width(words);
   }
@@ -149,8 +157,10 @@ class SheetPainter {
     RenderScene scene{.theme = sheet_.theme, .xray = true, .lightFromViewer = true};
     scene.ground.visible = false;
     const double reach = limb.shape.links[0].length + limb.shape.links[1].length;
-    scene.bounds = Eigen::AlignedBox3d(Vector3d(bones.joints[1].array() - reach), Vector3d(bones.joints[1].array() + reach));
-    scene.bodies.push_back({.mesh = &mesh_, .pose = &pose, .tint = {0.95f, 0.80f, 0.71f}, .seeThrough = 0.3f});
+    scene.bounds = Eigen::AlignedBox3d(Vector3d(bones.joints[1].array() - reach),
+                                       Vector3d(bones.joints[1].array() + reach));
+    scene.bodies.push_back(
+        {.mesh = &mesh_, .pose = &pose, .tint = {0.95f, 0.80f, 0.71f}, .seeThrough = 0.3f});
     if (way > 0) addLattice(scene.overlay, limbs[0], {.opacity = 1.0f, .between = 1.0f});
     addLimbBones(scene.overlayOnTop, bones, limb.shape.links[0].length);
     Camera camera = camera_;  // the more it bends, the less hangs below the joint
@@ -179,7 +189,8 @@ class SheetPainter {
 
 Image drawMuscleSheet(const Model& model, const Limb& limb, const MuscleSheet& sheet) {
   if (!model.skin) throw std::invalid_argument("model '" + model.name + "' has no skin to deform");
-  if (limb.shape.links.size() < 2) throw std::invalid_argument("limb '" + limb.name + "' has one link, a sheet needs a joint to bend");
+  if (limb.shape.links.size() < 2)
+    throw std::invalid_argument("limb '" + limb.name + "' has one link, a sheet needs a joint to bend");
   return SheetPainter(model, limb, sheet).paint();
 }
 

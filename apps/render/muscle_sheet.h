@@ -7,9 +7,9 @@
 
 namespace gelenk {
 
-/// A sheet of pictures of one limb, for judging its muscle layer by eye: rows straight, 60 and 120 degrees of bend; columns linear
-/// blending, volumes alone (FFD), volumes with muscle and volume rule. The limb is cut off the body and seen along its bend axis,
-/// bones and control planes through a translucent skin.
+/// A sheet of pictures of one limb, for judging its muscle layer by eye: rows straight, 60 and 120 degrees of
+/// bend; columns linear blending, volumes alone (FFD), volumes with muscle and volume rule. The limb is cut
+/// off the body and seen along its bend axis, bones and control planes through a translucent skin.
 struct MuscleSheet {
   int cellWidth = 480, cellHeight = 560;  ///< pixels at scale 1
   double scale = 1.0;

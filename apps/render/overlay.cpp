@@ -22,8 +22,8 @@ Colour shaded(const Colour& colour, const Vector3d& normal) {
 }
 
 /// Points on an arc, both ends included, one every 3 degrees at most.
-std::vector<Vector3d> arcPoints(const Vector3d& centre, const Vector3d& u, const Vector3d& v, double radius, double from,
-                                double to) {
+std::vector<Vector3d> arcPoints(const Vector3d& centre, const Vector3d& u, const Vector3d& v, double radius,
+                                double from, double to) {
   const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to - from) / (std::numbers::pi / 60.0))));
   std::vector<Vector3d> points(steps + 1);
   for (int i = 0; i <= steps; ++i) {
@@ -44,7 +44,8 @@ void Overlay::polyline(const std::vector<Vector3d>& points, const Colour& colour
   if (closed && points.size() > 2) line(points.back(), points.front(), colour, width);
 }
 
-void Overlay::dashedLine(const Vector3d& a, const Vector3d& b, double dash, const Colour& colour, float width) {
+void Overlay::dashedLine(const Vector3d& a, const Vector3d& b, double dash, const Colour& colour,
+                         float width) {
   constexpr int mostDashes = 1000;
   const double length = (b - a).norm();
   if (!(dash > 0.0) || length <= dash || length > 2.0 * dash * mostDashes) return line(a, b, colour, width);
@@ -71,7 +72,8 @@ void Overlay::bone(const Vector3d& from, const Vector3d& to, double thickness, c
   if (along.norm() < 1e-12) return;
   const Vector3d x = along.unitOrthogonal(), y = along.normalized().cross(x);
   const Vector3d waist = from + 0.15 * along;
-  const Vector3d corners[4] = {waist + thickness * x, waist + thickness * y, waist - thickness * x, waist - thickness * y};
+  const Vector3d corners[4] = {waist + thickness * x, waist + thickness * y, waist - thickness * x,
+                               waist - thickness * y};
   for (int i = 0; i < 4; ++i) {
     const Vector3d &a = corners[i], &b = corners[(i + 1) % 4];
     triangle(from, b, a, shaded(colour, (b - from).cross(a - from).normalized()));
@@ -82,11 +84,12 @@ void Overlay::bone(const Vector3d& from, const Vector3d& to, double thickness, c
 void Overlay::axes(const Eigen::Isometry3d& worldFromFrame, double length, float width) {
   const Colour colours[3] = {{0.86f, 0.25f, 0.26f}, {0.30f, 0.66f, 0.25f}, {0.20f, 0.43f, 0.86f}};
   const Vector3d origin = worldFromFrame.translation();
-  for (int k = 0; k < 3; ++k) line(origin, origin + length * worldFromFrame.linear().col(k), colours[k], width);
+  for (int k = 0; k < 3; ++k)
+    line(origin, origin + length * worldFromFrame.linear().col(k), colours[k], width);
 }
 
-void Overlay::annulus(const Vector3d& centre, const Vector3d& u, const Vector3d& v, double inner, double outer,
-                      const Colour& colour, double fromAngle, double toAngle) {
+void Overlay::annulus(const Vector3d& centre, const Vector3d& u, const Vector3d& v, double inner,
+                      double outer, const Colour& colour, double fromAngle, double toAngle) {
   const auto out = arcPoints(centre, u, v, outer, fromAngle, toAngle);
   if (!(inner > 0.0)) return fan(centre, out, colour, false);
   const auto in = arcPoints(centre, u, v, inner, fromAngle, toAngle);
@@ -96,8 +99,8 @@ void Overlay::annulus(const Vector3d& centre, const Vector3d& u, const Vector3d&
   }
 }
 
-void Overlay::arc(const Vector3d& centre, const Vector3d& u, const Vector3d& v, double radius, const Colour& colour,
-                  float width, double fromAngle, double toAngle) {
+void Overlay::arc(const Vector3d& centre, const Vector3d& u, const Vector3d& v, double radius,
+                  const Colour& colour, float width, double fromAngle, double toAngle) {
   polyline(arcPoints(centre, u, v, radius, fromAngle, toAngle), colour, width);
 }
 

@@ -27,7 +27,8 @@ void attribute(GLuint location, GLint components, std::size_t stride, std::size_
 template <class T>
 void stream(const GlBuffer& buffer, const std::vector<T>& data) {
   glBindBuffer(GL_ARRAY_BUFFER, buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STREAM_DRAW);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(),
+               GL_STREAM_DRAW);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
@@ -77,7 +78,8 @@ void OverlayGl::draw(const Overlay& overlay) {
         if ((overlay.fills[i].colour.a >= opaque) == wantOpaque)
           sorted_.insert(sorted_.end(), &overlay.fills[i], &overlay.fills[i] + 3);
     GLsizei opaqueCount = 0;
-    while (opaqueCount < static_cast<GLsizei>(sorted_.size()) && sorted_[opaqueCount].colour.a >= opaque) opaqueCount += 3;
+    while (opaqueCount < static_cast<GLsizei>(sorted_.size()) && sorted_[opaqueCount].colour.a >= opaque)
+      opaqueCount += 3;
     stream(fillBuffer_, sorted_);
     fill_.use();
     glBindVertexArray(fillArray_);

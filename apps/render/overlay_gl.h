@@ -6,11 +6,13 @@
 
 namespace gelenk {
 
-/// Draws overlays with the frame's uniforms: fills as triangles, lines and points as quads of their width in pixels.
+/// Draws overlays with the frame's uniforms: fills as triangles, lines and points as quads of their width in
+/// pixels.
 class OverlayGl {
  public:
   explicit OverlayGl(GLuint frameBinding);
-  /// Depth test on, blending on. Opaque fills, lines and points write depth, translucent fills do not. Leaves depth writes on.
+  /// Depth test on, blending on. Opaque fills, lines and points write depth, translucent fills do not. Leaves
+  /// depth writes on.
   void draw(const Overlay& overlay);
 
  private:

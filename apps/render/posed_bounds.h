@@ -7,8 +7,8 @@
 
 namespace gelenk {
 
-/// Box of a body in a pose, from one box a joint around the vertices that it carries mainly: cheap, and never much larger or
-/// smaller than the exact box.
+/// Box of a body in a pose, from one box a joint around the vertices that it carries mainly: cheap, and never
+/// much larger or smaller than the exact box.
 class PosedBounds {
  public:
   explicit PosedBounds(const Skin& skin);

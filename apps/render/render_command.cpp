@@ -1,3 +1,5 @@
+#include "apps/render/render_command.h"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -6,14 +8,13 @@
 #include <memory>
 #include <numbers>
 
-#include "apps/document/binding_scene.h"
 #include "apps/commands/commands.h"
-#include "apps/document/model_files.h"
 #include "apps/commands/muscle_report.h"
+#include "apps/document/binding_scene.h"
+#include "apps/document/model_files.h"
 #include "apps/document/muscle_scene.h"
 #include "apps/render/model_view.h"
 #include "apps/render/muscle_sheet.h"
-#include "apps/render/render_command.h"
 #include "apps/render/signs.h"
 #include "apps/render/video.h"
 #include "kinematics/configuration.h"
@@ -52,9 +53,10 @@ bool endsWith(const std::string& text, std::string_view end) {
 Viewport parseSize(const Request& request) {
   Viewport viewport;
   char rest = 0;
-  if (std::sscanf(request.size.c_str(), "%dx%d%c", &viewport.width, &viewport.height, &rest) != 2 || viewport.width < 1 ||
-      viewport.height < 1)
-    throw std::invalid_argument("--size: expected WIDTHxHEIGHT such as 1280x800, found '" + request.size + "'");
+  if (std::sscanf(request.size.c_str(), "%dx%d%c", &viewport.width, &viewport.height, &rest) != 2 ||
+      viewport.width < 1 || viewport.height < 1)
+    throw std::invalid_argument("--size: expected WIDTHxHEIGHT such as 1280x800, found '" + request.size +
+                                "'");
   viewport.width = static_cast<int>(std::lround(viewport.width * request.scale));
   viewport.height = static_cast<int>(std::lround(viewport.height * request.scale));
   return viewport;
@@ -67,40 +69,54 @@ Model openInput(const Request& request, const ModelReference& reference) {
   const std::string& amc = request.amc.empty() ? reference.amcFile : request.amc;
   const std::string& mapping = request.mapping.empty() ? reference.mappingFile : request.mapping;
   if (!asf.empty() || !amc.empty())
-    return withBody(importFiles(reference.nameOrFile, {.skeleton = skeleton, .weights = weights, .asf = asf, .amc = amc, .mapping = mapping, .figure = {}}).model);
+    return withBody(importFiles(reference.nameOrFile, {.skeleton = skeleton,
+                                                       .weights = weights,
+                                                       .asf = asf,
+                                                       .amc = amc,
+                                                       .mapping = mapping,
+                                                       .figure = {}})
+                        .model);
   if (skeleton.empty()) return withBody(openModel(reference.nameOrFile));
   return openBody(reference.nameOrFile, skeleton, weights.empty() ? std::nullopt : std::optional(weights));
 }
 
 /// --q: values in the configuration's order, angles in radians as `gelenk fk --q` takes them.
-Eigen::VectorXd configurationOf(const Request& request, const Skeleton& skeleton, const Eigen::VectorXd& otherwise) {
+Eigen::VectorXd configurationOf(const Request& request, const Skeleton& skeleton,
+                                const Eigen::VectorXd& otherwise) {
   if (request.q.empty()) return otherwise;
   if (static_cast<int>(request.q.size()) != skeleton.nq())
-    throw std::invalid_argument(fmt::format("--q: the model has {} configuration values, {} are given", skeleton.nq(), request.q.size()));
+    throw std::invalid_argument(fmt::format("--q: the model has {} configuration values, {} are given",
+                                            skeleton.nq(), request.q.size()));
   Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(request.q.data(), skeleton.nq());
   for (int j = 0; j < skeleton.jointCount(); ++j) {
     if (!skeleton.joint(j).ball) continue;
     const Eigen::Quaterniond rotation = ballRotation(skeleton, q, j);
-    if (!(rotation.norm() > 1e-9)) throw std::invalid_argument("--q: the quaternion of joint " + skeleton.joint(j).name + " is zero");
+    if (!(rotation.norm() > 1e-9))
+      throw std::invalid_argument("--q: the quaternion of joint " + skeleton.joint(j).name + " is zero");
     setBallRotation(skeleton, q, j, rotation.normalized());
   }
   return q;
 }
 
-/// --turn elbow=60: sets the first axis of a joint, degrees; --turn shoulder.y=30: turns a ball about an axis of its frame.
+/// --turn elbow=60: sets the first axis of a joint, degrees; --turn shoulder.y=30: turns a ball about an axis
+/// of its frame.
 Eigen::VectorXd turned(const Skeleton& skeleton, Eigen::VectorXd q, const std::string& turn) {
   const std::size_t equals = std::min(turn.find('='), turn.size());
   const auto angle = equals < turn.size() ? parseNumber(turn.substr(equals + 1)) : std::nullopt;
-  if (!angle) throw std::invalid_argument("--turn: expected JOINT=DEGREES such as lowerarm_l=60, found '" + turn + "'");
+  if (!angle)
+    throw std::invalid_argument("--turn: expected JOINT=DEGREES such as lowerarm_l=60, found '" + turn + "'");
   std::string name = turn.substr(0, equals);
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-  if (!skeleton.findJoint(name) && name.size() > 2 && name[name.size() - 2] == '.' && name.back() >= 'x' && name.back() <= 'z') {
+  if (!skeleton.findJoint(name) && name.size() > 2 && name[name.size() - 2] == '.' && name.back() >= 'x' &&
+      name.back() <= 'z') {
     axis = Eigen::Vector3d::Unit(name.back() - 'x');
     name.resize(name.size() - 2);
   }
   const int joint = skeleton.jointIndex(name);
   if (skeleton.joint(joint).ball)
-    setBallRotation(skeleton, q, joint, ballRotation(skeleton, q, joint) * Eigen::Quaterniond(Eigen::AngleAxisd(*angle * degrees, axis)));
+    setBallRotation(
+        skeleton, q, joint,
+        ballRotation(skeleton, q, joint) * Eigen::Quaterniond(Eigen::AngleAxisd(*angle * degrees, axis)));
   else if (!skeleton.joint(joint).axes.empty())
     q[skeleton.qIndex(joint)] = *angle * degrees;
   else
@@ -124,16 +140,17 @@ Eigen::AlignedBox3d around(const Frames& frames, int joint, double size) {
 
 Camera cameraOf(const Request& request, const ModelView& view, const Frames& frames, const Viewport& viewport,
                 const std::optional<Camera>& ofScene) {
-  const bool asked = !request.view.empty() || !request.focus.empty() || request.azimuth || request.elevation || request.orthographic;
+  const bool asked = !request.view.empty() || !request.focus.empty() || request.azimuth ||
+                     request.elevation || request.orthographic;
   Camera camera = ofScene ? *ofScene : view.usualCamera(viewport);
   if (const auto standard = standardView(request.view)) camera = lookFrom(camera, *standard);
   if (request.azimuth) camera.azimuth = *request.azimuth * degrees;
   if (request.elevation) camera.elevation = *request.elevation * degrees;
   camera.orthographic = camera.orthographic || request.orthographic;
   if (!ofScene || asked) {
-    const Eigen::AlignedBox3d box = request.focus.empty()
-                                        ? view.bounds(frames)
-                                        : around(frames, view.model().skeleton.jointIndex(request.focus), view.size());
+    const Eigen::AlignedBox3d box =
+        request.focus.empty() ? view.bounds(frames)
+                              : around(frames, view.model().skeleton.jointIndex(request.focus), view.size());
     camera = frameBox(camera, viewport, box);
   }
   camera.distance /= request.zoom;
@@ -154,7 +171,10 @@ void addGoals(RenderScene& picture, const std::vector<SceneGoal>& goals, const F
 class Studio {
  public:
   explicit Studio(const Request& request)
-      : request_(request), viewport_(parseSize(request)), isScene_(endsWith(request.input, ".json")), model_(openRequested()) {
+      : request_(request),
+        viewport_(parseSize(request)),
+        isScene_(endsWith(request.input, ".json")),
+        model_(openRequested()) {
     readScene();
     applyBinding(scene_, model_);
     q_ = configurationOf(request, model_.skeleton, scene_.q);
@@ -167,8 +187,8 @@ class Studio {
     renderer_->setSupersampling(smoothing());
     target_.emplace(viewport_.width, viewport_.height);
     frames_ = request.bindPose ? bindFrames(model_) : forwardKinematics(model_.skeleton, q_);
-    camera_ = cameraOf(request, *view_, frames_, viewport_,
-                       isScene_ ? std::optional(scene_.camera) : std::nullopt);
+    camera_ =
+        cameraOf(request, *view_, frames_, viewport_, isScene_ ? std::optional(scene_.camera) : std::nullopt);
   }
 
   const Viewport& viewport() const { return viewport_; }
@@ -177,8 +197,7 @@ class Studio {
   /// The picture with the camera turned by so many radians about up.
   Image picture(double turn = 0.0) {
     RenderScene picture = view_->compose(frames_, options(), theme(), selected_);
-    if (scene_.options.handles || request_.handles)
-      addGoals(picture, scene_.goals, frames_, view_->size());
+    if (scene_.options.handles || request_.handles) addGoals(picture, scene_.goals, frames_, view_->size());
     Camera camera = camera_;
     camera.azimuth += turn;
     renderer_->draw(picture, camera, viewport_, target_->framebuffer(), static_cast<float>(request_.scale));
@@ -187,7 +206,8 @@ class Studio {
 
  private:
   Model openRequested() {
-    const ModelReference reference = isScene_ ? readModelReference(request_.input) : ModelReference{.nameOrFile = request_.input};
+    const ModelReference reference =
+        isScene_ ? readModelReference(request_.input) : ModelReference{.nameOrFile = request_.input};
     return openInput(request_, reference);
   }
 
@@ -202,7 +222,9 @@ class Studio {
   Eigen::VectorXd poseOfFrame() const {
     if (request_.frame == 0) return model_.skeleton.rest();
     const int count = model_.clip ? model_.clip->frameCount() : 0;
-    if (request_.frame > count) throw std::invalid_argument(fmt::format("--frame: the motion has {} frames, {} was asked for", count, request_.frame));
+    if (request_.frame > count)
+      throw std::invalid_argument(
+          fmt::format("--frame: the motion has {} frames, {} was asked for", count, request_.frame));
     return model_.clip->q.col(request_.frame - 1);
   }
 
@@ -213,14 +235,19 @@ class Studio {
     std::vector<Limb> limbs;
     MuscleSettings settings;
     const auto saved = scene_.panels.find("Muscles");
-    if (saved != scene_.panels.end() || !request_.layers.empty()) limbs = standardLimbs(model_.skeleton, rest);
+    if (saved != scene_.panels.end() || !request_.layers.empty())
+      limbs = standardLimbs(model_.skeleton, rest);
     if (saved != scene_.panels.end()) settings = parseMuscleSettings(saved->second, limbs);
     const bool wanted = request_.layers.empty() ? settings.enabled : request_.layers != "none";
     if (!wanted) {
-      if (request_.lattice) throw std::invalid_argument("--lattice: no muscle layers are on; add --layers ffd or --layers muscle");
+      if (request_.lattice)
+        throw std::invalid_argument(
+            "--lattice: no muscle layers are on; add --layers ffd or --layers muscle");
       return;
     }
-    if (limbs.empty()) throw std::invalid_argument("--layers: model '" + model_.name + "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...)");
+    if (limbs.empty())
+      throw std::invalid_argument("--layers: model '" + model_.name +
+                                  "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...)");
     for (const auto& [name, limbSettings] : settings.limbs)
       for (Limb& limb : limbs)
         if (limb.name == name) applyProportions(limb, limbSettings);
@@ -250,7 +277,8 @@ class Studio {
     return options;
   }
 
-  /// Pixels drawn for one of the picture: as many as the renderer can hold, 3 x 3 at most for a still, 2 x 2 for a video.
+  /// Pixels drawn for one of the picture: as many as the renderer can hold, 3 x 3 at most for a still, 2 x 2
+  /// for a video.
   int smoothing() const {
     if (request_.smoothing > 0) return request_.smoothing;
     GLint most = 0;
@@ -278,14 +306,18 @@ void showProgress(int done, int all) {
   if (!isatty(STDERR_FILENO)) return;
   constexpr int width = 40;
   const int filled = width * done / all;
-  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}/{}{}", "", filled, "", width - filled, done, all, done == all ? "\n" : "");
+  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}/{}{}", "", filled, "", width - filled, done, all,
+             done == all ? "\n" : "");
   std::fflush(stderr);
 }
 
 void writeTurntable(Studio& studio, const Request& request) {
-  const int count = request.frames > 0 ? request.frames : static_cast<int>(std::lround(request.seconds * request.framesPerSecond));
+  const int count = request.frames > 0
+                        ? request.frames
+                        : static_cast<int>(std::lround(request.seconds * request.framesPerSecond));
   if (count < 1) throw std::invalid_argument("a video needs at least one frame");
-  VideoWriter video(request.output, studio.viewport().width, studio.viewport().height, request.framesPerSecond);
+  VideoWriter video(request.output, studio.viewport().width, studio.viewport().height,
+                    request.framesPerSecond);
   for (int i = 0; i < count; ++i) {
     video.add(studio.picture(2.0 * std::numbers::pi * i / count));
     showProgress(i + 1, count);
@@ -316,60 +348,83 @@ void render(const Request& request) {
   const bool video = endsWith(request.output, ".mp4");
   if (!request.muscleSheet.empty()) return renderMuscleSheet(request);
   if (!video && !endsWith(request.output, ".png"))
-    throw std::invalid_argument("--output: expected a name ending in .png or .mp4, found '" + request.output + "'");
+    throw std::invalid_argument("--output: expected a name ending in .png or .mp4, found '" + request.output +
+                                "'");
   Studio studio(request);
   if (video)
     writeTurntable(studio, request);
   else
     writePng(request.output, studio.picture());
-  fmt::print("{}: {} x {}, {}, {}\n", request.output, studio.viewport().width, studio.viewport().height, studio.model().name,
-             glRenderer());
+  fmt::print("{}: {} x {}, {}, {}\n", request.output, studio.viewport().width, studio.viewport().height,
+             studio.model().name, glRenderer());
 }
 
 }  // namespace
 
 void addRenderCommand(CLI::App& app) {
   const auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
+  CLI::App* command = app.add_subcommand(
+      "render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
   command->add_option("input", request->input, "Built-in model, model file or scene (.json)")->required();
   command->add_option("-o,--output", request->output, "Picture or video to write")->required();
   command->add_option("--skeleton", request->skeleton, "Skeleton file that goes with an OBJ");
   command->add_option("--weights", request->weights, "Weights file that goes with an OBJ and a skeleton");
-  command->add_option("--asf", request->asf, "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
+  command->add_option("--asf", request->asf,
+                      "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
   command->add_option("--amc", request->amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", request->mapping, "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
-  command->add_option("--frame", request->frame, "Pose of this frame of the motion, from 1")->check(CLI::PositiveNumber);
-  command->add_flag("--bind-pose", request->bindPose, "The pose in which the skin is bound, where that is not the skeleton's rest pose");
+  command->add_option("--mapping", request->mapping,
+                      "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command->add_option("--frame", request->frame, "Pose of this frame of the motion, from 1")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--bind-pose", request->bindPose,
+                    "The pose in which the skin is bound, where that is not the skeleton's rest pose");
   command->add_option("--size", request->size, "Pixels at scale 1")->capture_default_str();
   command->add_option("--scale", request->scale, "Enlarges the picture, and lines and marks with it")
       ->check(CLI::Range(0.1, 8.0))
       ->capture_default_str();
-  command->add_option("--theme", request->theme, "light or dark; otherwise the scene's")->check(CLI::IsMember({"light", "dark"}));
+  command->add_option("--theme", request->theme, "light or dark; otherwise the scene's")
+      ->check(CLI::IsMember({"light", "dark"}));
   command->add_option("--view", request->view, "Standard direction")
       ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}));
   command->add_option("--azimuth", request->azimuth, "Degrees about the vertical, 0 from the front");
-  command->add_option("--elevation", request->elevation, "Degrees above the horizon")->check(CLI::Range(-90.0, 90.0));
+  command->add_option("--elevation", request->elevation, "Degrees above the horizon")
+      ->check(CLI::Range(-90.0, 90.0));
   command->add_option("--focus", request->focus, "Close-up of this joint");
   command->add_option("--zoom", request->zoom, "Factor")->check(CLI::PositiveNumber);
   command->add_flag("--orthographic", request->orthographic, "Without perspective");
-  command->add_option("--q", request->q, "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
+  command->add_option(
+      "--q", request->q,
+      "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
   command->add_flag("--wireframe", request->wireframe, "Edges of the triangles");
   command->add_flag("--bones", request->bones, "Skeleton through a translucent skin");
   command->add_option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
   command->add_flag("--joint-frames", request->jointFrames, "Axes of every joint");
-  command->add_option("--layers", request->layers, "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise the scene's")
+  command
+      ->add_option("--layers", request->layers,
+                   "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise "
+                   "the scene's")
       ->check(CLI::IsMember({"none", "ffd", "muscle"}));
   command->add_flag("--lattice", request->lattice, "Control planes of the muscle layers");
   command->add_option("--muscle-sheet", request->muscleSheet,
-                      "Instead of one picture a sheet of this limb ('left arm', or joints shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
-  command->add_option("--turn", request->turns, "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an axis of its frame, from the pose; may be repeated");
+                      "Instead of one picture a sheet of this limb ('left arm', or joints "
+                      "shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
+  command->add_option("--turn", request->turns,
+                      "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an "
+                      "axis of its frame, from the pose; may be repeated");
   command->add_flag("--no-ground", request->noGround, "Without the ground");
   command->add_flag("--no-shadow", request->noShadow, "Without the shadow");
-  command->add_option("--smoothing", request->smoothing, "Draw n x n pixels for one; otherwise what suits the renderer")
+  command
+      ->add_option("--smoothing", request->smoothing,
+                   "Draw n x n pixels for one; otherwise what suits the renderer")
       ->check(CLI::Range(1, 4));
-  command->add_option("--seconds", request->seconds, "Video: length of one turn")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--frames", request->frames, "Video: number of frames instead of --seconds")->check(CLI::PositiveNumber);
-  command->add_option("--fps", request->framesPerSecond, "Video: frames a second")->check(CLI::Range(1, 240))->capture_default_str();
+  command->add_option("--seconds", request->seconds, "Video: length of one turn")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--frames", request->frames, "Video: number of frames instead of --seconds")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--fps", request->framesPerSecond, "Video: frames a second")
+      ->check(CLI::Range(1, 240))
+      ->capture_default_str();
   command->callback([request] { render(*request); });
 }
 

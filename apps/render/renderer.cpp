@@ -32,7 +32,8 @@ struct FrameBlock {
 };
 
 glm::vec4 vec4(const Vector3d& v, double w = 0.0) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), static_cast<float>(w)};
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),
+          static_cast<float>(w)};
 }
 
 glm::mat4 mat4(const Matrix4d& m) {
@@ -55,36 +56,56 @@ struct Palette {
 
 Palette palette(Theme theme) {
   if (theme == Theme::Dark)
-    return {.key = {1.00f, 0.95f, 0.88f}, .fill = {0.75f, 0.84f, 1.00f}, .sky = {0.72f, 0.82f, 1.00f},
-            .bounce = {0.80f, 0.76f, 0.74f}, .rim = {0.70f, 0.82f, 1.00f},
-            .keyPower = 0.80f, .fillPower = 0.16f, .skyPower = 0.24f, .bouncePower = 0.10f, .rimPower = 0.22f,
-            .backgroundTop = {0.105f, 0.115f, 0.135f}, .backgroundBottom = {0.20f, 0.215f, 0.24f},
-            .ground = {0.235f, 0.25f, 0.275f, 0.9f}, .grid = {0.42f, 0.45f, 0.49f, 0.55f}};
-  return {.key = {1.00f, 0.95f, 0.87f}, .fill = {0.84f, 0.90f, 1.00f}, .sky = {0.84f, 0.90f, 1.00f},
-          .bounce = {0.95f, 0.90f, 0.85f}, .rim = {0.92f, 0.96f, 1.00f},
-          .keyPower = 0.98f, .fillPower = 0.16f, .skyPower = 0.32f, .bouncePower = 0.17f, .rimPower = 0.20f,
-          .backgroundTop = {0.80f, 0.835f, 0.87f}, .backgroundBottom = {0.925f, 0.93f, 0.935f},
-          .ground = {0.945f, 0.945f, 0.94f, 0.9f}, .grid = {0.58f, 0.61f, 0.65f, 0.70f}};
+    return {.key = {1.00f, 0.95f, 0.88f},
+            .fill = {0.75f, 0.84f, 1.00f},
+            .sky = {0.72f, 0.82f, 1.00f},
+            .bounce = {0.80f, 0.76f, 0.74f},
+            .rim = {0.70f, 0.82f, 1.00f},
+            .keyPower = 0.80f,
+            .fillPower = 0.16f,
+            .skyPower = 0.24f,
+            .bouncePower = 0.10f,
+            .rimPower = 0.22f,
+            .backgroundTop = {0.105f, 0.115f, 0.135f},
+            .backgroundBottom = {0.20f, 0.215f, 0.24f},
+            .ground = {0.235f, 0.25f, 0.275f, 0.9f},
+            .grid = {0.42f, 0.45f, 0.49f, 0.55f}};
+  return {.key = {1.00f, 0.95f, 0.87f},
+          .fill = {0.84f, 0.90f, 1.00f},
+          .sky = {0.84f, 0.90f, 1.00f},
+          .bounce = {0.95f, 0.90f, 0.85f},
+          .rim = {0.92f, 0.96f, 1.00f},
+          .keyPower = 0.98f,
+          .fillPower = 0.16f,
+          .skyPower = 0.32f,
+          .bouncePower = 0.17f,
+          .rimPower = 0.20f,
+          .backgroundTop = {0.80f, 0.835f, 0.87f},
+          .backgroundBottom = {0.925f, 0.93f, 0.935f},
+          .ground = {0.945f, 0.945f, 0.94f, 0.9f},
+          .grid = {0.58f, 0.61f, 0.65f, 0.70f}};
 }
 
 /// Where light comes from and what it falls on, in world coordinates.
 struct Lighting {
-  double size;                   ///< typical length of the scene
+  double size;  ///< typical length of the scene
   Vector3d up, groundX, groundY;
   double groundHeight;
   Vector3d keyDirection, fillDirection;  ///< towards the lights
-  Matrix4d shadowFromWorld;      ///< onto [0, 1]^3
+  Matrix4d shadowFromWorld;              ///< onto [0, 1]^3
   double shadowTexel, shadowDepth;
-  Vector2d patchCentre;          ///< ground coordinates
+  Vector2d patchCentre;  ///< ground coordinates
   double patchHalf;
 };
 
-/// By the front view's axes with the given up, the key light comes from the viewer's left, above and before the front.
+/// By the front view's axes with the given up, the key light comes from the viewer's left, above and before
+/// the front.
 Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPixels) {
   Lighting light{};
   const Eigen::AlignedBox3d box =
-      scene.bounds.isEmpty() ? Eigen::AlignedBox3d(Vector3d(camera.target.array() - 0.5), Vector3d(camera.target.array() + 0.5))
-                             : scene.bounds;
+      scene.bounds.isEmpty()
+          ? Eigen::AlignedBox3d(Vector3d(camera.target.array() - 0.5), Vector3d(camera.target.array() + 0.5))
+          : scene.bounds;
   light.size = scene.size > 0.0 ? scene.size : std::max(box.diagonal().norm(), 1e-9);
   const Camera front = scene.lightFromViewer ? camera : Camera{.up = camera.up};
   const Eigen::Matrix3d axes = front.axes();
@@ -96,7 +117,8 @@ Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPi
   const Eigen::Matrix3d view = camera.axes();
   light.fillDirection = (0.75 * view.col(0) + 0.25 * view.col(1) + 0.6 * view.col(2)).normalized();
 
-  // Shadow map: the box seen from the light, in steps so that it does not crawl when the box changes a little.
+  // Shadow map: the box seen from the light, in steps so that it does not crawl when the box changes a
+  // little.
   const Vector3d sx = light.up.cross(light.keyDirection).normalized(), sy = light.keyDirection.cross(sx);
   Eigen::AlignedBox3d inLight;
   Eigen::AlignedBox2d onGround;
@@ -106,7 +128,8 @@ Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPi
     inLight.extend(Vector3d(sx.dot(corner), sy.dot(corner), -light.keyDirection.dot(corner)));
     const double height = std::max(light.up.dot(corner) - light.groundHeight, 0.0);
     const Vector3d shadow = corner - height / slope * light.keyDirection;
-    for (const Vector3d& p : {corner, shadow}) onGround.extend(Vector2d(light.groundX.dot(p), light.groundY.dot(p)));
+    for (const Vector3d& p : {corner, shadow})
+      onGround.extend(Vector2d(light.groundX.dot(p), light.groundY.dot(p)));
   }
   const double step = light.size / 16.0;
   const auto inSteps = [step](double length) { return step * std::ceil(length / step); };
@@ -118,7 +141,8 @@ Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPi
   light.shadowFromWorld.setIdentity();
   light.shadowFromWorld.row(0) << sx.transpose() / (2.0 * half), 0.5 - middle.x() / (2.0 * half);
   light.shadowFromWorld.row(1) << sy.transpose() / (2.0 * half), 0.5 - middle.y() / (2.0 * half);
-  light.shadowFromWorld.row(2) << -light.keyDirection.transpose() / light.shadowDepth, 0.5 - middle.z() / light.shadowDepth;
+  light.shadowFromWorld.row(2) << -light.keyDirection.transpose() / light.shadowDepth,
+      0.5 - middle.z() / light.shadowDepth;
 
   const double reach = 0.5 * onGround.sizes().maxCoeff() + 0.25 * light.size;
   light.patchHalf = inSteps(std::min(reach / 0.85, 4.0 * light.size));
@@ -129,8 +153,8 @@ Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPi
 /// Ten cells or more along the scene: a power of ten.
 double gridSpacing(double size) { return std::pow(10.0, std::floor(std::log10(0.5 * size) + 1e-9)); }
 
-FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const Viewport& viewport, float pixelScale,
-                      const Lighting& light, bool shadows) {
+FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const Viewport& viewport,
+                      float pixelScale, const Lighting& light, bool shadows) {
   const Eigen::Matrix3d axes = camera.axes();
   const DepthRange range = depthRange(camera, scene.bounds, 6.0 * light.size);
   const Matrix4d clipFromWorld = clipFromView(camera, viewport, range) * viewFromWorld(camera);
@@ -270,10 +294,12 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
 }
 
 /// name: the vertex shader; a fragment shader of the same name is used for surface and contact.
-const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const BodyInstance& body, bool wireframe) {
+const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const BodyInstance& body,
+                                                  bool wireframe) {
   const bool inTexture = body.mesh->storage() == PoseStorage::TextureBuffer;
   const std::string vertex = name + ".vert", fragment = name == "depth" ? "" : name + ".frag";
-  const std::string defines = std::string(inTexture ? "POSE_IN_TEXTURE " : "") + (wireframe ? "WIREFRAME " : "") +
+  const std::string defines = std::string(inTexture ? "POSE_IN_TEXTURE " : "") +
+                              (wireframe ? "WIREFRAME " : "") +
                               (isLayered(body) ? layerDefines(*body.pose) : "");
   return program(name + " " + defines, {.folder = rendererShaders(),
                                         .vertex = vertex,
@@ -282,7 +308,8 @@ const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const
                                         .defines = defines});
 }
 
-/// Resolution of the light: fine for still pictures (supersampling) and on hardware, coarse where every texel costs.
+/// Resolution of the light: fine for still pictures (supersampling) and on hardware, coarse where every texel
+/// costs.
 void Renderer::State::prepareMaps() {
   const bool fine = !software || supersampling > 1;
   if (shadowPixels == (fine ? 2048 : 1024)) return;
@@ -351,8 +378,9 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
   bindTexture(ContactUnit, contact);
 
   glBindFramebuffer(GL_FRAMEBUFFER, noisyGroundLightBuffer);
-  const ShaderProgram& shade = program(
-      "ground_light", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "ground_light.frag"});
+  const ShaderProgram& shade =
+      program("ground_light",
+              {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "ground_light.frag"});
   shade.use();
   glUniform1f(shade.uniform("depthRange"), static_cast<float>(light.shadowDepth));
   glUniform1i(shade.uniform("taps"), shadowPixels > 1024 ? 32 : 12);
@@ -371,7 +399,8 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
   const ShaderProgram& surface = bodyProgram("surface", body, body.wireframe);
   const bool throughSkin = scene.xray && body.tint.a >= 1.0f;
   surface.use();
-  glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b, throughSkin ? 0.90f : body.tint.a);
+  glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b,
+              throughSkin ? 0.90f : body.tint.a);
   glUniform1f(surface.uniform("vertexColourShare"), body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
   poses[index].bind();
@@ -392,8 +421,10 @@ void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {
 
 void Renderer::State::drawBackdrop(const RenderScene& scene) {
   const char* defines = scene.ground.visible ? "GROUND" : "";
-  program(std::string("backdrop ") + defines,
-          {.folder = rendererShaders(), .vertex = "backdrop.vert", .fragment = "backdrop.frag", .defines = defines})
+  program(std::string("backdrop ") + defines, {.folder = rendererShaders(),
+                                               .vertex = "backdrop.vert",
+                                               .fragment = "backdrop.frag",
+                                               .defines = defines})
       .use();
   glDepthMask(GL_FALSE);
   glBindVertexArray(noVertices);
@@ -406,14 +437,15 @@ void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
   if (samples > 0) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, large.framebuffer());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
-    glBlitFramebuffer(0, 0, large.width(), large.height(), 0, 0, large.width(), large.height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(0, 0, large.width(), large.height(), 0, 0, large.width(), large.height(),
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
     picture = &resolved;
   }
   if (supersampling > 1) {
     glBindFramebuffer(GL_FRAMEBUFFER, small.framebuffer());
     glViewport(0, 0, small.width(), small.height());
-    const ShaderProgram& average =
-        program("average", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "average.frag"});
+    const ShaderProgram& average = program(
+        "average", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "average.frag"});
     average.use();
     glUniform1i(average.uniform("large"), ContactUnit);
     glUniform1i(average.uniform("factor"), supersampling);
@@ -425,7 +457,8 @@ void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
   glDisable(GL_FRAMEBUFFER_SRGB);  // from here on bytes are copied as they are
   glBindFramebuffer(GL_READ_FRAMEBUFFER, picture->framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, viewport.width, viewport.height, 0, 0, viewport.width, viewport.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, viewport.width, viewport.height, 0, 0, viewport.width, viewport.height,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, viewport.width, viewport.height);
 }
@@ -441,8 +474,8 @@ void Renderer::setSamples(int samples) {
 int Renderer::samples() const { return state_->samples; }
 void Renderer::setSupersampling(int n) { state_->supersampling = std::clamp(n, 1, 4); }
 
-void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewport& viewport, unsigned framebuffer,
-                    float pixelScale) {
+void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewport& viewport,
+                    unsigned framebuffer, float pixelScale) {
   State& gl = *state_;
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
@@ -458,7 +491,8 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   const Viewport enlarged{n * viewport.width, n * viewport.height};
   const bool shadows = scene.shadows && !scene.bodies.empty();
   const Lighting light = lightingOf(scene, camera, gl.shadowPixels);
-  const FrameBlock block = frameBlock(scene, camera, enlarged, static_cast<float>(n) * pixelScale, light, shadows);
+  const FrameBlock block =
+      frameBlock(scene, camera, enlarged, static_cast<float>(n) * pixelScale, light, shadows);
   glBindBuffer(GL_UNIFORM_BUFFER, gl.frame);
   glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof block, &block);
   glBindBufferBase(GL_UNIFORM_BUFFER, frameBinding, gl.frame);

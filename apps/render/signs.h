@@ -8,22 +8,22 @@
 
 namespace gelenk {
 
-// Signs of an articulated model, made from its frames. size: a typical length of the scene (the body's diagonal).
+// Signs of an articulated model, made from its frames. size: a typical length of the scene (the body's
+// diagonal).
 
-/// Slim octahedral bones from each joint to its children; joints without a child end in a point; a freely moving root is left
-/// out. selected: drawn in the accent
-/// colour with the bones that it carries; -1 for none.
-void addBones(Overlay& overlay, const Skeleton& skeleton, const Frames& worldFromJoint, double size, const Colour& colour,
-              int selected = -1);
+/// Slim octahedral bones from each joint to its children; joints without a child end in a point; a freely
+/// moving root is left out. selected: drawn in the accent colour with the bones that it carries; -1 for none.
+void addBones(Overlay& overlay, const Skeleton& skeleton, const Frames& worldFromJoint, double size,
+              const Colour& colour, int selected = -1);
 /// Red, green and blue axes of every joint.
 void addJointFrames(Overlay& overlay, const Frames& worldFromJoint, double size);
 /// The axis of every rotation and translation as a dashed line through its joint. q: nq.
-void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& worldFromJoint, double size,
-                  const Colour& colour);
-/// Target and reached point, and, where they differ by more than a thousandth of size, the line between them, coloured by the
-/// distance through viridis reversed.
-void addReach(Overlay& overlay, const Eigen::Vector3d& reached, const Eigen::Vector3d& target, double size, const Colour& colour,
-              Overlay::Shape shape = Overlay::Shape::Disc);
+void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::VectorXd& q,
+                  const Frames& worldFromJoint, double size, const Colour& colour);
+/// Target and reached point, and, where they differ by more than a thousandth of size, the line between them,
+/// coloured by the distance through viridis reversed.
+void addReach(Overlay& overlay, const Eigen::Vector3d& reached, const Eigen::Vector3d& target, double size,
+              const Colour& colour, Overlay::Shape shape = Overlay::Shape::Disc);
 
 inline constexpr Colour handleColour = {0.95f, 0.55f, 0.13f};
 inline constexpr Colour pinColour = {0.16f, 0.47f, 0.71f};
@@ -33,7 +33,8 @@ inline constexpr Colour accentColour = {0.99f, 0.62f, 0.18f};
 inline constexpr Colour connectingPlaneColour = {0.05f, 0.48f, 0.47f};
 inline constexpr Colour innerPlaneColour = {0.85f, 0.50f, 0.05f};
 
-/// How the lattice of a limb with muscle layers is drawn. Planes are counted along the limb: 6 link + (0 ... 6).
+/// How the lattice of a limb with muscle layers is drawn. Planes are counted along the limb: 6 link + (0 ...
+/// 6).
 struct LatticeLook {
   Colour connecting = connectingPlaneColour, inner = innerPlaneColour;
   float opacity = 0.75f, between = 0.3f;       ///< of the planes, and of the lines from plane to plane

@@ -23,7 +23,8 @@ void requireWritable(const std::string& path) {
   close(file);
 }
 
-/// Starts the program with its standard input at the reading end of a pipe; returns the errno of posix_spawnp.
+/// Starts the program with its standard input at the reading end of a pipe; returns the errno of
+/// posix_spawnp.
 int startReader(const std::vector<std::string>& words, int readEnd, int writeEnd, pid_t& process) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -48,11 +49,33 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, int fra
   requireWritable(unfinished_);
   std::signal(SIGPIPE, SIG_IGN);  // a reader that gives up shows as a failed write
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::string("cannot make a pipe: ") + std::strerror(errno));
-  const int error = startReader({"ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgba", "-video_size",
-                                 std::to_string(width) + "x" + std::to_string(height), "-framerate",
-                                 std::to_string(framesPerSecond), "-i", "-", "-c:v", "libx264", "-preset", "medium", "-crf", "18",
-                                 "-pix_fmt", "yuv420p", "-movflags", "+faststart", unfinished_},
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw std::runtime_error(std::string("cannot make a pipe: ") + std::strerror(errno));
+  const int error = startReader({"ffmpeg",
+                                 "-y",
+                                 "-loglevel",
+                                 "error",
+                                 "-f",
+                                 "rawvideo",
+                                 "-pixel_format",
+                                 "rgba",
+                                 "-video_size",
+                                 std::to_string(width) + "x" + std::to_string(height),
+                                 "-framerate",
+                                 std::to_string(framesPerSecond),
+                                 "-i",
+                                 "-",
+                                 "-c:v",
+                                 "libx264",
+                                 "-preset",
+                                 "medium",
+                                 "-crf",
+                                 "18",
+                                 "-pix_fmt",
+                                 "yuv420p",
+                                 "-movflags",
+                                 "+faststart",
+                                 unfinished_},
                                 ends[0], ends[1], process_);
   close(ends[0]);
   pipe_ = fdopen(ends[1], "wb");

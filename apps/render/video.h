@@ -7,11 +7,12 @@
 
 namespace gelenk {
 
-/// Encodes pictures into an H.264 .mp4 by the program ffmpeg, which gets raw frames through a pipe. The file appears under its
-/// name when finish() has succeeded.
+/// Encodes pictures into an H.264 .mp4 by the program ffmpeg, which gets raw frames through a pipe. The file
+/// appears under its name when finish() has succeeded.
 class VideoWriter {
  public:
-  /// width, height even. Throws std::runtime_error with a sentence where ffmpeg is missing or the folder cannot be written.
+  /// width, height even. Throws std::runtime_error with a sentence where ffmpeg is missing or the folder
+  /// cannot be written.
   VideoWriter(const std::string& path, int width, int height, int framesPerSecond);
   ~VideoWriter();  ///< without finish(): the unfinished file is removed
   VideoWriter(const VideoWriter&) = delete;

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <optional>
 
-#include "apps/document/binding_scene.h"
 #include "apps/commands/muscle_report.h"
+#include "apps/document/binding_scene.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/symmetry.h"
-#include "skinning/rigging/bone_heat.h"
 #include "skinning/io/pinocchio_weights.h"
+#include "skinning/rigging/bone_heat.h"
 #include "skinning/rigging/weight_paint.h"
 
 namespace gelenk {
@@ -25,14 +25,19 @@ using Eigen::Vector3d;
 class DepthMap {
  public:
   /// points: projected vertices, pixels of the view.
-  DepthMap(const std::vector<Projected>& points, const std::vector<std::array<int, 3>>& triangles, const Viewport& view)
-      : width_(view.width / cellSize + 1), height_(view.height / cellSize + 1), nearest_(static_cast<std::size_t>(width_) * height_, 1e300) {
+  DepthMap(const std::vector<Projected>& points, const std::vector<std::array<int, 3>>& triangles,
+           const Viewport& view)
+      : width_(view.width / cellSize + 1),
+        height_(view.height / cellSize + 1),
+        nearest_(static_cast<std::size_t>(width_) * height_, 1e300) {
     for (const auto& [a, b, c] : triangles)
-      if (points[a].depth > 0.0 && points[b].depth > 0.0 && points[c].depth > 0.0) fill(points[a], points[b], points[c]);
+      if (points[a].depth > 0.0 && points[b].depth > 0.0 && points[c].depth > 0.0)
+        fill(points[a], points[b], points[c]);
   }
 
   bool shows(const Projected& p, double tolerance) const {
-    const int x = static_cast<int>(std::floor(p.pixel.x() / cellSize)), y = static_cast<int>(std::floor(p.pixel.y() / cellSize));
+    const int x = static_cast<int>(std::floor(p.pixel.x() / cellSize)),
+              y = static_cast<int>(std::floor(p.pixel.y() / cellSize));
     if (p.depth <= 0.0 || x < 0 || y < 0 || x >= width_ || y >= height_) return false;
     return p.depth <= nearest_[static_cast<std::size_t>(y) * width_ + x] + tolerance;
   }
@@ -44,14 +49,16 @@ class DepthMap {
     const auto cross = [](const Vector2d& u, const Vector2d& v) { return u.x() * v.y() - u.y() * v.x(); };
     const double area = cross(b.pixel - a.pixel, c.pixel - a.pixel);
     if (std::abs(area) < 1e-9) return;
-    const Vector2d low = a.pixel.cwiseMin(b.pixel).cwiseMin(c.pixel) / cellSize, high = a.pixel.cwiseMax(b.pixel).cwiseMax(c.pixel) / cellSize;
+    const Vector2d low = a.pixel.cwiseMin(b.pixel).cwiseMin(c.pixel) / cellSize,
+                   high = a.pixel.cwiseMax(b.pixel).cwiseMax(c.pixel) / cellSize;
     if (!(low.x() < width_ && low.y() < height_ && high.x() >= 0.0 && high.y() >= 0.0)) return;
     const int x0 = std::max(0, static_cast<int>(low.x())), x1 = std::min(width_ - 1.0, high.x());
     const int y0 = std::max(0, static_cast<int>(low.y())), y1 = std::min(height_ - 1.0, high.y());
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         const Vector2d p = cellSize * Vector2d(x + 0.5, y + 0.5);
-        const double u = cross(p - a.pixel, c.pixel - a.pixel) / area, v = cross(b.pixel - a.pixel, p - a.pixel) / area;
+        const double u = cross(p - a.pixel, c.pixel - a.pixel) / area,
+                     v = cross(b.pixel - a.pixel, p - a.pixel) / area;
         if (u < 0.0 || v < 0.0 || u + v > 1.0) continue;
         double& nearest = nearest_[static_cast<std::size_t>(y) * width_ + x];
         nearest = std::min(nearest, a.depth + u * (b.depth - a.depth) + v * (c.depth - a.depth));
@@ -99,18 +106,26 @@ class BindingPanel final : public Panel {
     toolChoice("Brush", Tool::Brush, "Drag over the body: weights move as the mouse goes. Key B.");
     ImGui::SameLine();
     toolChoice("Lasso", Tool::Lasso, "Draw around vertices; they change when the button is let go. Key V.");
-    modeChoice("Bind", Mode::Bind, "w' = (1 - a) w + a t: towards the joint, or towards the layer in the proportions that a vertex has there.");
+    modeChoice("Bind", Mode::Bind,
+               "w' = (1 - a) w + a t: towards the joint, or towards the layer in the proportions that a "
+               "vertex has there.");
     ImGui::SameLine();
-    modeChoice("Take away", Mode::Erase, "The target's weights shrink by 1 - a, the others take their share.");
+    modeChoice("Take away", Mode::Erase,
+               "The target's weights shrink by 1 - a, the others take their share.");
     ImGui::SameLine();
-    modeChoice("Smooth", Mode::Smooth, "w' = (1 - a) w + a times the mean of the neighbours along the mesh's edges.");
+    modeChoice("Smooth", Mode::Smooth,
+               "w' = (1 - a) w + a times the mean of the neighbours along the mesh's edges.");
     float millimetres = static_cast<float>(1000.0 * radius_), strength = static_cast<float>(strength_);
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
-    if (ImGui::SliderFloat("Radius", &millimetres, static_cast<float>(5.0 * s.size), static_cast<float>(120.0 * s.size), "%.0f mm")) radius_ = 0.001 * millimetres;
+    if (ImGui::SliderFloat("Radius", &millimetres, static_cast<float>(5.0 * s.size),
+                           static_cast<float>(120.0 * s.size), "%.0f mm"))
+      radius_ = 0.001 * millimetres;
     tooltip("Of the brush, on the posed surface, millimetres. [ and ] change it.");
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
     if (ImGui::SliderFloat("Strength", &strength, 0.02f, 1.0f, "%.2f")) strength_ = strength;
-    tooltip("a at the brush's centre; it fades as (1 - (d/r)²)² towards the rim. For the lasso: a of every vertex inside.");
+    tooltip(
+        "a at the brush's centre; it fades as (1 - (d/r)²)² towards the rim. For the lasso: a of every "
+        "vertex inside.");
     if (tool_ == Tool::Lasso) {
       ImGui::Checkbox("Through the body", &through_);
       tooltip("Takes hidden vertices too. Otherwise only those that face you and that nothing covers.");
@@ -175,8 +190,12 @@ class BindingPanel final : public Panel {
       return true;
     }
     switch (key) {
-      case GLFW_KEY_LEFT_BRACKET: radius_ = std::max(0.005 * sandbox.state().size, radius_ / 1.15); return true;
-      case GLFW_KEY_RIGHT_BRACKET: radius_ = std::min(0.12 * sandbox.state().size, radius_ * 1.15); return true;
+      case GLFW_KEY_LEFT_BRACKET:
+        radius_ = std::max(0.005 * sandbox.state().size, radius_ / 1.15);
+        return true;
+      case GLFW_KEY_RIGHT_BRACKET:
+        radius_ = std::min(0.12 * sandbox.state().size, radius_ * 1.15);
+        return true;
       case GLFW_KEY_ESCAPE: tool_ = Tool::Off; return true;
       default: return false;
     }
@@ -192,11 +211,14 @@ class BindingPanel final : public Panel {
   }
 
   std::string save() const override {
-    return editor_ ? bindingText(editor_->difference(), static_cast<int>(editor_->weights().size()), skeleton_) : "";
+    return editor_
+               ? bindingText(editor_->difference(), static_cast<int>(editor_->weights().size()), skeleton_)
+               : "";
   }
   void load(Sandbox& sandbox, const std::string& json) override {
     if (!editor_) return;
-    const WeightChange change = parseBinding(json, static_cast<int>(editor_->weights().size()), sandbox.session().skeleton());
+    const WeightChange change =
+        parseBinding(json, static_cast<int>(editor_->weights().size()), sandbox.session().skeleton());
     editor_->finishStep();
     std::vector<Influences> weights = editor_->start();
     for (const auto& [vertex, influences] : change) weights[vertex] = influences;
@@ -207,7 +229,8 @@ class BindingPanel final : public Panel {
   }
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
     if (!editor_) throw std::invalid_argument("the model has no skin");
-    if (words.size() != 2 || words[0] != "export") throw std::invalid_argument("the Binding panel's command is: export FILE");
+    if (words.size() != 2 || words[0] != "export")
+      throw std::invalid_argument("the Binding panel's command is: export FILE");
     exportTo(sandbox, words[1]);
   }
   void reset(Sandbox& sandbox) override {
@@ -246,10 +269,14 @@ class BindingPanel final : public Panel {
   void targetChoice(Sandbox& sandbox) {
     const Skeleton& skeleton = sandbox.session().skeleton();
     const auto joint = sandbox.selectedJoint();
-    const std::string shown = layer_ >= 0 ? "Layer: " + layers_[layer_].first : joint ? skeleton.joint(*joint).name : "Choose a joint or a layer";
+    const std::string shown = layer_ >= 0 ? "Layer: " + layers_[layer_].first
+                              : joint     ? skeleton.joint(*joint).name
+                                          : "Choose a joint or a layer";
     ImGui::SetNextItemWidth(-1);
     if (!ImGui::BeginCombo("##target", shown.c_str())) {
-      tooltip("What vertices are bound to: one joint, or a layer (the joints of a limb that carries muscles). With the tool off, a click on the body selects its joint.");
+      tooltip(
+          "What vertices are bound to: one joint, or a layer (the joints of a limb that carries muscles). "
+          "With the tool off, a click on the body selects its joint.");
       return;
     }
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l)
@@ -278,19 +305,23 @@ class BindingPanel final : public Panel {
 
   void wholeBody(Sandbox& sandbox) {
     const Model& model = sandbox.session().model();
-    if (ImGui::Button("Smooth all")) change(sandbox, smoothed(editor_->weights(), everyVertex(strength_), neighbours_));
+    if (ImGui::Button("Smooth all"))
+      change(sandbox, smoothed(editor_->weights(), everyVertex(strength_), neighbours_));
     tooltip("Smooths every vertex once, with the strength above.");
     ImGui::SameLine();
     if (ImGui::Button("Heat weights")) {
       try {
-        replaceAll(sandbox, fourLargest(boneHeatWeights(model.skin->mesh, bones_), model.skeleton.jointCount()));
+        replaceAll(sandbox,
+                   fourLargest(boneHeatWeights(model.skin->mesh, bones_), model.skeleton.jointCount()));
       } catch (const std::exception& error) {
         sandbox.say(error.what(), true);
       }
     }
     tooltip("Weights by heat diffusion on the surface (Baran and Popovic 2007), as a start. Can be undone.");
     if (ImGui::Button("Mirror +x to -x")) mirror(sandbox, MirrorFrom::PositiveX);
-    tooltip("Copies the weights of the side x > 0 to the other; vertices by position in the rest pose, joints by name (_l, _r, left, right).");
+    tooltip(
+        "Copies the weights of the side x > 0 to the other; vertices by position in the rest pose, joints by "
+        "name (_l, _r, left, right).");
     ImGui::SameLine();
     if (ImGui::Button("-x to +x")) mirror(sandbox, MirrorFrom::NegativeX);
     tooltip("The other way.");
@@ -303,7 +334,8 @@ class BindingPanel final : public Panel {
       ImGui::EndDisabled();
       tooltip(explanation);
     };
-    button("Undo", editor_->canUndo(), false, "Takes the last stroke back, exactly. Ctrl+Z while a tool is on.");
+    button("Undo", editor_->canUndo(), false,
+           "Takes the last stroke back, exactly. Ctrl+Z while a tool is on.");
     ImGui::SameLine();
     button("Redo", editor_->canRedo(), true, "Ctrl+Shift+Z or Ctrl+Y while a tool is on.");
     ImGui::SameLine();
@@ -315,7 +347,9 @@ class BindingPanel final : public Panel {
     tooltip("File of the button beside it.");
     ImGui::SameLine();
     if (ImGui::Button("Export")) exportTo(sandbox, attachmentPath_);
-    tooltip("Writes the weights as a Pinocchio attachment file, one line a vertex and one column a bone, as --weights takes it.");
+    tooltip(
+        "Writes the weights as a Pinocchio attachment file, one line a vertex and one column a bone, as "
+        "--weights takes it.");
   }
 
   void exportTo(Sandbox& sandbox, const std::string& path) {
@@ -326,8 +360,12 @@ class BindingPanel final : public Panel {
           if (in.weights[k] > 0.0 && skeleton_.children(in.joints[k]).empty()) return true;
         return false;
       });
-      sandbox.say(onTip == 0 ? "Wrote " + path
-                             : fmt::format("Wrote {}; {} vertices follow joints without a child, which come back on the parent", path, onTip));
+      sandbox.say(
+          onTip == 0
+              ? "Wrote " + path
+              : fmt::format(
+                    "Wrote {}; {} vertices follow joints without a child, which come back on the parent",
+                    path, onTip));
     } catch (const std::exception& error) {
       sandbox.say(error.what(), true);
     }
@@ -364,18 +402,22 @@ class BindingPanel final : public Panel {
     const Model& model = sandbox.session().model();
     try {
       const std::vector<int> joints = mirrorPartners(model.skeleton);
-      const std::vector<int> vertices = mirrorVertices(model.skin->mesh.positions, 1e-3 * sandbox.state().size);
+      const std::vector<int> vertices =
+          mirrorVertices(model.skin->mesh.positions, 1e-3 * sandbox.state().size);
       const auto alone = std::count(vertices.begin(), vertices.end(), -1);
       change(sandbox, mirrored(editor_->weights(), model.skin->mesh.positions, vertices, joints, from));
-      sandbox.say(alone > 0 ? fmt::format("Mirrored; {} vertices have no mirror image and stay", alone) : "Mirrored");
+      sandbox.say(alone > 0 ? fmt::format("Mirrored; {} vertices have no mirror image and stay", alone)
+                            : "Mirrored");
     } catch (const std::exception& error) {
       sandbox.say(error.what(), true);
     }
   }
 
-  WeightChange operation(Sandbox& sandbox, const VertexSelection& selection, const PaintTarget& target) const {
+  WeightChange operation(Sandbox& sandbox, const VertexSelection& selection,
+                         const PaintTarget& target) const {
     switch (mode_) {
-      case Mode::Bind: return painted(editor_->weights(), selection, target, sandbox.session().model().skin->mesh.positions);
+      case Mode::Bind:
+        return painted(editor_->weights(), selection, target, sandbox.session().model().skin->mesh.positions);
       case Mode::Erase: return erased(editor_->weights(), selection, target);
       case Mode::Smooth: return smoothed(editor_->weights(), selection, neighbours_);
     }
@@ -391,11 +433,12 @@ class BindingPanel final : public Panel {
   std::optional<SurfaceHit> hitAt(Sandbox& sandbox, const Vector2d& pixel) const {
     const Sandbox::State& s = sandbox.state();
     const Skin& skin = *sandbox.session().model().skin;
-    return pickSurface(skin.mesh.triangles, sandbox.surface().positions, rayThroughPixel(s.camera, s.viewport(), s.toView(pixel)));
+    return pickSurface(skin.mesh.triangles, sandbox.surface().positions,
+                       rayThroughPixel(s.camera, s.viewport(), s.toView(pixel)));
   }
 
-  /// One stamp of the brush, and no other until the mouse has moved on by a quarter of the radius: a stroke does not depend on
-  /// the frame rate.
+  /// One stamp of the brush, and no other until the mouse has moved on by a quarter of the radius: a stroke
+  /// does not depend on the frame rate.
   void stroke(Sandbox& sandbox, const Vector2d& pixel) {
     const auto hit = hitAt(sandbox, pixel);
     if (!hit || (lastStamp_ && (hit->position - *lastStamp_).norm() < 0.25 * radius_)) return;
@@ -404,8 +447,11 @@ class BindingPanel final : public Panel {
     if (!hasTarget(sandbox, target)) return;
     const Skin& skin = *sandbox.session().model().skin;
     const Brush brush{.radius = radius_, .strength = strength_};
-    const WeightChange stamp = operation(
-        sandbox, underBrush(brush, hit->position, skin.mesh.triangles[hit->point.triangle], sandbox.surface().positions, neighbours_), target);
+    const WeightChange stamp =
+        operation(sandbox,
+                  underBrush(brush, hit->position, skin.mesh.triangles[hit->point.triangle],
+                             sandbox.surface().positions, neighbours_),
+                  target);
     if (stamp.empty()) return;
     editor_->apply(stamp);
     sandbox.setWeights(editor_->weights(), false);
@@ -446,7 +492,8 @@ class BindingPanel final : public Panel {
       std::vector<Vector2d> circle;
       for (int i = 0; i < 64; ++i) {
         const double angle = 2.0 * M_PI * i / 64.0;
-        circle.push_back(s.toWindow(hit->position + radius * (std::cos(angle) * u + std::sin(angle) * v)).pixel);
+        circle.push_back(
+            s.toWindow(hit->position + radius * (std::cos(angle) * u + std::sin(angle) * v)).pixel);
       }
       drawOutline(s, circle, radius == radius_ ? 1.0f : 0.45f);
     }
@@ -462,8 +509,10 @@ class BindingPanel final : public Panel {
     std::vector<ImVec2> points;
     for (const Vector2d& p : pixels) points.push_back({static_cast<float>(p.x()), static_cast<float>(p.y())});
     const int count = static_cast<int>(points.size());
-    draw->AddPolyline(points.data(), count, colour32({1, 1, 1, 0.9f}, strength), ImDrawFlags_Closed, 3.6f * s.scale);
-    draw->AddPolyline(points.data(), count, colour32(s.colours().accent, strength), ImDrawFlags_Closed, 1.6f * s.scale);
+    draw->AddPolyline(points.data(), count, colour32({1, 1, 1, 0.9f}, strength), ImDrawFlags_Closed,
+                      3.6f * s.scale);
+    draw->AddPolyline(points.data(), count, colour32(s.colours().accent, strength), ImDrawFlags_Closed,
+                      1.6f * s.scale);
     draw->PopClipRect();
   }
 

@@ -82,11 +82,8 @@ void Gui::beginFrame(const Input& input, double dt) {
       case InputEvent::Kind::Key:
         if (event.code >= 0 && event.code < 512) io.KeysDown[event.code] = event.down;
         break;
-      case InputEvent::Kind::Character:
-        io.AddInputCharacter(static_cast<unsigned>(event.code));
-        break;
-      case InputEvent::Kind::Drop:
-        break;
+      case InputEvent::Kind::Character: io.AddInputCharacter(static_cast<unsigned>(event.code)); break;
+      case InputEvent::Kind::Drop: break;
     }
   }
   io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];

@@ -5,8 +5,8 @@
 
 namespace gelenk {
 
-/// Dear ImGui without a window system: input comes from InputEvents, so that window, offscreen and replay take the same way.
-/// Needs a current GL 3.3 context for its whole life.
+/// Dear ImGui without a window system: input comes from InputEvents, so that window, offscreen and replay
+/// take the same way. Needs a current GL 3.3 context for its whole life.
 class Gui {
  public:
   Gui();

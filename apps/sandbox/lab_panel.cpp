@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/reproductions.h"
+#include "apps/commands/solver_colour.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/commands/solver_colour.h"
 #include "kinematics/configuration.h"
 #include "solvers/problem/judge.h"
 
@@ -31,7 +31,7 @@ struct Runner {
   std::string unsupported;
   double error = 0.0, seconds = 0.0, displacement = 0.0;
   std::vector<double> residuals;  ///< of the last frame that iterated
-  std::deque<double> errors;  ///< metres, newest last
+  std::deque<double> errors;      ///< metres, newest last
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();
 };
 
@@ -65,13 +65,17 @@ class LabPanel final : public Panel {
     if (ImGui::BeginMenu("Lab")) {
       if (ImGui::MenuItem("Compare solvers", "L", on_)) toggle(sandbox);
       ImGui::Separator();
-      preset(sandbox, "Damping: pseudo-inverse, DLS, SDLS, Sugihara", {"pseudo-inverse", "dls", "sdls", "lm-sugihara"});
-      preset(sandbox, "Order: Gauss-Newton, exact Hessian, Halley, L-BFGS", {"lm-gain-ratio", "exact-hessian", "halley", "l-bfgs"});
-      preset(sandbox, "Limits: pseudo-inverse, QP, task priority, Ceres", {"pseudo-inverse", "qp", "task-priority", "ceres-lm"});
+      preset(sandbox, "Damping: pseudo-inverse, DLS, SDLS, Sugihara",
+             {"pseudo-inverse", "dls", "sdls", "lm-sugihara"});
+      preset(sandbox, "Order: Gauss-Newton, exact Hessian, Halley, L-BFGS",
+             {"lm-gain-ratio", "exact-hessian", "halley", "l-bfgs"});
+      preset(sandbox, "Limits: pseudo-inverse, QP, task priority, Ceres",
+             {"pseudo-inverse", "qp", "task-priority", "ceres-lm"});
       ImGui::Separator();
       if (ImGui::BeginMenu("Reproduce")) {
         for (const Reproduction& entry : reproductions())
-          if (ImGui::MenuItem(std::string(entry.title).c_str(), nullptr, false, !running_.valid())) reproduce(sandbox, std::string(entry.name));
+          if (ImGui::MenuItem(std::string(entry.title).c_str(), nullptr, false, !running_.valid()))
+            reproduce(sandbox, std::string(entry.name));
         ImGui::EndMenu();
       }
       ImGui::EndMenu();
@@ -86,7 +90,9 @@ class LabPanel final : public Panel {
       on_ = on;
       runners_.clear();
     }
-    tooltip("Every chosen solver follows the goals with a pose of its own, 20 iterations a frame from where it ended; it shows as a tinted ghost.");
+    tooltip(
+        "Every chosen solver follows the goals with a pose of its own, 20 iterations a frame from where it "
+        "ended; it shows as a tinted ghost.");
     ImGui::Checkbox("Stand side by side", &apart_);
     tooltip("Every solver's pose beside the model instead of through it.");
     std::optional<std::size_t> removed;
@@ -128,27 +134,48 @@ class LabPanel final : public Panel {
     const ImVec2 size(half, available.y - 2 * s.scale);
     std::vector<Curve> residuals, errors;
     for (const Runner& runner : runners_) {
-      Curve residual{.values = runner.residuals, .colour = toImVec4(runner.colour), .width = 2.0f, .label = runner.solver, .dots = true};
+      Curve residual{.values = runner.residuals,
+                     .colour = toImVec4(runner.colour),
+                     .width = 2.0f,
+                     .label = runner.solver,
+                     .dots = true};
       residuals.push_back(residual);
-      Curve error{.values = {runner.errors.begin(), runner.errors.end()}, .colour = toImVec4(runner.colour), .width = 1.8f, .label = runner.solver};
+      Curve error{.values = {runner.errors.begin(), runner.errors.end()},
+                  .colour = toImVec4(runner.colour),
+                  .width = 1.8f,
+                  .label = runner.solver};
       for (double& v : error.values) v *= 1e3;
       errors.push_back(error);
     }
-    drawPlot({.title = "Residual per iteration", .xLabel = "iteration", .logarithmic = true, .lowest = 1e-6, .highest = 1.0, .leastCount = 6},
+    drawPlot({.title = "Residual per iteration",
+              .xLabel = "iteration",
+              .logarithmic = true,
+              .lowest = 1e-6,
+              .highest = 1.0,
+              .leastCount = 6},
              residuals, at, size, s.colours(), s.gui.fonts(), s.scale);
-    drawPlot({.title = "Goal error, mm", .xLabel = "frame", .logarithmic = true, .lowest = 1e-3, .highest = 1e2, .leastCount = 60}, errors,
-             {at.x + half + gap, at.y}, size, s.colours(), s.gui.fonts(), s.scale);
+    drawPlot({.title = "Goal error, mm",
+              .xLabel = "frame",
+              .logarithmic = true,
+              .lowest = 1e-3,
+              .highest = 1e2,
+              .leastCount = 60},
+             errors, {at.x + half + gap, at.y}, size, s.colours(), s.gui.fonts(), s.scale);
     ImGui::Dummy(available);
   }
 
-  std::string save() const override { return nlohmann::json{{"compare", on_}, {"side_by_side", apart_}, {"solvers", chosen_}}.dump(); }
+  std::string save() const override {
+    return nlohmann::json{{"compare", on_}, {"side_by_side", apart_}, {"solvers", chosen_}}.dump();
+  }
   void load(Sandbox&, const std::string& text) override {
     const auto state = nlohmann::json::parse(text);
     const auto solvers = state.at("solvers").get<std::vector<std::string>>();
     const auto known = frameSolverNames();
     for (const std::string& solver : solvers)
-      if (std::find(known.begin(), known.end(), solver) == known.end()) throw std::invalid_argument("no solver is called '" + solver + "'");
-    if (solvers.empty() || solvers.size() > mostSolvers) throw std::invalid_argument("the lab compares one to four solvers");
+      if (std::find(known.begin(), known.end(), solver) == known.end())
+        throw std::invalid_argument("no solver is called '" + solver + "'");
+    if (solvers.empty() || solvers.size() > mostSolvers)
+      throw std::invalid_argument("the lab compares one to four solvers");
     on_ = state.at("compare").get<bool>();
     apart_ = state.at("side_by_side").get<bool>();
     chosen_ = solvers;
@@ -167,7 +194,8 @@ class LabPanel final : public Panel {
   static void chip(const ImVec4& colour, float scale) {
     const float size = ImGui::GetFrameHeight();
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + 6 * scale, at.y + 0.5f * size}, 5 * scale, colour32(colour));
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + 6 * scale, at.y + 0.5f * size}, 5 * scale,
+                                                colour32(colour));
     ImGui::Dummy({12 * scale, size});
     ImGui::SameLine(0, 4 * scale);
   }
@@ -209,7 +237,8 @@ class LabPanel final : public Panel {
     runner.q = runner.report.q;
     runner.displacement = difference(*problem.skeleton, runner.begin, runner.q).norm();
     runner.error = 0.0;
-    for (const GoalError& goal : judge(problem, runner.q).goals) runner.error = std::max(runner.error, goal.position);
+    for (const GoalError& goal : judge(problem, runner.q).goals)
+      runner.error = std::max(runner.error, goal.position);
     if (runner.report.counters.iterations > 0) {
       runner.residuals.clear();
       for (const IterationRecord& record : runner.report.trace) runner.residuals.push_back(record.residual);
@@ -222,7 +251,8 @@ class LabPanel final : public Panel {
   void drawGhost(Sandbox& sandbox, const Runner& runner, std::size_t number) const {
     const Session& session = sandbox.session();
     if (!runner.unsupported.empty()) return;
-    if (!apart_ && difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3) return;
+    if (!apart_ && difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3)
+      return;
     Frames frames = forwardKinematics(session.skeleton(), runner.q);
     if (apart_) {
       const Sandbox::State& s = sandbox.state();
@@ -231,10 +261,14 @@ class LabPanel final : public Panel {
       const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.36 * s.size * right;
       for (Eigen::Isometry3d& frame : frames) frame.translation() += offset;
       const Eigen::Vector3f c = runner.colour;
-      sandbox.label(frames[session.problem().goals.front().joint].translation(), fmt::format("{}  {:.1f} mm", runner.solver, 1e3 * runner.error),
+      sandbox.label(frames[session.problem().goals.front().joint].translation(),
+                    fmt::format("{}  {:.1f} mm", runner.solver, 1e3 * runner.error),
                     {c.x(), c.y(), c.z(), 1.0f});
     }
-    sandbox.ghosts().push_back({.worldFromJoint = std::move(frames), .tint = runner.colour, .opacity = apart_ ? 0.9f : 0.55f, .label = runner.solver});
+    sandbox.ghosts().push_back({.worldFromJoint = std::move(frames),
+                                .tint = runner.colour,
+                                .opacity = apart_ ? 0.9f : 0.55f,
+                                .label = runner.solver});
   }
 
   void table(const Sandbox::State& s) const {
@@ -247,16 +281,21 @@ class LabPanel final : public Panel {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::TextColored(toImVec4(runner.colour), "%s", runner.solver.c_str());
-      tooltip(runner.unsupported.empty() ? (std::string("This frame ended: ") + toString(runner.report.why)).c_str() : runner.unsupported.c_str());
+      tooltip(runner.unsupported.empty()
+                  ? (std::string("This frame ended: ") + toString(runner.report.why)).c_str()
+                  : runner.unsupported.c_str());
       const auto cell = [&](const std::string& text, const char* meaning) {
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(runner.unsupported.empty() ? text.c_str() : "–");
         tooltip(meaning);
       };
-      cell(runner.error < 5e-7 ? std::string("< 0.001") : fmt::format("{:.3f}", 1e3 * runner.error), "Largest distance of a goal's point from its target, millimetres, by forward kinematics.");
+      cell(runner.error < 5e-7 ? std::string("< 0.001") : fmt::format("{:.3f}", 1e3 * runner.error),
+           "Largest distance of a goal's point from its target, millimetres, by forward kinematics.");
       cell(std::to_string(runner.report.counters.iterations), "Iterations in this frame.");
       cell(fmt::format("{:.0f}", 1e6 * runner.seconds), "Time of this frame's solve, microseconds.");
-      cell(fmt::format("{:.2f}", runner.displacement), "Joint displacement since the comparison began, |difference(start, now)|: radians, metres for translations.");
+      cell(fmt::format("{:.2f}", runner.displacement),
+           "Joint displacement since the comparison began, |difference(start, now)|: radians, metres for "
+           "translations.");
     }
     ImGui::PopFont();
     ImGui::EndTable();
@@ -292,7 +331,8 @@ class LabPanel final : public Panel {
     const float scale = sandbox.scale();
     ImGui::SetNextWindowSize({760 * scale, 0}, ImGuiCond_Appearing);
     ImGui::SetNextWindowPos({60 * scale, 70 * scale}, ImGuiCond_Appearing);
-    if (ImGui::Begin(fmt::format("Reproduce: {}###reproduce", experiment_).c_str(), &windowOpen_, ImGuiWindowFlags_NoCollapse)) {
+    if (ImGui::Begin(fmt::format("Reproduce: {}###reproduce", experiment_).c_str(), &windowOpen_,
+                     ImGuiWindowFlags_NoCollapse)) {
       if (!findings_)
         ImGui::TextUnformatted("Running ...");
       else
@@ -304,7 +344,8 @@ class LabPanel final : public Panel {
   static void findingsTable(const Findings& findings) {
     ImGui::TextWrapped("%s.", findings.setting.c_str());
     ImGui::Spacing();
-    if (ImGui::BeginTable("##findings", static_cast<int>(findings.columns.size()), ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) {
+    if (ImGui::BeginTable("##findings", static_cast<int>(findings.columns.size()),
+                          ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) {
       for (const std::string& column : findings.columns) ImGui::TableSetupColumn(column.c_str());
       ImGui::TableHeadersRow();
       for (const auto& row : findings.rows) {

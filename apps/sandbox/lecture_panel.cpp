@@ -28,20 +28,23 @@ void headingRow(Sandbox& sandbox, const char* words) {
 void valueRow(Sandbox& sandbox, const std::string& name, const std::string& value) {
   ImGui::TextColored(sandbox.state().colours().textDim, "%s", name.c_str());
   const float width = ImGui::CalcTextSize(value.c_str()).x;
-  ImGui::SameLine(std::max(ImGui::CalcTextSize(name.c_str()).x + 16 * sandbox.scale(), ImGui::GetContentRegionMax().x - width));
+  ImGui::SameLine(std::max(ImGui::CalcTextSize(name.c_str()).x + 16 * sandbox.scale(),
+                           ImGui::GetContentRegionMax().x - width));
   ImGui::TextUnformatted(value.c_str());
 }
 
 void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd& m, const char* format) {
   ImGui::TextColored(sandbox.state().colours().textDim, "%s", name.c_str());
   const float left = 14 * sandbox.scale();
-  const float column = (ImGui::GetContentRegionMax().x - left) / static_cast<float>(std::max<Eigen::Index>(3, m.cols()));
+  const float column =
+      (ImGui::GetContentRegionMax().x - left) / static_cast<float>(std::max<Eigen::Index>(3, m.cols()));
   for (Eigen::Index i = 0; i < m.rows(); ++i)
     for (Eigen::Index j = 0; j < m.cols(); ++j) {
       char text[64];
       std::snprintf(text, sizeof text, format, m(i, j));
       if (j > 0) ImGui::SameLine(0, 0);
-      ImGui::SetCursorPosX(left + column * static_cast<float>(j + 1) - 8 * sandbox.scale() - ImGui::CalcTextSize(text).x);
+      ImGui::SetCursorPosX(left + column * static_cast<float>(j + 1) - 8 * sandbox.scale() -
+                           ImGui::CalcTextSize(text).x);
       ImGui::TextUnformatted(text);
     }
 }
@@ -70,7 +73,8 @@ void columnText(Sandbox& sandbox, const std::string& text) {
       const std::size_t gap = line.find("   ", at);
       const std::string word = line.substr(at, gap == std::string::npos ? gap : gap - at);
       if (!first) ImGui::SameLine(0, 0);
-      ImGui::SetCursorPosX(std::max(first ? 0.0f : ImGui::GetCursorPosX() + cell, cell * static_cast<float>(at)));
+      ImGui::SetCursorPosX(
+          std::max(first ? 0.0f : ImGui::GetCursorPosX() + cell, cell * static_cast<float>(at)));
       ImGui::TextUnformatted(word.c_str());
       first = false;
       at = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
@@ -104,7 +108,8 @@ class LecturePanel final : public Panel {
   void drawMenu(Sandbox& sandbox) override {
     if (!ImGui::BeginMenu("Lecture")) return;
     for (const LectureTopic& topic : lectureTopics()) {
-      if (ImGui::MenuItem(topic.title.c_str(), topic.section.c_str(), topic_ == &topic)) openTopic(sandbox, topic);
+      if (ImGui::MenuItem(topic.title.c_str(), topic.section.c_str(), topic_ == &topic))
+        openTopic(sandbox, topic);
     }
     ImGui::EndMenu();
   }
@@ -112,15 +117,19 @@ class LecturePanel final : public Panel {
   void drawInspector(Sandbox& sandbox) override {
     const float width = ImGui::GetContentRegionAvail().x;
     ImGui::SetNextItemWidth(width);
-    if (ImGui::BeginCombo("##topic", topic_ ? topic_->title.c_str() : "Choose an example ...", ImGuiComboFlags_HeightLarge)) {
+    if (ImGui::BeginCombo("##topic", topic_ ? topic_->title.c_str() : "Choose an example ...",
+                          ImGuiComboFlags_HeightLarge)) {
       for (const LectureTopic& topic : lectureTopics())
-        if (ImGui::Selectable(fmt::format("{}   {}", topic.section, topic.title).c_str(), topic_ == &topic)) openTopic(sandbox, topic);
+        if (ImGui::Selectable(fmt::format("{}   {}", topic.section, topic.title).c_str(), topic_ == &topic))
+          openTopic(sandbox, topic);
       ImGui::EndCombo();
     }
     tooltip("Every example of lecture 10.1 and 10.2 as a scene; `gelenk lecture` prints the same list.");
     if (!topic_) {
       ImGui::PushTextWrapPos();
-      ImGui::TextColored(sandbox.state().colours().textDim, "Each example opens as a scene: its values stand here, live, and the arm can be dragged.");
+      ImGui::TextColored(
+          sandbox.state().colours().textDim,
+          "Each example opens as a scene: its values stand here, live, and the arm can be dragged.");
       ImGui::PopTextWrapPos();
       return;
     }
@@ -132,7 +141,8 @@ class LecturePanel final : public Panel {
 
   void drawBottomStrip(Sandbox& sandbox) override {
     if (!topic_) {
-      ImGui::TextColored(sandbox.state().colours().textDim, "Open an example from the Lecture menu: its derivation stands here.");
+      ImGui::TextColored(sandbox.state().colours().textDim,
+                         "Open an example from the Lecture menu: its derivation stands here.");
       return;
     }
     if (scene_->hasPlot()) {
@@ -184,7 +194,10 @@ class LecturePanel final : public Panel {
  private:
   void openTopic(Sandbox& sandbox, const LectureTopic& topic) {
     opening_ = true;
-    struct Reset { bool& flag; ~Reset() { flag = false; } } reset{opening_};
+    struct Reset {
+      bool& flag;
+      ~Reset() { flag = false; }
+    } reset{opening_};
     scene_ = makeLectureScene(topic.id);
     topic_ = &topic;
     derivation_ = topic.steps();
@@ -201,7 +214,9 @@ class LecturePanel final : public Panel {
     headingRow(sandbox, "ON THE SLIDE AND COMPUTED");
     const auto list = [](const std::vector<double>& values, int digits) {
       std::string text;
-      for (const double value : values) text += (text.empty() ? "" : ", ") + fmt::format("{:.{}g}", std::abs(value) < 1e-15 ? 0.0 : value, digits);
+      for (const double value : values)
+        text += (text.empty() ? "" : ", ") +
+                fmt::format("{:.{}g}", std::abs(value) < 1e-15 ? 0.0 : value, digits);
       return text;
     };
     for (std::size_t i = 0; i < topic_->checks.size(); ++i) {
@@ -213,12 +228,16 @@ class LecturePanel final : public Panel {
       ImGui::PushTextWrapPos();
       ImGui::TextUnformatted(check.what.c_str());
       ImGui::PushFont(sandbox.state().gui.fonts().small);
-      const char* sign = check.comparison == Comparison::Equal ? "" : check.comparison == Comparison::AtMost ? "at most " : "at least ";
-      ImGui::TextColored(colours.textDim, "%s%s   computed %s", sign, list(check.printed, 6).c_str(), list(verdicts_[i].computed, 7).c_str());
+      const char* sign = check.comparison == Comparison::Equal    ? ""
+                         : check.comparison == Comparison::AtMost ? "at most "
+                                                                  : "at least ";
+      ImGui::TextColored(colours.textDim, "%s%s   computed %s", sign, list(check.printed, 6).c_str(),
+                         list(verdicts_[i].computed, 7).c_str());
       ImGui::PopFont();
       ImGui::PopTextWrapPos();
       ImGui::EndGroup();
-      const std::string hint = check.id + ", " + check.section + (check.note.empty() ? "" : "\n" + check.note);
+      const std::string hint =
+          check.id + ", " + check.section + (check.note.empty() ? "" : "\n" + check.note);
       tooltip(hint.c_str());
       ImGui::PopID();
     }

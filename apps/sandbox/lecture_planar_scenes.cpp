@@ -14,8 +14,8 @@
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/notation/planar_chain.h"
-#include "solvers/serial/nearest_solution.h"
 #include "solvers/methods/two_link.h"
+#include "solvers/serial/nearest_solution.h"
 
 namespace gelenk {
 namespace {
@@ -29,7 +29,9 @@ const Vector3d ex = Vector3d::UnitX(), ey = Vector3d::UnitY();
 
 Vector3d inSpace(const Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
-double reachOf(const PlanarChain& chain) { return std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0); }
+double reachOf(const PlanarChain& chain) {
+  return std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0);
+}
 /// Radius of the hole in the workspace: what the longest link keeps when all others are folded against it.
 double holeOf(const PlanarChain& chain) {
   return std::max(0.0, 2.0 * *std::max_element(chain.lengths.begin(), chain.lengths.end()) - reachOf(chain));
@@ -37,15 +39,18 @@ double holeOf(const PlanarChain& chain) {
 
 std::string nameOf(const PlanarChain& chain) {
   std::string name = fmt::format("planar:{:g},{:g}:", chain.base.x(), chain.base.y());
-  for (std::size_t i = 0; i < chain.lengths.size(); ++i) name += fmt::format("{}{:g}", i ? "," : "", chain.lengths[i]);
+  for (std::size_t i = 0; i < chain.lengths.size(); ++i)
+    name += fmt::format("{}{:g}", i ? "," : "", chain.lengths[i]);
   return name;
 }
 
 std::string pair(const Vector2d& p, const char* format = "({:.5g}, {:.5g})") {
-  return fmt::format(fmt::runtime(format), std::abs(p.x()) < 1e-12 ? 0.0 : p.x(), std::abs(p.y()) < 1e-12 ? 0.0 : p.y());
+  return fmt::format(fmt::runtime(format), std::abs(p.x()) < 1e-12 ? 0.0 : p.x(),
+                     std::abs(p.y()) < 1e-12 ? 0.0 : p.y());
 }
 
-/// What all planar scenes share: the arm, labels at its points. The workspace is shaded by the view itself (marks.cpp).
+/// What all planar scenes share: the arm, labels at its points. The workspace is shaded by the view itself
+/// (marks.cpp).
 class PlanarScene : public LectureScene {
  protected:
   explicit PlanarScene(PlanarChain chain) : chain_(std::move(chain)) {}
@@ -55,7 +60,8 @@ class PlanarScene : public LectureScene {
     sandbox.session().setPose(phi);
     sandbox.options().shadow = false;
     const double r = 1.04 * reachOf(chain_);
-    frameView(sandbox, Eigen::AlignedBox3d(inSpace(chain_.base) - Vector3d(r, r, 0), inSpace(chain_.base) + Vector3d(r, r, 0)));
+    frameView(sandbox, Eigen::AlignedBox3d(inSpace(chain_.base) - Vector3d(r, r, 0),
+                                           inSpace(chain_.base) + Vector3d(r, r, 0)));
   }
 
   /// The chain as thin links with dots at the joints.
@@ -77,7 +83,9 @@ class PlanarScene : public LectureScene {
     label(sandbox, p + 1.4 * a * (ex + ey), text, colours.target);
   }
 
-  static void label(Sandbox& sandbox, const Vector3d& at, const std::string& text, const Colour& c) { sandbox.label(at, text, {c.r, c.g, c.b, 1.0f}); }
+  static void label(Sandbox& sandbox, const Vector3d& at, const std::string& text, const Colour& c) {
+    sandbox.label(at, text, {c.r, c.g, c.b, 1.0f});
+  }
   static Colour textColour(Sandbox& sandbox) {
     const ImVec4& c = sandbox.state().colours().text;
     return {c.x, c.y, c.z, 1.0f};
@@ -86,11 +94,14 @@ class PlanarScene : public LectureScene {
   PlanarChain chain_;
 };
 
-// --- 10.1.2: forward kinematics -----------------------------------------------------------------------------------
+// --- 10.1.2: forward kinematics
+// -----------------------------------------------------------------------------------
 
 class ForwardScene final : public PlanarScene {
  public:
-  ForwardScene() : PlanarScene({.base = Vector2d::Zero(), .lengths = {slide::forwardLengths.begin(), slide::forwardLengths.end()}}) {}
+  ForwardScene()
+      : PlanarScene({.base = Vector2d::Zero(),
+                     .lengths = {slide::forwardLengths.begin(), slide::forwardLengths.end()}}) {}
 
   void open(Sandbox& sandbox) override { openArm(sandbox, slide::forwardDegrees * degree); }
 
@@ -102,22 +113,31 @@ class ForwardScene final : public PlanarScene {
     double sum = 0.0;
     for (int i = 0; i < chain_.linkCount(); ++i) {  // the angle from the link before, and the frame K_i
       const double radius = 0.28 * chain_.lengths[i];
-      sandbox.overlay().dashedLine(inSpace(P[i]), inSpace(P[i]) + 1.5 * radius * (std::cos(sum) * ex + std::sin(sum) * ey), 0.12 * radius, colours.faint);
+      sandbox.overlay().dashedLine(inSpace(P[i]),
+                                   inSpace(P[i]) + 1.5 * radius * (std::cos(sum) * ex + std::sin(sum) * ey),
+                                   0.12 * radius, colours.faint);
       const double turn = std::remainder(phi[i], 2.0 * M_PI);
-      sandbox.overlay().arc(inSpace(P[i]), ex, ey, radius, colours.second, 2.0f, std::min(sum, sum + turn), std::max(sum, sum + turn));
+      sandbox.overlay().arc(inSpace(P[i]), ex, ey, radius, colours.second, 2.0f, std::min(sum, sum + turn),
+                            std::max(sum, sum + turn));
       sum += phi[i];
       if (showFrames_) {
         Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
         frame.linear().topLeftCorner<2, 2>() = K[i].linear();
         frame.translation() = inSpace(P[i]);
         const double length = 0.12 * reachOf(chain_);
-        sandbox.overlay().line(frame.translation(), frame.translation() + length * frame.linear().col(0), {0.83f, 0.24f, 0.20f, 1}, 2.5f);
-        sandbox.overlay().line(frame.translation(), frame.translation() + length * frame.linear().col(1), {0.20f, 0.60f, 0.25f, 1}, 2.5f);
+        sandbox.overlay().line(frame.translation(), frame.translation() + length * frame.linear().col(0),
+                               {0.83f, 0.24f, 0.20f, 1}, 2.5f);
+        sandbox.overlay().line(frame.translation(), frame.translation() + length * frame.linear().col(1),
+                               {0.20f, 0.60f, 0.25f, 1}, 2.5f);
       }
     }
     links(sandbox.overlay(), phi, colours.first);
     for (std::size_t i = 0; i < P.size(); ++i)
-      label(sandbox, inSpace(P[i]) + reachOf(chain_) * (i % 2 ? Vector3d(0.035, 0.045, 0) : Vector3d(0.035, -0.075, 0)), fmt::format("{}{} {}", i + 1 < P.size() ? "P" : "X = P", i + 1, pair(P[i], "({:.3f}, {:.3f})")), textColour(sandbox));
+      label(
+          sandbox,
+          inSpace(P[i]) + reachOf(chain_) * (i % 2 ? Vector3d(0.035, 0.045, 0) : Vector3d(0.035, -0.075, 0)),
+          fmt::format("{}{} {}", i + 1 < P.size() ? "P" : "X = P", i + 1, pair(P[i], "({:.3f}, {:.3f})")),
+          textColour(sandbox));
   }
 
   void drawInspector(Sandbox& sandbox) override {
@@ -138,14 +158,16 @@ class ForwardScene final : public PlanarScene {
     }
     headingRow(sandbox, "POINTS, P_(i+1) = P_i + l_i (cos, sin)(phi_1 + ... + phi_i)");
     const auto P = linkPoints(chain_, sandbox.session().q());
-    for (std::size_t i = 0; i < P.size(); ++i) valueRow(sandbox, fmt::format("P{}", i + 1), pair(P[i], "({:.6f}, {:.6f})"));
+    for (std::size_t i = 0; i < P.size(); ++i)
+      valueRow(sandbox, fmt::format("P{}", i + 1), pair(P[i], "({:.6f}, {:.6f})"));
   }
 
  private:
   bool showFrames_ = true;
 };
 
-// --- 10.1.3: two links --------------------------------------------------------------------------------------------
+// --- 10.1.3: two links
+// --------------------------------------------------------------------------------------------
 
 class TwoLinkScene final : public PlanarScene {
  public:
@@ -164,13 +186,18 @@ class TwoLinkScene final : public PlanarScene {
     for (int i = 0; i < solution.count; ++i) {
       const TwoLinkBranch& b = solution.branch[i];
       links(sandbox.overlay(), Vector2d(b.phi1, b.phi2), branchColours[i], 3.0f);
-      label(sandbox, inSpace(linkPoints(chain_, Vector2d(b.phi1, b.phi2))[1]) + Vector3d(0.6, 0.6, 0), fmt::format("phi = ({:.1f}, {:.1f}) deg", std::remainder(b.phi1, 2 * M_PI) / degree, b.phi2 / degree), branchColours[i]);
+      label(sandbox, inSpace(linkPoints(chain_, Vector2d(b.phi1, b.phi2))[1]) + Vector3d(0.6, 0.6, 0),
+            fmt::format("phi = ({:.1f}, {:.1f}) deg", std::remainder(b.phi1, 2 * M_PI) / degree,
+                        b.phi2 / degree),
+            branchColours[i]);
     }
     if (showCandidates_)
-      for (const ArctangentCandidate& c : arctangentCandidates(chain_.base, chain_.lengths[0], chain_.lengths[1], target(sandbox)))
+      for (const ArctangentCandidate& c :
+           arctangentCandidates(chain_.base, chain_.lengths[0], chain_.lengths[1], target(sandbox)))
         if (c.distance > 1e-6 && std::isfinite(c.distance)) {
           const auto P = linkPoints(chain_, Vector2d(c.phi1, c.phi2));
-          for (int i = 0; i < 2; ++i) sandbox.overlay().dashedLine(inSpace(P[i]), inSpace(P[i + 1]), 0.35, colours.linear, 1.5f);
+          for (int i = 0; i < 2; ++i)
+            sandbox.overlay().dashedLine(inSpace(P[i]), inSpace(P[i + 1]), 0.35, colours.linear, 1.5f);
           label(sandbox, inSpace(P[1]) + Vector3d(0.6, -0.8, 0), "arctangent, misses", colours.linear);
         }
     cross(sandbox, target(sandbox), "X " + pair(target(sandbox), "({:.2f}, {:.2f})"));
@@ -199,7 +226,8 @@ class TwoLinkScene final : public PlanarScene {
     if (solution.gap > 0) valueRow(sandbox, "distance to the workspace", fmt::format("{:.4g}", solution.gap));
     headingRow(sandbox, "BRANCHES  phi_1, phi_2 in degrees");
     for (const TwoLinkBranch& b : solution.branches())
-      valueRow(sandbox, b.exact ? "exact" : "nearest", fmt::format("{:.4f}, {:.4f}", std::remainder(b.phi1, 2 * M_PI) / degree, b.phi2 / degree));
+      valueRow(sandbox, b.exact ? "exact" : "nearest",
+               fmt::format("{:.4f}, {:.4f}", std::remainder(b.phi1, 2 * M_PI) / degree, b.phi2 / degree));
   }
 
  private:
@@ -210,17 +238,21 @@ class TwoLinkScene final : public PlanarScene {
     }
     return target_;
   }
-  TwoLinkSolution solve(const Sandbox& sandbox) { return solveTwoLink(chain_.base, chain_.lengths[0], chain_.lengths[1], target(sandbox)); }
+  TwoLinkSolution solve(const Sandbox& sandbox) {
+    return solveTwoLink(chain_.base, chain_.lengths[0], chain_.lengths[1], target(sandbox));
+  }
   void toTarget(Sandbox& sandbox, const Vector2d& X) {
     target_ = X;
-    if (const auto goal = sandbox.session().findGoal("end-effector")) sandbox.session().setTarget(*goal, inSpace(X));
+    if (const auto goal = sandbox.session().findGoal("end-effector"))
+      sandbox.session().setTarget(*goal, inSpace(X));
   }
 
   Vector2d target_ = slide::armTarget;
   bool showCandidates_ = true;
 };
 
-// --- 10.1.4: one dimension ----------------------------------------------------------------------------------------
+// --- 10.1.4: one dimension
+// ----------------------------------------------------------------------------------------
 
 class OneDimensionScene final : public PlanarScene {
  public:
@@ -260,11 +292,15 @@ class OneDimensionScene final : public PlanarScene {
     if (ImGui::SliderFloat("start", &start, -3.1f, 3.1f, "%.3f rad")) start_ = start, changed = true;
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
     if (ImGui::SliderFloat("X", &target, -12.0f, 12.0f, "%.2f")) target_ = target, changed = true;
-    tooltip("The height that the end-effector should have. Above l = 10 there is no zero, and the iteration wanders for ever.");
+    tooltip(
+        "The height that the end-effector should have. Above l = 10 there is no zero, and the iteration "
+        "wanders for ever.");
     int exponent = static_cast<int>(std::lround(std::log10(delta_)));
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
-    if (ImGui::SliderInt("Delta", &exponent, -8, -1, "10^%d")) delta_ = std::pow(10.0, exponent), changed = true;
-    if (ImGui::Button("Converging", {0.5f * ImGui::GetContentRegionAvail().x - 4, 0})) start_ = 0.1, target_ = oneLinkTarget, delta_ = 1e-6, changed = true;
+    if (ImGui::SliderInt("Delta", &exponent, -8, -1, "10^%d"))
+      delta_ = std::pow(10.0, exponent), changed = true;
+    if (ImGui::Button("Converging", {0.5f * ImGui::GetContentRegionAvail().x - 4, 0}))
+      start_ = 0.1, target_ = oneLinkTarget, delta_ = 1e-6, changed = true;
     ImGui::SameLine();
     if (ImGui::Button("Diverging", {-1, 0})) start_ = 1.2, target_ = 0.0, delta_ = 1e-6, changed = true;
     if (changed) restart(sandbox);
@@ -274,13 +310,16 @@ class OneDimensionScene final : public PlanarScene {
     if (ImGui::Button("Newton step >", {-1, 0}) && at_ + 1 < run_.size()) show(sandbox, at_ + 1);
     headingRow(sandbox, "ITERATION      phi^i            f(phi^i) - X        quotient");
     for (std::size_t i = 0; i < run_.size() && i < 14; ++i) {
-      const std::string row = fmt::format("{}{:<3} {:12.8f}    {:11.2e}    {:9.4f}", i == at_ ? "> " : "   ", i, run_[i].phi, run_[i].g, run_[i].slope);
-      ImGui::TextColored(i <= at_ ? sandbox.state().colours().text : sandbox.state().colours().textFaint, "%s", row.c_str());
+      const std::string row = fmt::format("{}{:<3} {:12.8f}    {:11.2e}    {:9.4f}", i == at_ ? "> " : "   ",
+                                          i, run_[i].phi, run_[i].g, run_[i].slope);
+      ImGui::TextColored(i <= at_ ? sandbox.state().colours().text : sandbox.state().colours().textFaint,
+                         "%s", row.c_str());
     }
     std::vector<double> errors;
     for (const NewtonStep1d& s : run_) errors.push_back(s.phi - run_.back().phi);
     errors.pop_back();
-    if (std::abs(run_.back().g) < 1e-12) valueRow(sandbox, "order of convergence", fmt::format("{:.3f}", convergenceOrder(errors, 1e-11)));
+    if (std::abs(run_.back().g) < 1e-12)
+      valueRow(sandbox, "order of convergence", fmt::format("{:.3f}", convergenceOrder(errors, 1e-11)));
   }
 
   bool hasPlot() const override { return true; }
@@ -291,11 +330,15 @@ class OneDimensionScene final : public PlanarScene {
     ImDrawList* draw = ImGui::GetWindowDrawList();
     const ImVec2 at = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
     double low = -M_PI, high = M_PI;
-    for (std::size_t i = 0; i <= at_ && i < run_.size(); ++i) low = std::min(low, run_[i].phi - 0.3), high = std::max(high, run_[i].phi + 0.3);
+    for (std::size_t i = 0; i <= at_ && i < run_.size(); ++i)
+      low = std::min(low, run_[i].phi - 0.3), high = std::max(high, run_[i].phi + 0.3);
     low = std::max(low, -20.0), high = std::min(high, 20.0);
-    const auto px = [&](double phi) { return at.x + static_cast<float>((phi - low) / (high - low)) * size.x; };
+    const auto px = [&](double phi) {
+      return at.x + static_cast<float>((phi - low) / (high - low)) * size.x;
+    };
     const auto py = [&](double value) { return at.y + size.y * (0.5f - static_cast<float>(value / 26.0)); };
-    draw->AddRectFilled(at, {at.x + size.x, at.y + size.y}, colour32(colours.plotBackground), 6 * sandbox.scale());
+    draw->AddRectFilled(at, {at.x + size.x, at.y + size.y}, colour32(colours.plotBackground),
+                        6 * sandbox.scale());
     draw->PushClipRect(at, {at.x + size.x, at.y + size.y}, true);
     draw->AddLine({at.x, py(0)}, {at.x + size.x, py(0)}, colour32(colours.plotGrid), 1.0f);
     draw->AddLine({at.x, py(target_)}, {at.x + size.x, py(target_)}, colour32(colours.bad, 0.8f), 1.5f);
@@ -304,13 +347,16 @@ class OneDimensionScene final : public PlanarScene {
       const double phi = low + (high - low) * i / 300.0;
       curve.push_back({px(phi), py(oneLinkHeight(phi))});
     }
-    draw->AddPolyline(curve.data(), static_cast<int>(curve.size()), colour32(colours.accent), 0, 2.0f * sandbox.scale());
+    draw->AddPolyline(curve.data(), static_cast<int>(curve.size()), colour32(colours.accent), 0,
+                      2.0f * sandbox.scale());
     for (std::size_t i = 0; i <= at_ && i < run_.size(); ++i) {
       const NewtonStep1d& s = run_[i];
       const double f = s.g + target_;
       draw->AddCircleFilled({px(s.phi), py(f)}, 4.0f * sandbox.scale(), colour32(colours.held));
       draw->AddLine({px(s.phi), py(target_)}, {px(s.phi), py(f)}, colour32(colours.textFaint), 1.0f);
-      if (i + 1 < run_.size() && i < at_) draw->AddLine({px(s.phi), py(f)}, {px(run_[i + 1].phi), py(target_)}, colour32(colours.held), 1.8f * sandbox.scale());
+      if (i + 1 < run_.size() && i < at_)
+        draw->AddLine({px(s.phi), py(f)}, {px(run_[i + 1].phi), py(target_)}, colour32(colours.held),
+                      1.8f * sandbox.scale());
     }
     draw->PopClipRect();
     draw->AddText({at.x + 8, at.y + 4}, colour32(colours.textDim), "f(phi) = l sin phi, the tangents and X");
@@ -320,7 +366,8 @@ class OneDimensionScene final : public PlanarScene {
   std::string save() const override { return fmt::format("{} {} {} {}", start_, target_, delta_, at_); }
   void load(Sandbox& sandbox, const std::string& text) override {
     std::size_t at = 0;
-    if (std::sscanf(text.c_str(), "%lf %lf %lf %zu", &start_, &target_, &delta_, &at) == 4) restart(sandbox), show(sandbox, std::min(at, run_.size() - 1));
+    if (std::sscanf(text.c_str(), "%lf %lf %lf %zu", &start_, &target_, &delta_, &at) == 4)
+      restart(sandbox), show(sandbox, std::min(at, run_.size() - 1));
   }
 
  private:
@@ -338,12 +385,16 @@ class OneDimensionScene final : public PlanarScene {
   std::size_t at_ = 0;
 };
 
-// --- 10.1.4: several dimensions -----------------------------------------------------------------------------------
+// --- 10.1.4: several dimensions
+// -----------------------------------------------------------------------------------
 
 class NewtonScene final : public PlanarScene {
  public:
   explicit NewtonScene(NewtonExample example)
-      : PlanarScene(example == NewtonExample::Square ? PlanarChain{.base = Vector2d::Zero(), .lengths = {slide::armLength, slide::armLength}} : lecturePlanarChain()),
+      : PlanarScene(
+            example == NewtonExample::Square
+                ? PlanarChain{.base = Vector2d::Zero(), .lengths = {slide::armLength, slide::armLength}}
+                : lecturePlanarChain()),
         example_(example) {
     setSlide();
   }
@@ -385,16 +436,21 @@ class NewtonScene final : public PlanarScene {
       over.point(inSpace(run_.steps[i].f), colours.faint, 7.0f);
       truePath(over, i, colours.faint, 1.5f);
     }
-    if (example_ == NewtonExample::Shortest && best().phi.size() > 0) links(over, best().phi, colours.truth, 7.0f);
+    if (example_ == NewtonExample::Shortest && best().phi.size() > 0)
+      links(over, best().phi, colours.truth, 7.0f);
     links(over, now.phi, colours.first, 3.0f);
     if (now.step.size() > 0) {
       links(over, now.phi + now.step, colours.second, 2.0f);
       over.dashedLine(inSpace(now.f), inSpace(now.linearised), 0.018 * reachOf(chain_), colours.linear, 2.5f);
       truePath(over, at_, colours.truth, 2.5f);
       const Vector2d end = run_.steps[at_ + 1].f;
-      if (now.step.norm() > 0.05) label(sandbox, inSpace(end) + Vector3d(0, -0.05 * reachOf(chain_), 0), fmt::format("f(phi^{}) {}", at_ + 1, pair(end, "({:.2f}, {:.2f})")), colours.truth);
+      if (now.step.norm() > 0.05)
+        label(sandbox, inSpace(end) + Vector3d(0, -0.05 * reachOf(chain_), 0),
+              fmt::format("f(phi^{}) {}", at_ + 1, pair(end, "({:.2f}, {:.2f})")), colours.truth);
     }
-    if (now.g.norm() > 0.1 * reachOf(chain_)) label(sandbox, inSpace(now.f) + Vector3d(-0.02, 0.045, 0) * reachOf(chain_), fmt::format("f(phi^{}) {}", at_, pair(now.f, "({:.2f}, {:.2f})")), colours.first);
+    if (now.g.norm() > 0.1 * reachOf(chain_))
+      label(sandbox, inSpace(now.f) + Vector3d(-0.02, 0.045, 0) * reachOf(chain_),
+            fmt::format("f(phi^{}) {}", at_, pair(now.f, "({:.2f}, {:.2f})")), colours.first);
     cross(sandbox, target_, "X^neu " + pair(target_, "({:g}, {:g})"));
   }
 
@@ -431,7 +487,8 @@ class NewtonScene final : public PlanarScene {
       matrixRows(sandbox, chain_.linkCount() == 2 ? "D_f^-1" : "D_f^+", now.Dplus, "%.6f");
     else
       ImGui::TextColored(sandbox.state().colours().bad, "D_f has no inverse here");
-    valueRow(sandbox, "singular values", fmt::format("{:.4g}, {:.4g}", now.singularValues[0], now.singularValues[1]));
+    valueRow(sandbox, "singular values",
+             fmt::format("{:.4g}, {:.4g}", now.singularValues[0], now.singularValues[1]));
     if (now.step.size() > 0) {
       matrixRows(sandbox, "step", now.step.transpose(), "%.5f");
       const double missed = (run_.steps[at_ + 1].f - now.linearised).norm();
@@ -448,14 +505,26 @@ class NewtonScene final : public PlanarScene {
 
   bool hasPlot() const override { return true; }
   void drawPlot(Sandbox& sandbox) override {
-    Curve curve{.values = {}, .colour = sandbox.state().colours().accent, .width = 2.0f, .label = "|g|", .dots = true};
+    Curve curve{.values = {},
+                .colour = sandbox.state().colours().accent,
+                .width = 2.0f,
+                .label = "|g|",
+                .dots = true};
     for (const NewtonStep& s : run_.steps) curve.values.push_back(s.g.norm());
-    gelenk::drawPlot({.title = "|f(phi^i) - X|", .xLabel = "iteration", .logarithmic = true, .lowest = 1e-12, .highest = 1e2, .leastCount = 6}, {curve}, ImGui::GetCursorScreenPos(),
-                     ImGui::GetContentRegionAvail(), sandbox.state().colours(), sandbox.state().gui.fonts(), sandbox.scale());
+    gelenk::drawPlot({.title = "|f(phi^i) - X|",
+                      .xLabel = "iteration",
+                      .logarithmic = true,
+                      .lowest = 1e-12,
+                      .highest = 1e2,
+                      .leastCount = 6},
+                     {curve}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail(),
+                     sandbox.state().colours(), sandbox.state().gui.fonts(), sandbox.scale());
   }
 
   std::string save() const override { return fmt::format("{}", at_); }
-  void load(Sandbox& sandbox, const std::string& text) override { show(sandbox, std::min<std::size_t>(std::strtoul(text.c_str(), nullptr, 10), run_.steps.size() - 1)); }
+  void load(Sandbox& sandbox, const std::string& text) override {
+    show(sandbox, std::min<std::size_t>(std::strtoul(text.c_str(), nullptr, 10), run_.steps.size() - 1));
+  }
 
  private:
   void setSlide() {
@@ -517,6 +586,8 @@ class NewtonScene final : public PlanarScene {
 std::unique_ptr<LectureScene> makeForwardScene() { return std::make_unique<ForwardScene>(); }
 std::unique_ptr<LectureScene> makeTwoLinkScene() { return std::make_unique<TwoLinkScene>(); }
 std::unique_ptr<LectureScene> makeOneDimensionScene() { return std::make_unique<OneDimensionScene>(); }
-std::unique_ptr<LectureScene> makeNewtonScene(NewtonExample example) { return std::make_unique<NewtonScene>(example); }
+std::unique_ptr<LectureScene> makeNewtonScene(NewtonExample example) {
+  return std::make_unique<NewtonScene>(example);
+}
 
 }  // namespace gelenk

@@ -9,20 +9,20 @@
 
 namespace gelenk {
 
-/// One example of the lecture as a scene: it opens its model, draws its values into the view and its controls into the inspector.
-/// Called by the Lecture panel alone.
+/// One example of the lecture as a scene: it opens its model, draws its values into the view and its controls
+/// into the inspector. Called by the Lecture panel alone.
 class LectureScene {
  public:
   virtual ~LectureScene() = default;
 
-  virtual void open(Sandbox& sandbox) = 0;                  ///< model, pose, goals, camera
-  virtual void step(Sandbox&, double /*seconds*/) {}        ///< before the frame's solve
-  virtual void overlay(Sandbox&) {}                         ///< marks over the view
-  virtual void drawInspector(Sandbox&) {}                   ///< values and controls
+  virtual void open(Sandbox& sandbox) = 0;            ///< model, pose, goals, camera
+  virtual void step(Sandbox&, double /*seconds*/) {}  ///< before the frame's solve
+  virtual void overlay(Sandbox&) {}                   ///< marks over the view
+  virtual void drawInspector(Sandbox&) {}             ///< values and controls
   virtual bool hasPlot() const { return false; }
-  virtual void drawPlot(Sandbox&) {}                        ///< left of the derivation in the bottom strip
-  virtual bool changesModel() const { return false; }       ///< true while the scene itself opens another model
-  virtual std::string save() const { return {}; }           ///< one line of text; load gets what save returned
+  virtual void drawPlot(Sandbox&) {}                   ///< left of the derivation in the bottom strip
+  virtual bool changesModel() const { return false; }  ///< true while the scene itself opens another model
+  virtual std::string save() const { return {}; }      ///< one line of text; load gets what save returned
   virtual void load(Sandbox&, const std::string&) {}
 };
 

@@ -12,9 +12,9 @@
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
-#include "kinematics/notation/euler.h"
 #include "kinematics/io/dh_text.h"
 #include "kinematics/io/text_file.h"
+#include "kinematics/notation/euler.h"
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/notation/robots.h"
 
@@ -28,9 +28,12 @@ constexpr double degree = M_PI / 180.0;
 constexpr Colour red{0.83f, 0.24f, 0.20f, 1}, green{0.20f, 0.60f, 0.25f, 1}, blue{0.15f, 0.38f, 0.80f, 1};
 constexpr Colour axisColours[] = {red, green, blue};
 
-void label(Sandbox& sandbox, const Vector3d& at, const std::string& text, const Colour& c) { sandbox.label(at, text, {c.r, c.g, c.b, 1.0f}); }
+void label(Sandbox& sandbox, const Vector3d& at, const std::string& text, const Colour& c) {
+  sandbox.label(at, text, {c.r, c.g, c.b, 1.0f});
+}
 
-// --- 10.2: Euler angles and quaternions ---------------------------------------------------------------------------
+// --- 10.2: Euler angles and quaternions
+// ---------------------------------------------------------------------------
 
 class RotationsScene final : public LectureScene {
  public:
@@ -48,14 +51,16 @@ class RotationsScene final : public LectureScene {
   void overlay(Sandbox& sandbox) override {
     const Vector3d angles = anglesOf(sandbox, joint_);
     const Frames& frames = sandbox.session().frames();
-    const Eigen::Matrix3d parent = joint_ == 0 ? Eigen::Matrix3d::Identity() : Eigen::Matrix3d(frames[joint_ - 1].linear());
+    const Eigen::Matrix3d parent =
+        joint_ == 0 ? Eigen::Matrix3d::Identity() : Eigen::Matrix3d(frames[joint_ - 1].linear());
     const Eigen::Matrix3d E = parent * eulerRates(order(), angles);
     const Vector3d at = frames[joint_].translation();
     const int axes[] = {order().first, order().second, order().third};
     for (int k = 0; k < 3; ++k) {
       const double length = 0.75 - 0.1 * k;
       sandbox.overlay().line(at - length * E.col(k), at + length * E.col(k), axisColours[axes[k]], 2.5f);
-      label(sandbox, at + 1.08 * length * E.col(k), fmt::format("{}: {}", k + 1, "xyz"[axes[k]]), axisColours[axes[k]]);
+      label(sandbox, at + 1.08 * length * E.col(k), fmt::format("{}: {}", k + 1, "xyz"[axes[k]]),
+            axisColours[axes[k]]);
     }
     sandbox.overlay().point(at, axisColours[axes[1]], 10.0f, Overlay::Shape::Ring);
   }
@@ -71,23 +76,29 @@ class RotationsScene final : public LectureScene {
         if (ImGui::Selectable(std::string(eulerOrders()[i].name).c_str(), i == order_)) order_ = i;
       ImGui::EndCombo();
     }
-    tooltip("R(a, b, c) = R_first(a) R_second(b) R_third(c), moving axes. The lecture's is xyz. The pose stays, the angles change.");
+    tooltip(
+        "R(a, b, c) = R_first(a) R_second(b) R_third(c), moving axes. The lecture's is xyz. The pose stays, "
+        "the angles change.");
     Vector3d angles = anglesOf(sandbox, joint_);
     bool changed = false;
     for (int k = 0; k < 3; ++k) {
       float value = static_cast<float>(angles[k] / degree);
       ImGui::SetNextItemWidth(-60 * sandbox.scale());
-      if (ImGui::SliderFloat(fmt::format("angle {}", k + 1).c_str(), &value, -180, 180, "%.1f deg")) angles[k] = value * degree, changed = true;
+      if (ImGui::SliderFloat(fmt::format("angle {}", k + 1).c_str(), &value, -180, 180, "%.1f deg"))
+        angles[k] = value * degree, changed = true;
     }
-    if (ImGui::Button("To gimbal lock", {-1, 0})) angles[1] = order().isProper() ? 0.0 : M_PI / 2, changed = true;
+    if (ImGui::Button("To gimbal lock", {-1, 0}))
+      angles[1] = order().isProper() ? 0.0 : M_PI / 2, changed = true;
     if (changed) setAngles(sandbox, joint_, angles);
     const double det = std::abs(eulerRates(order(), angles).determinant());
     headingRow(sandbox, "GIMBAL");
-    valueRow(sandbox, order().isProper() ? "|det E| = |sin b|" : "|det E| = |cos b|", fmt::format("{:.4g}", det));
+    valueRow(sandbox, order().isProper() ? "|det E| = |sin b|" : "|det E| = |cos b|",
+             fmt::format("{:.4g}", det));
     if (det < 0.02) ImGui::TextColored(sandbox.state().colours().bad, "first and third axis are one line");
     headingRow(sandbox, "THE SAME ROTATION AS A UNIT QUATERNION");
     const Eigen::Quaterniond q = ballRotation(sandbox.session().skeleton(), sandbox.session().q(), joint_);
-    valueRow(sandbox, "w, x, y, z", fmt::format("{:.5f}, {:.5f}, {:.5f}, {:.5f}", q.w(), q.x(), q.y(), q.z()));
+    valueRow(sandbox, "w, x, y, z",
+             fmt::format("{:.5f}, {:.5f}, {:.5f}, {:.5f}", q.w(), q.x(), q.y(), q.z()));
     valueRow(sandbox, "| ||q|| - 1 |", fmt::format("{:.1e}", std::abs(q.norm() - 1.0)));
     headingRow(sandbox, "IN EVERY ORDER, DEGREES");
     for (const EulerOrder& other : eulerOrders()) {
@@ -108,7 +119,8 @@ class RotationsScene final : public LectureScene {
   void setAngles(Sandbox& sandbox, int joint, const Vector3d& angles) {
     typed_[joint] = angles;
     VectorXd q = sandbox.session().q();
-    setBallRotation(sandbox.session().skeleton(), q, joint, Eigen::Quaterniond(rotationFromEuler(order(), angles)));
+    setBallRotation(sandbox.session().skeleton(), q, joint,
+                    Eigen::Quaterniond(rotationFromEuler(order(), angles)));
     sandbox.session().setPose(q);
   }
 
@@ -117,7 +129,8 @@ class RotationsScene final : public LectureScene {
   std::array<Vector3d, 3> typed_{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
 };
 
-// --- 10.2: Denavit-Hartenberg -------------------------------------------------------------------------------------
+// --- 10.2: Denavit-Hartenberg
+// -------------------------------------------------------------------------------------
 
 class DhScene final : public LectureScene {
  public:
@@ -134,38 +147,51 @@ class DhScene final : public LectureScene {
     if (q.size() != table_.variableCount()) return;
     const Frames K = dhFrames(table_, q);
     const double size = 0.09 * sandbox.state().size;
-    const Colour faint = lectureColours(sandbox.theme()).faint, normal = lectureColours(sandbox.theme()).second;
+    const Colour faint = lectureColours(sandbox.theme()).faint,
+                 normal = lectureColours(sandbox.theme()).second;
     for (const AxisLine& axis : jointAxes(table_, q))
-      sandbox.overlay().dashedLine(axis.point - 2.2 * size * axis.direction, axis.point + 2.2 * size * axis.direction, 0.25 * size, {blue.r, blue.g, blue.b, 0.8f}, 2.0f);
+      sandbox.overlay().dashedLine(axis.point - 2.2 * size * axis.direction,
+                                   axis.point + 2.2 * size * axis.direction, 0.25 * size,
+                                   {blue.r, blue.g, blue.b, 0.8f}, 2.0f);
     std::vector<std::pair<Vector3d, std::string>> names;
     for (std::size_t i = 0; i + 1 < K.size(); ++i) {
       const Vector3d origin = K[i].translation();
       if (showFrames_) sandbox.overlay().axes(K[i], size, 2.0f);
-      const auto same = std::find_if(names.begin(), names.end(), [&](const auto& n) { return (n.first - origin).norm() < 1e-6; });
+      const auto same = std::find_if(names.begin(), names.end(),
+                                     [&](const auto& n) { return (n.first - origin).norm() < 1e-6; });
       if (same == names.end())
         names.emplace_back(origin, fmt::format("K{}", i + 1));
       else
         same->second += fmt::format(", {}", i + 1);
-      if (i + 2 < K.size() && i < table_.rows.size() && std::abs(table_.rows[i].a) > 1e-9) {  // the common normal of length a
-        const Vector3d x = table_.convention == DhConvention::Modified ? Vector3d(K[i].linear().col(0)) : Vector3d(K[i + 1].linear().col(0));
-        const Vector3d from = table_.convention == DhConvention::Modified ? origin : Vector3d(K[i + 1].translation() - table_.rows[i].a * x);
+      if (i + 2 < K.size() && i < table_.rows.size() &&
+          std::abs(table_.rows[i].a) > 1e-9) {  // the common normal of length a
+        const Vector3d x = table_.convention == DhConvention::Modified ? Vector3d(K[i].linear().col(0))
+                                                                       : Vector3d(K[i + 1].linear().col(0));
+        const Vector3d from = table_.convention == DhConvention::Modified
+                                  ? origin
+                                  : Vector3d(K[i + 1].translation() - table_.rows[i].a * x);
         sandbox.overlay().line(from, from + table_.rows[i].a * x, normal, 3.0f);
       }
     }
-    for (const auto& [at, text] : names) label(sandbox, at + 0.35 * size * Vector3d(1, -1, 1), text, faint.r > 0.5f ? Colour{0.95f, 0.95f, 0.95f, 1} : Colour{0.1f, 0.1f, 0.15f, 1});
+    for (const auto& [at, text] : names)
+      label(sandbox, at + 0.35 * size * Vector3d(1, -1, 1), text,
+            faint.r > 0.5f ? Colour{0.95f, 0.95f, 0.95f, 1} : Colour{0.1f, 0.1f, 0.15f, 1});
   }
 
   void drawInspector(Sandbox& sandbox) override {
     ImGui::SetNextItemWidth(-1);
     if (ImGui::BeginCombo("##robot", table_.name.c_str())) {
       for (const Robot& robot : robots())
-        if (ImGui::Selectable(std::string(robot.title).c_str(), robot.name == table_.name)) change(robot.table());
+        if (ImGui::Selectable(std::string(robot.title).c_str(), robot.name == table_.name))
+          change(robot.table());
       ImGui::EndCombo();
     }
     bool modified = table_.convention == DhConvention::Modified;
-    if (ImGui::RadioButton("modified (lecture)", modified) && !modified) change(toConvention(table_, DhConvention::Modified));
+    if (ImGui::RadioButton("modified (lecture)", modified) && !modified)
+      change(toConvention(table_, DhConvention::Modified));
     ImGui::SameLine();
-    if (ImGui::RadioButton("standard", !modified) && modified) change(toConvention(table_, DhConvention::Standard));
+    if (ImGui::RadioButton("standard", !modified) && modified)
+      change(toConvention(table_, DhConvention::Standard));
     tooltip("Turns the table into the other convention: the robot stays the same.");
     ImGui::Checkbox("Frames K_i", &showFrames_);
     ImGui::SameLine();
@@ -226,19 +252,25 @@ class DhScene final : public LectureScene {
     headingRow(sandbox, "TOOL");
     if (sandbox.session().q().size() == table_.variableCount()) {
       const Eigen::Isometry3d tool = dhFrames(table_, sandbox.session().q()).back();
-      valueRow(sandbox, "position [m]", fmt::format("{:.4f}, {:.4f}, {:.4f}", tool.translation().x(), tool.translation().y(), tool.translation().z()));
+      valueRow(sandbox, "position [m]",
+               fmt::format("{:.4f}, {:.4f}, {:.4f}", tool.translation().x(), tool.translation().y(),
+                           tool.translation().z()));
       const double apart = (tool.matrix() - sandbox.session().frames().back().matrix()).cwiseAbs().maxCoeff();
       valueRow(sandbox, "matrices against skeleton", fmt::format("{:.1e}", apart));
       tooltip("Product of the slide's matrices against the skeleton that the window drags.");
     }
     ImGui::PushTextWrapPos();
-    ImGui::TextColored(sandbox.state().colours().textDim, "Drag the tool; with Alt its orientation. Blue dashes: joint axes; orange: common normals a.");
+    ImGui::TextColored(
+        sandbox.state().colours().textDim,
+        "Drag the tool; with Alt its orientation. Blue dashes: joint axes; orange: common normals a.");
     ImGui::PopTextWrapPos();
   }
 
   bool changesModel() const override { return reopening_; }
   std::string save() const override { return formatDhTable(table_); }
-  void load(Sandbox& sandbox, const std::string& text) override { load(sandbox, parseDhTable(text, "scene")); }
+  void load(Sandbox& sandbox, const std::string& text) override {
+    load(sandbox, parseDhTable(text, "scene"));
+  }
 
  private:
   void load(Sandbox& sandbox, const DhTable& table) {
@@ -267,7 +299,8 @@ class DhScene final : public LectureScene {
   bool pending_ = false, showFrames_ = true, opened_ = false, reopening_ = false;
 };
 
-// --- 10.1.1: hierarchical animation of a leg ----------------------------------------------------------------------
+// --- 10.1.1: hierarchical animation of a leg
+// ----------------------------------------------------------------------
 
 class LegScene final : public LectureScene {
  public:
@@ -299,24 +332,38 @@ class LegScene final : public LectureScene {
     const LectureColours colours = lectureColours(sandbox.theme());
     const Skeleton& figure = sandbox.session().skeleton();
     const LegAnimation& shown = usePins_ ? pinned_ : keyed_;
-    if (usePins_ && showGhost_) sandbox.ghosts().push_back({.worldFromJoint = forwardKinematics(figure, keyed_.q[frame()]), .tint = {0.85f, 0.35f, 0.25f}, .opacity = 0.45f, .skin = nullptr, .label = {}});
+    if (usePins_ && showGhost_)
+      sandbox.ghosts().push_back({.worldFromJoint = forwardKinematics(figure, keyed_.q[frame()]),
+                                  .tint = {0.85f, 0.35f, 0.25f},
+                                  .opacity = 0.45f,
+                                  .skin = nullptr,
+                                  .label = {}});
     for (int side = 0; side < 2; ++side) {
       const bool standing = shown.onGround[frame()][side];
       const auto sole = solePoints(figure, shown.q[frame()], side);
-      for (const Vector3d& p : sole) sandbox.overlay().point(p, p.y() < -1e-6 ? colours.linear : standing ? colours.truth : colours.faint, 8.0f);
+      for (const Vector3d& p : sole)
+        sandbox.overlay().point(p,
+                                p.y() < -1e-6 ? colours.linear
+                                : standing    ? colours.truth
+                                              : colours.faint,
+                                8.0f);
       Vector3d before = Vector3d::Zero();
-      for (std::size_t f = 0; f < shown.q.size(); ++f) {  // where the ball of the foot stands: one spot, or a smear
+      for (std::size_t f = 0; f < shown.q.size();
+           ++f) {  // where the ball of the foot stands: one spot, or a smear
         if (static_cast<std::size_t>(frame()) < f) break;
         const Vector3d ball = trail(figure, shown, side, f);
-        if (f > 0 && shown.onGround[f][side] && shown.onGround[f - 1][side]) sandbox.overlay().line(before, ball, usePins_ ? colours.truth : colours.linear, 4.0f);
-        if (shown.onGround[f][side]) sandbox.overlay().point({ball.x(), 0.0, ball.z()}, usePins_ ? colours.truth : colours.linear, 5.0f);
+        if (f > 0 && shown.onGround[f][side] && shown.onGround[f - 1][side])
+          sandbox.overlay().line(before, ball, usePins_ ? colours.truth : colours.linear, 4.0f);
+        if (shown.onGround[f][side])
+          sandbox.overlay().point({ball.x(), 0.0, ball.z()}, usePins_ ? colours.truth : colours.linear, 5.0f);
         before = ball;
       }
     }
   }
 
   void drawInspector(Sandbox& sandbox) override {
-    if (ImGui::Button(sandbox.playing() ? "Pause (Space)" : "Play (Space)", {-1, 0})) sandbox.setPlaying(!sandbox.playing());
+    if (ImGui::Button(sandbox.playing() ? "Pause (Space)" : "Play (Space)", {-1, 0}))
+      sandbox.setPlaying(!sandbox.playing());
     float seconds = static_cast<float>(time_);
     ImGui::SetNextItemWidth(-46 * sandbox.scale());
     if (ImGui::SliderFloat("time", &seconds, 0.0f, static_cast<float>(keyed_.duration()) - 1e-3f, "%.2f s")) {
@@ -327,7 +374,9 @@ class LegScene final : public LectureScene {
     ImGui::SetNextItemWidth(-46 * sandbox.scale());
     ImGui::SliderFloat("speed", &speed_, 0.05f, 1.5f, "%.2f");
     if (ImGui::Checkbox("Pinned feet: IK on top of the keyframes", &usePins_)) show(sandbox);
-    tooltip("A foot on the ground stays where it came down: hip and knee by the two-link closed form, heel and toes turned out of the ground.");
+    tooltip(
+        "A foot on the ground stays where it came down: hip and knee by the two-link closed form, heel and "
+        "toes turned out of the ground.");
     ImGui::Checkbox("Keyframes alone as a ghost", &showGhost_);
     const LegKeys keys = lectureLegKeys();
     headingRow(sandbox, "KEYED ANGLES, LEFT LEG, DEGREES");
@@ -337,8 +386,10 @@ class LegScene final : public LectureScene {
     valueRow(sandbox, "foot, plantar flexion", fmt::format("{:.1f}", keyedAngle(keys.foot, phase)));
     headingRow(sandbox, "THIS FRAME           LEFT          RIGHT");
     const auto& feet = (usePins_ ? pinnedFeet_ : keyedFeet_)[frame()];
-    valueRow(sandbox, "sliding [mm a frame]", fmt::format("{:.3f}      {:.3f}", 1e3 * feet[0].sliding, 1e3 * feet[1].sliding));
-    valueRow(sandbox, "depth [mm]", fmt::format("{:.3f}      {:.3f}", 1e3 * feet[0].penetration, 1e3 * feet[1].penetration));
+    valueRow(sandbox, "sliding [mm a frame]",
+             fmt::format("{:.3f}      {:.3f}", 1e3 * feet[0].sliding, 1e3 * feet[1].sliding));
+    valueRow(sandbox, "depth [mm]",
+             fmt::format("{:.3f}      {:.3f}", 1e3 * feet[0].penetration, 1e3 * feet[1].penetration));
     headingRow(sandbox, "WHOLE ANIMATION");
     const FootSummary keyed = summarise(keyedFeet_), pinned = summarise(pinnedFeet_);
     valueRow(sandbox, "worst sliding, keyframes", fmt::format("{:.1f} mm a frame", 1e3 * keyed.worstSliding));
@@ -354,29 +405,41 @@ class LegScene final : public LectureScene {
     for (std::size_t f = 0; f < keyedFeet_.size(); ++f) {
       curves[0].values.push_back(1e3 * std::max(keyedFeet_[f][0].penetration, keyedFeet_[f][1].penetration));
       curves[1].values.push_back(1e3 * std::max(keyedFeet_[f][0].sliding, keyedFeet_[f][1].sliding));
-      curves[2].values.push_back(1e3 * std::max(pinnedFeet_[f][0].penetration, pinnedFeet_[f][1].penetration));
+      curves[2].values.push_back(1e3 *
+                                 std::max(pinnedFeet_[f][0].penetration, pinnedFeet_[f][1].penetration));
       curves[3].values.push_back(1e3 * std::max(pinnedFeet_[f][0].sliding, pinnedFeet_[f][1].sliding));
     }
-    curves[0].colour = colours.bad, curves[1].colour = colours.held, curves[2].colour = colours.good, curves[3].colour = colours.good;
+    curves[0].colour = colours.bad, curves[1].colour = colours.held, curves[2].colour = colours.good,
+    curves[3].colour = colours.good;
     curves[0].label = "depth", curves[1].label = "sliding", curves[2].label = "pinned";
     const ImVec2 at = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
-    gelenk::drawPlot({.title = "Sinking and sliding of the feet, mm", .xLabel = "frame", .logarithmic = false, .lowest = 0.0, .highest = 70.0, .leastCount = static_cast<int>(keyedFeet_.size())}, curves, at,
-                     size, colours, sandbox.state().gui.fonts(), sandbox.scale());
+    gelenk::drawPlot({.title = "Sinking and sliding of the feet, mm",
+                      .xLabel = "frame",
+                      .logarithmic = false,
+                      .lowest = 0.0,
+                      .highest = 70.0,
+                      .leastCount = static_cast<int>(keyedFeet_.size())},
+                     curves, at, size, colours, sandbox.state().gui.fonts(), sandbox.scale());
   }
 
   std::string save() const override { return fmt::format("{} {}", time_, usePins_ ? 1 : 0); }
   void load(Sandbox& sandbox, const std::string& text) override {
     int pins = 1;
-    if (std::sscanf(text.c_str(), "%lf %d", &time_, &pins) == 2 && time_ >= 0.0 && time_ < keyed_.duration()) usePins_ = pins != 0;
+    if (std::sscanf(text.c_str(), "%lf %d", &time_, &pins) == 2 && time_ >= 0.0 && time_ < keyed_.duration())
+      usePins_ = pins != 0;
     sandbox.setPlaying(false);
     show(sandbox);
   }
 
  private:
-  int frame() const { return std::clamp(static_cast<int>(time_ * keyed_.framesPerSecond), 0, static_cast<int>(keyed_.q.size()) - 1); }
+  int frame() const {
+    return std::clamp(static_cast<int>(time_ * keyed_.framesPerSecond), 0,
+                      static_cast<int>(keyed_.q.size()) - 1);
+  }
   void show(Sandbox& sandbox) {
     for (std::size_t i = 0; i < sandbox.session().goals().size(); ++i)
-      if (sandbox.session().goals()[i].handle) sandbox.session().setState(static_cast<int>(i), GoalState::Free);
+      if (sandbox.session().goals()[i].handle)
+        sandbox.session().setState(static_cast<int>(i), GoalState::Free);
     const double before = sandbox.session().q()[2];
     sandbox.session().setPose((usePins_ ? pinned_ : keyed_).q[frame()]);
     sandbox.camera().target.z() += sandbox.session().q()[2] - before;  // the camera walks along

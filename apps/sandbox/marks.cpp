@@ -16,7 +16,8 @@ Colour toColour(const ImVec4& c, float alpha = 1.0f) { return {c.x, c.y, c.z, al
 ImVec2 toImVec2(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }
 
 /// worldFromZero of the joint's motion after its first `axes` axes.
-Isometry3d worldFromMotion(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames, int joint, int axes) {
+Isometry3d worldFromMotion(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames,
+                           int joint, int axes) {
   const Joint& j = skeleton.joint(joint);
   Isometry3d T = (j.parent < 0 ? Isometry3d::Identity() : frames[j.parent]) * j.parentFromZero;
   for (int k = 0; k < axes; ++k) {
@@ -37,12 +38,13 @@ double boneLength(const Skeleton& skeleton, int joint) {
 }
 
 /// The boundary of the swing as a cone around the joint.
-void addCone(Overlay& overlay, const Isometry3d& worldFromZero, const BallLimit& limit, double radius, const Colour& line,
-             const Colour& fill) {
+void addCone(Overlay& overlay, const Isometry3d& worldFromZero, const BallLimit& limit, double radius,
+             const Colour& line, const Colour& fill) {
   std::vector<Vector3d> rim;
   for (int i = 0; i < 48; ++i) {
     const double t = 2.0 * M_PI * i / 48;
-    Vector3d c(limit.swingCentre.x() + limit.swingRadii.x() * std::cos(t), limit.swingCentre.y() + limit.swingRadii.y() * std::sin(t), 0.0);
+    Vector3d c(limit.swingCentre.x() + limit.swingRadii.x() * std::cos(t),
+               limit.swingCentre.y() + limit.swingRadii.y() * std::sin(t), 0.0);
     if (c.head<2>().norm() > 1.99) c.head<2>() *= 1.99 / c.head<2>().norm();
     rim.push_back(worldFromZero * (radius * (fromSwingTwistCoordinates(c) * Vector3d::UnitZ())));
   }
@@ -51,18 +53,20 @@ void addCone(Overlay& overlay, const Isometry3d& worldFromZero, const BallLimit&
 }
 
 /// The range of a rotation axis as a sector, the present angle as a line.
-void addArc(Overlay& overlay, const Isometry3d& worldFromAxis, const AxisDof& axis, double value, const Vector3d& bone, double radius,
-            const Colour& line, const Colour& fill) {
+void addArc(Overlay& overlay, const Isometry3d& worldFromAxis, const AxisDof& axis, double value,
+            const Vector3d& bone, double radius, const Colour& line, const Colour& fill) {
   Vector3d zero = bone - axis.axis * axis.axis.dot(bone);
   if (zero.norm() < 1e-9) zero = axis.axis.unitOrthogonal();
   zero = radius * zero.normalized();
-  const double low = std::max(axis.lower, value - 2.0 * M_PI), high = std::min(axis.upper, value + 2.0 * M_PI);
+  const double low = std::max(axis.lower, value - 2.0 * M_PI),
+               high = std::min(axis.upper, value + 2.0 * M_PI);
   std::vector<Vector3d> rim;
   for (int i = 0; i <= 32; ++i)
     rim.push_back(worldFromAxis * (Eigen::AngleAxisd(low + (high - low) * i / 32, axis.axis) * zero));
   overlay.fan(worldFromAxis.translation(), rim, fill, false);
   overlay.polyline(rim, line, 2.0f);
-  overlay.line(worldFromAxis.translation(), worldFromAxis * (Eigen::AngleAxisd(value, axis.axis) * zero), line, 2.0f);
+  overlay.line(worldFromAxis.translation(), worldFromAxis * (Eigen::AngleAxisd(value, axis.axis) * zero),
+               line, 2.0f);
 }
 
 void addLimit(Sandbox& sandbox, int joint, float glow) {
@@ -73,17 +77,23 @@ void addLimit(Sandbox& sandbox, int joint, float glow) {
   const Colour line = toColour(s.colours().bad, 0.9f * glow), fill = toColour(s.colours().bad, 0.16f * glow);
   const double bone = std::max(boneLength(skeleton, joint), 0.04 * s.size);
   const double radius = std::clamp(0.5 * bone, 0.03 * s.size, 0.12 * s.size);
-  const Vector3d alongBone = skeleton.children(joint).empty() ? Vector3d(Vector3d::UnitZ()) : skeleton.joint(skeleton.children(joint).front()).parentFromZero.translation();
+  const Vector3d alongBone =
+      skeleton.children(joint).empty()
+          ? Vector3d(Vector3d::UnitZ())
+          : skeleton.joint(skeleton.children(joint).front()).parentFromZero.translation();
   for (int k = 0; k < static_cast<int>(j.axes.size()); ++k) {
     const AxisDof& axis = j.axes[k];
     const double value = q[skeleton.qIndex(joint) + k];
-    const bool at = value <= axis.lower + 2.0 * Session::limitMargin || value >= axis.upper - 2.0 * Session::limitMargin;
+    const bool at =
+        value <= axis.lower + 2.0 * Session::limitMargin || value >= axis.upper - 2.0 * Session::limitMargin;
     if (axis.kind == AxisDof::Kind::Rotation && at && std::isfinite(axis.upper - axis.lower))
-      addArc(sandbox.overlay(), worldFromMotion(skeleton, q, sandbox.shownFrames(), joint, k), axis, value, alongBone, radius, line, fill);
+      addArc(sandbox.overlay(), worldFromMotion(skeleton, q, sandbox.shownFrames(), joint, k), axis, value,
+             alongBone, radius, line, fill);
   }
   if (j.ballLimit)
-    addCone(sandbox.overlay(), worldFromMotion(skeleton, q, sandbox.shownFrames(), joint, static_cast<int>(j.axes.size())), *j.ballLimit,
-            radius, line, fill);
+    addCone(sandbox.overlay(),
+            worldFromMotion(skeleton, q, sandbox.shownFrames(), joint, static_cast<int>(j.axes.size())),
+            *j.ballLimit, radius, line, fill);
 }
 
 /// Limits light up where the drag presses against them, and fade within a second.
@@ -92,7 +102,8 @@ void addLimits(Sandbox& sandbox) {
   const std::vector<bool> at = s.session->jointsAtLimit();
   const std::optional<int> dragged = s.session->dragged();
   for (int i = 0; i < static_cast<int>(at.size()); ++i) {
-    const bool pressed = at[i] && dragged && s.session->skeleton().isAncestor(i, s.session->goals()[*dragged].goal.joint);
+    const bool pressed =
+        at[i] && dragged && s.session->skeleton().isAncestor(i, s.session->goals()[*dragged].goal.joint);
     const bool examined = at[i] && s.selectedJoint == i && !dragged;
     double& glow = s.limitGlow[i];
     glow = pressed || examined ? 1.0 : std::max(0.0, glow - ImGui::GetIO().DeltaTime / 0.9);
@@ -112,7 +123,8 @@ struct Pen {
 void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& text) {
   ImFont* font = pen.fonts.small;
   const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
-  pen.draw->AddRectFilled({at.x - 5 * pen.scale, at.y - 2 * pen.scale}, {at.x + size.x + 5 * pen.scale, at.y + size.y + 2 * pen.scale},
+  pen.draw->AddRectFilled({at.x - 5 * pen.scale, at.y - 2 * pen.scale},
+                          {at.x + size.x + 5 * pen.scale, at.y + size.y + 2 * pen.scale},
                           colour32(pen.colours.panelRaised, 0.82f), 4 * pen.scale);
   pen.draw->AddText(font, font->FontSize, at, colour32(colour), text.c_str());
 }
@@ -143,20 +155,24 @@ void drawGoal(const Pen& pen, Sandbox& sandbox, int index) {
     pen.draw->AddLine(at, end, colour32(line), 1.6f * pen.scale);
     pen.draw->AddCircle(end, 4.5f * pen.scale, colour32(line), 0, 1.6f * pen.scale);
     if (std::hypot(end.x - at.x, end.y - at.y) > 26 * pen.scale)
-      words(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale}, line, formatLength(error));
+      words(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale}, line,
+            formatLength(error));
   }
   if (goal.goal.kind == GoalKind::Pole) {
     const Projected elbow = s.toWindow(sandbox.shownFrames()[goal.goal.joint].translation());
     pen.draw->AddLine(toImVec2(elbow.pixel), at, colour32(colour, 0.45f), 1.2f * pen.scale);
   }
   if (dragged) pen.draw->AddCircleFilled(at, 15 * pen.scale, colour32(colour, 0.22f), 32);
-  const float grow = hovered || dragged ? 1.35f : 1.0f, r = (goal.goal.kind == GoalKind::Pole ? 5.0f : 6.5f) * grow * pen.scale;
+  const float grow = hovered || dragged ? 1.35f : 1.0f,
+              r = (goal.goal.kind == GoalKind::Pole ? 5.0f : 6.5f) * grow * pen.scale;
   const ImU32 white = IM_COL32(255, 255, 255, 240), ink = colour32(colour);
   if (goal.state == GoalState::Pinned) {
     pen.draw->AddRectFilled({at.x - r, at.y - r}, {at.x + r, at.y + r}, white, 2 * pen.scale);
-    pen.draw->AddRectFilled({at.x - r + 1.6f * pen.scale, at.y - r + 1.6f * pen.scale}, {at.x + r - 1.6f * pen.scale, at.y + r - 1.6f * pen.scale}, ink, 2 * pen.scale);
+    pen.draw->AddRectFilled({at.x - r + 1.6f * pen.scale, at.y - r + 1.6f * pen.scale},
+                            {at.x + r - 1.6f * pen.scale, at.y + r - 1.6f * pen.scale}, ink, 2 * pen.scale);
   } else if (goal.goal.kind == GoalKind::Pole) {
-    pen.draw->AddQuadFilled({at.x, at.y - r - pen.scale}, {at.x + r + pen.scale, at.y}, {at.x, at.y + r + pen.scale}, {at.x - r - pen.scale, at.y}, white);
+    pen.draw->AddQuadFilled({at.x, at.y - r - pen.scale}, {at.x + r + pen.scale, at.y},
+                            {at.x, at.y + r + pen.scale}, {at.x - r - pen.scale, at.y}, white);
     const float q = r - 1.2f * pen.scale;
     pen.draw->AddQuadFilled({at.x, at.y - q}, {at.x + q, at.y}, {at.x, at.y + q}, {at.x - q, at.y}, ink);
   } else {
@@ -166,7 +182,8 @@ void drawGoal(const Pen& pen, Sandbox& sandbox, int index) {
   if (goal.goal.kind == GoalKind::Pose || goal.goal.kind == GoalKind::Orientation) {
     pen.draw->AddCircle(at, r + 5 * pen.scale, colour32(colour, 0.9f), 40, 1.6f * pen.scale);
   }
-  if (selected && !dragged) pen.draw->AddCircle(at, r + 4 * pen.scale, colour32(pen.colours.accent), 40, 1.8f * pen.scale);
+  if (selected && !dragged)
+    pen.draw->AddCircle(at, r + 4 * pen.scale, colour32(pen.colours.accent), 40, 1.8f * pen.scale);
   if (hovered) words(pen, {at.x + 16 * pen.scale, at.y - 8 * pen.scale}, pen.colours.text, goal.goal.name);
 }
 
@@ -184,9 +201,11 @@ void drawConstraint(const Pen& pen, Sandbox& sandbox) {
   const Vector3d target = s.session->goals()[*s.session->dragged()].goal.target;
   if (s.gesture.constraint >= DragConstraint::AxisX) {
     const int axis = static_cast<int>(s.gesture.constraint) - static_cast<int>(DragConstraint::AxisX);
-    static const ImVec4 axisColours[] = {{0.82f, 0.22f, 0.20f, 1}, {0.20f, 0.60f, 0.25f, 1}, {0.20f, 0.42f, 0.85f, 1}};
+    static const ImVec4 axisColours[] = {
+        {0.82f, 0.22f, 0.20f, 1}, {0.20f, 0.60f, 0.25f, 1}, {0.20f, 0.42f, 0.85f, 1}};
     const Vector3d u = 0.6 * s.size * Vector3d::Unit(axis);
-    pen.draw->AddLine(toImVec2(s.toWindow(target - u).pixel), toImVec2(s.toWindow(target + u).pixel), colour32(axisColours[axis], 0.8f), 1.4f * pen.scale);
+    pen.draw->AddLine(toImVec2(s.toWindow(target - u).pixel), toImVec2(s.toWindow(target + u).pixel),
+                      colour32(axisColours[axis], 0.8f), 1.4f * pen.scale);
   }
 }
 
@@ -202,14 +221,19 @@ void drawNotices(const Pen& pen, Sandbox& sandbox) {
     const float x = s.layout.view.x + 0.5f * (s.layout.view.width - size.x);
     y -= size.y + 14 * pen.scale;
     const ImVec4& ink = it->isError ? pen.colours.bad : pen.colours.text;
-    pen.draw->AddRectFilled({x - 14 * pen.scale, y - 7 * pen.scale}, {x + size.x + 14 * pen.scale, y + size.y + 7 * pen.scale}, colour32(pen.colours.panelRaised, 0.95f * alpha), 7 * pen.scale);
-    pen.draw->AddRect({x - 14 * pen.scale, y - 7 * pen.scale}, {x + size.x + 14 * pen.scale, y + size.y + 7 * pen.scale}, colour32(it->isError ? pen.colours.bad : pen.colours.border, alpha), 7 * pen.scale);
+    pen.draw->AddRectFilled({x - 14 * pen.scale, y - 7 * pen.scale},
+                            {x + size.x + 14 * pen.scale, y + size.y + 7 * pen.scale},
+                            colour32(pen.colours.panelRaised, 0.95f * alpha), 7 * pen.scale);
+    pen.draw->AddRect({x - 14 * pen.scale, y - 7 * pen.scale},
+                      {x + size.x + 14 * pen.scale, y + size.y + 7 * pen.scale},
+                      colour32(it->isError ? pen.colours.bad : pen.colours.border, alpha), 7 * pen.scale);
     pen.draw->AddText(font, font->FontSize, {x, y}, colour32(ink, alpha), it->words.c_str(), nullptr, width);
     y -= 8 * pen.scale;
   }
 }
 
-/// What the end of a planar chain can reach when its joints turn freely: the ring between the shortest and the longest reach.
+/// What the end of a planar chain can reach when its joints turn freely: the ring between the shortest and
+/// the longest reach.
 void addWorkspace(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   const Skeleton& skeleton = s.session->skeleton();
@@ -243,12 +267,14 @@ void addWorkspace(Sandbox& sandbox) {
 void addSceneMarks(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (s.show.skeleton || !s.mesh)
-    addBones(sandbox.overlay(), s.session->skeleton(), sandbox.shownFrames(), s.size, boneColour, s.selectedJoint.value_or(-1));
+    addBones(sandbox.overlay(), s.session->skeleton(), sandbox.shownFrames(), s.size, boneColour,
+             s.selectedJoint.value_or(-1));
   if (s.session->model().planar) addWorkspace(sandbox);
   if (s.show.jointFrames) {
     addJointFrames(sandbox.overlay(), sandbox.shownFrames(), s.size);
     if (!s.shownFrames && s.session->skeleton().jointCount() <= 12)
-      addJointAxes(sandbox.overlay(), s.session->skeleton(), s.session->q(), sandbox.shownFrames(), s.size, toColour(s.colours().textDim));
+      addJointAxes(sandbox.overlay(), s.session->skeleton(), s.session->q(), sandbox.shownFrames(), s.size,
+                   toColour(s.colours().textDim));
   }
   if (!s.shownFrames) addLimits(sandbox);
 }
@@ -258,12 +284,16 @@ void drawMarks(Sandbox& sandbox) {
   const Layout::Rect& view = s.layout.view;
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   const Pen pen{draw, s.colours(), s.gui.fonts(), s.scale};
-  draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())), {view.x, view.y},
-                 {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
+  draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())),
+                 {view.x, view.y}, {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
   draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height}, true);
   for (const auto& label : s.labels) {
     const Projected p = s.toWindow(label.at);
-    if (p.depth > 0.0) words(pen, {static_cast<float>(p.pixel.x()) + 8 * pen.scale, static_cast<float>(p.pixel.y()) - 8 * pen.scale}, {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text);
+    if (p.depth > 0.0)
+      words(
+          pen,
+          {static_cast<float>(p.pixel.x()) + 8 * pen.scale, static_cast<float>(p.pixel.y()) - 8 * pen.scale},
+          {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text);
   }
   drawConstraint(pen, sandbox);
   if (s.show.handles && (!s.shownFrames || s.handlesOnShown))

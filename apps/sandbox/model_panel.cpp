@@ -23,7 +23,8 @@ class ModelPanel final : public Panel {
     ImGui::PushFont(s.gui.fonts().medium);
     ImGui::TextUnformatted(s.session->model().name.c_str());
     ImGui::PopFont();
-    ImGui::TextColored(s.colours().textDim, "%d joints · %d degrees of freedom", skeleton.jointCount(), skeleton.nv());
+    ImGui::TextColored(s.colours().textDim, "%d joints · %d degrees of freedom", skeleton.jointCount(),
+                       skeleton.nv());
     const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
     if (ImGui::Button("Rest pose", {half, 0})) s.session->resetPose();
     tooltip("The bind pose (R). Handles pinned at the beginning are pinned again.");
@@ -39,10 +40,13 @@ class ModelPanel final : public Panel {
     if (ImGui::Button("Within limits, at random", {-1, 0})) {
       s.session->remember();
       Eigen::VectorXd q = randomWithinLimits(skeleton, random_);
-      if (skeleton.joint(0).ball && skeleton.qCount(0) == 7) q.head(7) = s.session->q().head(7);  // a free root stays
+      if (skeleton.joint(0).ball && skeleton.qCount(0) == 7)
+        q.head(7) = s.session->q().head(7);  // a free root stays
       s.session->setPose(q);
     }
-    tooltip("Every joint uniform within its limits; a free root stays where it is. Seed 1 at the start of the program.");
+    tooltip(
+        "Every joint uniform within its limits; a free root stays where it is. Seed 1 at the start of the "
+        "program.");
     ImGui::Separator();
     const float sliders = s.selectedJoint ? slidersHeight(s) : 0.0f;
     ImGui::BeginChild("tree", {0, std::max(120 * s.scale, ImGui::GetContentRegionAvail().y - sliders)});
@@ -54,7 +58,8 @@ class ModelPanel final : public Panel {
  private:
   static float slidersHeight(const Sandbox::State& s) {
     const int rows = s.session->skeleton().vCount(*s.selectedJoint);
-    const float row = ImGui::GetFrameHeightWithSpacing() + s.gui.fonts().small->FontSize + ImGui::GetStyle().ItemSpacing.y;
+    const float row =
+        ImGui::GetFrameHeightWithSpacing() + s.gui.fonts().small->FontSize + ImGui::GetStyle().ItemSpacing.y;
     return static_cast<float>(std::max(rows, 1)) * row + ImGui::GetTextLineHeightWithSpacing() + 22 * s.scale;
   }
 
@@ -65,8 +70,10 @@ class ModelPanel final : public Panel {
     ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_OpenOnArrow | ImGuiTreeNodeFlags_SpanAvailWidth;
     if (children.empty()) flags |= ImGuiTreeNodeFlags_Leaf;
     if (s.selectedJoint == joint) flags |= ImGuiTreeNodeFlags_Selected;
-    if (children.size() < 3 || joint == 0 || depthBelow(skeleton, joint) > 3) flags |= ImGuiTreeNodeFlags_DefaultOpen;
-    if (s.selectedJoint && *s.selectedJoint != lastSelected_ && skeleton.isAncestor(joint, *s.selectedJoint) && *s.selectedJoint != joint)
+    if (children.size() < 3 || joint == 0 || depthBelow(skeleton, joint) > 3)
+      flags |= ImGuiTreeNodeFlags_DefaultOpen;
+    if (s.selectedJoint && *s.selectedJoint != lastSelected_ &&
+        skeleton.isAncestor(joint, *s.selectedJoint) && *s.selectedJoint != joint)
       ImGui::SetNextItemOpen(true);
     const bool atLimit = s.limitGlow[joint] > 0.3;
     if (atLimit) ImGui::PushStyleColor(ImGuiCol_Text, s.colours().bad);
@@ -85,36 +92,51 @@ class ModelPanel final : public Panel {
 
   static int depthBelow(const Skeleton& skeleton, int joint) {
     int deepest = 0;
-    for (const int child : skeleton.children(joint)) deepest = std::max(deepest, 1 + depthBelow(skeleton, child));
+    for (const int child : skeleton.children(joint))
+      deepest = std::max(deepest, 1 + depthBelow(skeleton, child));
     return deepest;
   }
 
   static std::string describe(const Skeleton& skeleton, int i) {
     const Joint& joint = skeleton.joint(i);
     std::string motion;
-    if (!joint.axes.empty()) motion += fmt::format("{} {}", joint.axes.size(), joint.axes.size() == 1 ? "axis" : "axes");
-    if (joint.ball) motion += (motion.empty() ? "" : ", then ") + std::string(joint.ballLimit ? "ball with swing and twist limits" : "free ball");
+    if (!joint.axes.empty())
+      motion += fmt::format("{} {}", joint.axes.size(), joint.axes.size() == 1 ? "axis" : "axes");
+    if (joint.ball)
+      motion += (motion.empty() ? "" : ", then ") +
+                std::string(joint.ballLimit ? "ball with swing and twist limits" : "free ball");
     return joint.name + ": " + (motion.empty() ? "fixed" : motion);
   }
 
-  static bool slider(Sandbox& sandbox, const char* id, const std::string& label, double& value, double lower, double upper, bool angle) {
+  static bool slider(Sandbox& sandbox, const char* id, const std::string& label, double& value, double lower,
+                     double upper, bool angle) {
     Sandbox::State& s = sandbox.state();
     const double unit = angle ? degrees : 1.0;
     const bool bounded = std::isfinite(lower) && std::isfinite(upper);
-    const double low = bounded ? lower : angle ? -M_PI : value - 1.0, high = bounded ? upper : angle ? M_PI : value + 1.0;
-    const bool atLimit = bounded && upper - lower > 1e-9 && (value < lower + Session::limitMargin || value > upper - Session::limitMargin);
+    const double low = bounded ? lower
+                       : angle ? -M_PI
+                               : value - 1.0,
+                 high = bounded ? upper
+                        : angle ? M_PI
+                                : value + 1.0;
+    const bool atLimit = bounded && upper - lower > 1e-9 &&
+                         (value < lower + Session::limitMargin || value > upper - Session::limitMargin);
     ImGui::PushFont(s.gui.fonts().small);
     ImGui::TextColored(atLimit ? s.colours().bad : s.colours().textDim, "%s", label.c_str());
     if (bounded) {
-      const std::string range = angle ? fmt::format("{:.0f}° to {:.0f}°", lower * unit, upper * unit) : fmt::format("{:.2f} to {:.2f} m", lower, upper);
-      ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(range.c_str()).x + ImGui::GetCursorPosX() - ImGui::GetCursorStartPos().x);
+      const std::string range = angle ? fmt::format("{:.0f}° to {:.0f}°", lower * unit, upper * unit)
+                                      : fmt::format("{:.2f} to {:.2f} m", lower, upper);
+      ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(range.c_str()).x +
+                      ImGui::GetCursorPosX() - ImGui::GetCursorStartPos().x);
       ImGui::TextColored(s.colours().textFaint, "%s", range.c_str());
     }
     ImGui::PopFont();
     float shown = static_cast<float>(value * unit);
     ImGui::SetNextItemWidth(-1);
-    const bool changed = ImGui::SliderFloat(id, &shown, static_cast<float>(low * unit), static_cast<float>(high * unit), angle ? "%.1f°" : "%.3f m");
-    tooltip(angle ? "Angle in degrees; inside the program radians. Ctrl+click to type." : "Displacement in metres. Ctrl+click to type.");
+    const bool changed = ImGui::SliderFloat(id, &shown, static_cast<float>(low * unit),
+                                            static_cast<float>(high * unit), angle ? "%.1f°" : "%.3f m");
+    tooltip(angle ? "Angle in degrees; inside the program radians. Ctrl+click to type."
+                  : "Displacement in metres. Ctrl+click to type.");
     if (ImGui::IsItemActivated()) s.session->remember();
     if (changed) value = shown / unit;
     return changed;
@@ -133,11 +155,14 @@ class ModelPanel final : public Panel {
     for (std::size_t k = 0; k < joint.axes.size(); ++k) {
       const AxisDof& axis = joint.axes[k];
       const bool angle = axis.kind == AxisDof::Kind::Rotation;
-      const std::string label = fmt::format("{} ({:.2g}, {:.2g}, {:.2g})", angle ? "turn about" : "along", axis.axis.x(), axis.axis.y(), axis.axis.z());
-      changed |= slider(sandbox, fmt::format("##axis{}", k).c_str(), label, q[skeleton.qIndex(i) + static_cast<int>(k)], axis.lower, axis.upper, angle);
+      const std::string label = fmt::format("{} ({:.2g}, {:.2g}, {:.2g})", angle ? "turn about" : "along",
+                                            axis.axis.x(), axis.axis.y(), axis.axis.z());
+      changed |= slider(sandbox, fmt::format("##axis{}", k).c_str(), label,
+                        q[skeleton.qIndex(i) + static_cast<int>(k)], axis.lower, axis.upper, angle);
     }
     if (joint.ball) changed |= ball(sandbox, i, q);
-    if (joint.axes.empty() && !joint.ball) ImGui::TextColored(s.colours().textDim, "A fixed frame: nothing to move.");
+    if (joint.axes.empty() && !joint.ball)
+      ImGui::TextColored(s.colours().textDim, "A fixed frame: nothing to move.");
     if (changed) s.session->setPose(q);
   }
 
@@ -152,13 +177,15 @@ class ModelPanel final : public Panel {
       double angle = toAngle(c[k]);
       const double low = limit ? toAngle(limit->swingCentre[k] - limit->swingRadii[k]) : -2.8;
       const double high = limit ? toAngle(limit->swingCentre[k] + limit->swingRadii[k]) : 2.8;
-      if (slider(sandbox, k == 0 ? "##swing x" : "##swing y", k == 0 ? "swing about x" : "swing about y", angle, low, high, true)) {
+      if (slider(sandbox, k == 0 ? "##swing x" : "##swing y", k == 0 ? "swing about x" : "swing about y",
+                 angle, low, high, true)) {
         c[k] = 2.0 * std::sin(0.5 * angle);
         if (c.head<2>().norm() > 1.98) c.head<2>() *= 1.98 / c.head<2>().norm();
         changed = true;
       }
     }
-    changed |= slider(sandbox, "##twist", "twist about z", c[2], limit ? limit->twistLower : -M_PI, limit ? limit->twistUpper : M_PI, true);
+    changed |= slider(sandbox, "##twist", "twist about z", c[2], limit ? limit->twistLower : -M_PI,
+                      limit ? limit->twistUpper : M_PI, true);
     if (changed) setBallRotation(skeleton, q, i, fromSwingTwistCoordinates(c));
     return changed;
   }

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/document/clip_editor.h"
+#include "apps/document/second_clip.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/timeline.h"
-#include "apps/document/second_clip.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/motion/motion_edit.h"
@@ -26,7 +26,9 @@ class CommandWords {
   explicit CommandWords(const std::vector<std::string>& words) : words_(words) {}
   bool atEnd() const { return at_ == words_.size(); }
   std::string word() {
-    if (atEnd()) throw std::invalid_argument("a word is missing after '" + (words_.empty() ? std::string("do Motion") : words_.back()) + "'");
+    if (atEnd())
+      throw std::invalid_argument("a word is missing after '" +
+                                  (words_.empty() ? std::string("do Motion") : words_.back()) + "'");
     return words_[at_++];
   }
   bool take(const std::string& wanted) {
@@ -46,7 +48,8 @@ class CommandWords {
  private:
   template <class T>
   const std::optional<T>& read(const std::optional<T>& value, const char* what) const {
-    if (!value) throw std::invalid_argument(std::string("expected ") + what + ", found '" + words_[at_ - 1] + "'");
+    if (!value)
+      throw std::invalid_argument(std::string("expected ") + what + ", found '" + words_[at_ - 1] + "'");
     return value;
   }
   const std::vector<std::string>& words_;
@@ -55,10 +58,11 @@ class CommandWords {
 
 Colour toColour(const ImVec4& c, float alpha = 1.0f) { return {c.x, c.y, c.z, alpha}; }
 
-/// Plays the model's clip: timeline, trails, contacts, limits that are left, edits (clip_editor.h), goals on top, export.
+/// Plays the model's clip: timeline, trails, contacts, limits that are left, edits (clip_editor.h), goals on
+/// top, export.
 ///
-/// While it plays, the clip is shown as it is. At rest the session stands in the clip's pose, and the first drag, turn or undo of that pose takes over until the playhead
-/// moves: that pose can be keyed.
+/// While it plays, the clip is shown as it is. At rest the session stands in the clip's pose, and the first
+/// drag, turn or undo of that pose takes over until the playhead moves: that pose can be keyed.
 class MotionPanel final : public Panel {
  public:
   std::string name() const override { return "Motion"; }
@@ -117,10 +121,14 @@ class MotionPanel final : public Panel {
         Vector3d at = tracks_[contact.foot][std::clamp(frame, contact.first, contact.last)];
         at.y() = sandbox.state().groundHeight + 0.002;
         const double r = 0.012 * sandbox.state().size;
-        sandbox.overlayInScene().annulus(at, Vector3d::UnitX(), Vector3d::UnitZ(), 0.6 * r, r, toColour(now ? colours.held : colours.textFaint, now ? 0.95f : 0.5f));
+        sandbox.overlayInScene().annulus(
+            at, Vector3d::UnitX(), Vector3d::UnitZ(), 0.6 * r, r,
+            toColour(now ? colours.held : colours.textFaint, now ? 0.95f : 0.5f));
       }
     if (limitMarks_)
-      for (const int joint : outside_[frame]) sandbox.overlay().point(sandbox.shownFrames()[joint].translation(), toColour(colours.bad), 9.0f, Overlay::Shape::Ring);
+      for (const int joint : outside_[frame])
+        sandbox.overlay().point(sandbox.shownFrames()[joint].translation(), toColour(colours.bad), 9.0f,
+                                Overlay::Shape::Ring);
   }
 
   bool keyPressed(Sandbox& sandbox, int key, int) override {
@@ -165,7 +173,8 @@ class MotionPanel final : public Panel {
       const std::string file = w.word();
       const double weight = w.number();
       const bool additive = w.take("additive");
-      lay(sandbox, file, weight, additive, w.atEnd() ? std::vector<int>{} : limbBelow(skeleton, w.joints(skeleton).front()));
+      lay(sandbox, file, weight, additive,
+          w.atEnd() ? std::vector<int>{} : limbBelow(skeleton, w.joints(skeleton).front()));
     } else if (command == "undo") {
       editor_->undo();
     } else if (command == "redo") {
@@ -175,8 +184,11 @@ class MotionPanel final : public Panel {
     } else if (command == "write") {
       write(sandbox, w.word());
     } else {
-      throw std::invalid_argument("the panel Motion knows frame N, key [JOINT...], key-moved, delete-key, move-key FROM TO, turn X Y Z, smooth HZ, plant, fade FILE SECONDS, "
-                                  "layer FILE WEIGHT [additive] [JOINT], undo, redo, goals on|off and write FILE, not '" + command + "'");
+      throw std::invalid_argument(
+          "the panel Motion knows frame N, key [JOINT...], key-moved, delete-key, move-key FROM TO, turn X Y "
+          "Z, smooth HZ, plant, fade FILE SECONDS, "
+          "layer FILE WEIGHT [additive] [JOINT], undo, redo, goals on|off and write FILE, not '" +
+          command + "'");
     }
   }
 
@@ -184,12 +196,14 @@ class MotionPanel final : public Panel {
     const Palette& colours = sandbox.state().colours();
     if (!editor_) {
       ImGui::PushStyleColor(ImGuiCol_Text, colours.textDim);
-      ImGui::TextWrapped("This model has no motion. Open a .bvh, .glb or .gltf, or start with --asf and --amc.");
+      ImGui::TextWrapped(
+          "This model has no motion. Open a .bvh, .glb or .gltf, or start with --asf and --amc.");
       ImGui::PopStyleColor();
       return;
     }
     heading(sandbox.state(), "PLAYBACK");
-    if (ImGui::Button(sandbox.playing() ? "Pause" : "Play", {90 * sandbox.scale(), 0})) sandbox.setPlaying(!sandbox.playing());
+    if (ImGui::Button(sandbox.playing() ? "Pause" : "Play", {90 * sandbox.scale(), 0}))
+      sandbox.setPlaying(!sandbox.playing());
     ImGui::SameLine();
     ImGui::Checkbox("Loop", &loop_);
     ImGui::SameLine();
@@ -198,7 +212,8 @@ class MotionPanel final : public Panel {
     ImGui::SliderFloat("Speed", &speed_, -2.0f, 4.0f, "%.2f x");
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
     float rate = static_cast<float>(editor_->clip().framesPerSecond);
-    if (ImGui::InputFloat("Frames/s", &rate, 0.0f, 0.0f, "%.3f", ImGuiInputTextFlags_EnterReturnsTrue) && rate > 0.0f && std::isfinite(rate)) {
+    if (ImGui::InputFloat("Frames/s", &rate, 0.0f, 0.0f, "%.3f", ImGuiInputTextFlags_EnterReturnsTrue) &&
+        rate > 0.0f && std::isfinite(rate)) {
       const int frame = currentFrame();
       editor_->setFrameRate(rate);
       seconds_ = frame / editor_->clip().framesPerSecond;
@@ -245,11 +260,16 @@ class MotionPanel final : public Panel {
     nlohmann::json keys = nlohmann::json::array();
     const std::vector<int> frames = editor_->keyFrames();
     for (std::size_t k = 0; k < frames.size() && k < timeline_.keyPixels().size(); ++k)
-      keys.push_back({{"frame", frames[k] + 1}, {"pixel", {timeline_.keyPixels()[k].first, timeline_.keyPixels()[k].second}}});
-    return nlohmann::json{{"frame", currentFrame() + 1}, {"frames", clip().frameCount()}, {"keys", keys}}.dump();
+      keys.push_back({{"frame", frames[k] + 1},
+                      {"pixel", {timeline_.keyPixels()[k].first, timeline_.keyPixels()[k].second}}});
+    return nlohmann::json{{"frame", currentFrame() + 1}, {"frames", clip().frameCount()}, {"keys", keys}}
+        .dump();
   }
   std::string save() const override {
-    return nlohmann::json{{"seconds", seconds_}, {"loop", loop_}, {"speed", speed_}, {"trails", trails_}, {"contacts", contactMarks_}, {"limits", limitMarks_}}.dump();
+    return nlohmann::json{{"seconds", seconds_},       {"loop", loop_},
+                          {"speed", speed_},           {"trails", trails_},
+                          {"contacts", contactMarks_}, {"limits", limitMarks_}}
+        .dump();
   }
   void load(Sandbox&, const std::string& text) override {
     const auto saved = nlohmann::json::parse(text);
@@ -264,7 +284,10 @@ class MotionPanel final : public Panel {
 
  private:
   const MotionClip& clip() const { return editor_->clip(); }
-  int currentFrame() const { return std::clamp(static_cast<int>(std::lround(seconds_ * clip().framesPerSecond)), 0, clip().frameCount() - 1); }
+  int currentFrame() const {
+    return std::clamp(static_cast<int>(std::lround(seconds_ * clip().framesPerSecond)), 0,
+                      clip().frameCount() - 1);
+  }
   /// Seconds after which it begins again.
   double length() const { return clip().frameCount() / clip().framesPerSecond; }
 
@@ -293,7 +316,8 @@ class MotionPanel final : public Panel {
     }
   }
 
-  /// The ground under the clip's first frame and everything in view, where the rest pose stands elsewhere (a BVH's hips often rest in the origin).
+  /// The ground under the clip's first frame and everything in view, where the rest pose stands elsewhere (a
+  /// BVH's hips often rest in the origin).
   void standOnClip(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
     const Model& model = sandbox.session().model();
@@ -314,7 +338,8 @@ class MotionPanel final : public Panel {
 
   // --- the pose at the playhead
 
-  /// Brings the session into the clip's pose, anew where the playhead or the clip moved. The session keeps limits, the clip need not.
+  /// Brings the session into the clip's pose, anew where the playhead or the clip moved. The session keeps
+  /// limits, the clip need not.
   void restAt(Sandbox& sandbox) {
     const bool sameClip = restedVersion_ == editor_->version() || isPosed(sandbox);
     if (restedSeconds_ == seconds_ && sameClip) return;
@@ -326,13 +351,17 @@ class MotionPanel final : public Panel {
   void leavePose() { restedSeconds_.reset(); }
   /// Whether something changed the session's pose since the playhead came to rest.
   bool isPosed(const Sandbox& sandbox) const {
-    return restedSeconds_ && *restedSeconds_ == seconds_ && (sandbox.session().dragged() || sandbox.session().q() != restedQ_);
+    return restedSeconds_ && *restedSeconds_ == seconds_ &&
+           (sandbox.session().dragged() || sandbox.session().q() != restedQ_);
   }
-  const Eigen::VectorXd& shownPose(const Sandbox& sandbox) const { return isPosed(sandbox) ? sandbox.session().q() : q_; }
+  const Eigen::VectorXd& shownPose(const Sandbox& sandbox) const {
+    return isPosed(sandbox) ? sandbox.session().q() : q_;
+  }
 
   void keyJoints(Sandbox& sandbox, const std::vector<int>& joints) {
     editor_->setKeys(joints, currentFrame(), shownPose(sandbox));
-    report_ = fmt::format("{} {} keyed in frame {}", joints.size(), joints.size() == 1 ? "joint" : "joints", currentFrame() + 1);
+    report_ = fmt::format("{} {} keyed in frame {}", joints.size(), joints.size() == 1 ? "joint" : "joints",
+                          currentFrame() + 1);
   }
   void keySelected(Sandbox& sandbox) {
     if (!sandbox.selectedJoint()) throw std::invalid_argument("select a joint to key it");
@@ -341,18 +370,22 @@ class MotionPanel final : public Panel {
   /// Every joint that a drag, a turn or the goals on top brought out of the clip's pose.
   void keyMoved(Sandbox& sandbox) {
     const Skeleton& skeleton = sandbox.session().skeleton();
-    const auto moved = isPosed(sandbox) ? movedJoints(skeleton, restedQ_, sandbox.session().q()) : movedJoints(skeleton, sample(skeleton, clip(), seconds_), q_);
-    if (moved.empty()) throw std::invalid_argument("no joint has left the clip's pose; drag or turn one first");
+    const auto moved = isPosed(sandbox) ? movedJoints(skeleton, restedQ_, sandbox.session().q())
+                                        : movedJoints(skeleton, sample(skeleton, clip(), seconds_), q_);
+    if (moved.empty())
+      throw std::invalid_argument("no joint has left the clip's pose; drag or turn one first");
     keyJoints(sandbox, moved);
   }
   /// degrees: rotation vector in the joint's own frame.
   void turnSelected(Sandbox& sandbox, const Vector3d& degrees) {
     if (!sandbox.selectedJoint()) throw std::invalid_argument("select a joint to turn it");
-    if (sandbox.playing() || goalsOnTop_) throw std::invalid_argument("a joint can be turned while the clip rests without goals on top");
+    if (sandbox.playing() || goalsOnTop_)
+      throw std::invalid_argument("a joint can be turned while the clip rests without goals on top");
     const Skeleton& skeleton = sandbox.session().skeleton();
     Eigen::VectorXd q = sandbox.session().q();
     const int joint = *sandbox.selectedJoint();
-    setJointRotation(skeleton, q, joint, (jointRotation(skeleton, q, joint) * expRotation(M_PI / 180.0 * degrees)).normalized());
+    setJointRotation(skeleton, q, joint,
+                     (jointRotation(skeleton, q, joint) * expRotation(M_PI / 180.0 * degrees)).normalized());
     sandbox.session().remember();
     sandbox.session().setPose(q);
   }
@@ -371,28 +404,41 @@ class MotionPanel final : public Panel {
     const FootFacts before = footFacts(skeleton, clip(), feet_, contacts, options.floor);
     editor_->replace(footPlanted(skeleton, clip(), feet_, contacts, options));
     const FootFacts after = footFacts(skeleton, clip(), feet_, contacts, options.floor);
-    report_ = fmt::format("slide {:.2f} → {:.4f} mm a frame, penetration {:.2f} → {:.2f} mm", 1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
+    report_ = fmt::format("slide {:.2f} → {:.4f} mm a frame, penetration {:.2f} → {:.2f} mm",
+                          1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
                           1e3 * after.deepestPenetration);
   }
 
   MotionClip secondClip(Sandbox& sandbox, const std::string& file) const {
     const ModelReference& reference = sandbox.state().reference;
     FittedClip fitted = clipFor(sandbox.session().model(), clip().framesPerSecond, file, reference.nameOrFile,
-                                {.skeleton = reference.skeletonFile, .weights = reference.weightsFile, .asf = reference.asfFile, .amc = {}, .mapping = reference.mappingFile, .figure = {}});
+                                {.skeleton = reference.skeletonFile,
+                                 .weights = reference.weightsFile,
+                                 .asf = reference.asfFile,
+                                 .amc = {},
+                                 .mapping = reference.mappingFile,
+                                 .figure = {}});
     for (const std::string& note : fitted.notes) sandbox.say(note);
     return std::move(fitted.clip);
   }
   void fade(Sandbox& sandbox, const std::string& file, double seconds) {
     editor_->crossFade(secondClip(sandbox, file), seconds);
-    report_ = fmt::format("fades into {} within {:.2f} s; {} frames", stem(file), seconds, clip().frameCount());
+    report_ =
+        fmt::format("fades into {} within {:.2f} s; {} frames", stem(file), seconds, clip().frameCount());
   }
   void lay(Sandbox& sandbox, const std::string& file, double weight, bool additive, std::vector<int> joints) {
-    const std::string part = joints.empty() ? "" : " from " + sandbox.session().skeleton().joint(joints.front()).name + " on";
-    editor_->lay({.clip = secondClip(sandbox, file), .kind = additive ? Layer::Kind::Additive : Layer::Kind::Override, .weight = weight, .joints = std::move(joints)});
-    report_ = fmt::format("{:.0f} % of {} {}{}", 100.0 * weight, stem(file), additive ? "on top" : "in place", part);
+    const std::string part =
+        joints.empty() ? "" : " from " + sandbox.session().skeleton().joint(joints.front()).name + " on";
+    editor_->lay({.clip = secondClip(sandbox, file),
+                  .kind = additive ? Layer::Kind::Additive : Layer::Kind::Override,
+                  .weight = weight,
+                  .joints = std::move(joints)});
+    report_ = fmt::format("{:.0f} % of {} {}{}", 100.0 * weight, stem(file), additive ? "on top" : "in place",
+                          part);
   }
 
-  /// Everything that is known about a clip before it plays: ways of the ends, contacts, limits left. Once a change, not every frame.
+  /// Everything that is known about a clip before it plays: ways of the ends, contacts, limits left. Once a
+  /// change, not every frame.
   void analyse(Sandbox& sandbox) {
     const Skeleton& skeleton = sandbox.session().skeleton();
     analysed_ = editor_->version();
@@ -401,7 +447,9 @@ class MotionPanel final : public Panel {
     trailJoints_.clear();
     for (const Foot& foot : feet_) trailJoints_.push_back(foot.ball);
     for (int i = skeleton.jointCount() - 1; i >= 0 && trailJoints_.size() < 8; --i)
-      if (skeleton.children(i).empty() && std::none_of(feet_.begin(), feet_.end(), [&](const Foot& foot) { return skeleton.isAncestor(foot.ball, i); }))
+      if (skeleton.children(i).empty() && std::none_of(feet_.begin(), feet_.end(), [&](const Foot& foot) {
+            return skeleton.isAncestor(foot.ball, i);
+          }))
         trailJoints_.push_back(i);
     tracks_.assign(trailJoints_.size(), {});
     outside_.assign(clip().frameCount(), {});
@@ -410,24 +458,34 @@ class MotionPanel final : public Panel {
     for (int f = 0; f < clip().frameCount(); ++f) {
       q = clip().q.col(f);
       forwardKinematics(skeleton, q, frames);
-      for (std::size_t k = 0; k < trailJoints_.size(); ++k) tracks_[k].push_back(frames[trailJoints_[k]].translation());
+      for (std::size_t k = 0; k < trailJoints_.size(); ++k)
+        tracks_[k].push_back(frames[trailJoints_[k]].translation());
       for (int i = 0; i < skeleton.jointCount(); ++i)
         if (limitViolation(skeleton, q, i) > 1e-9) outside_[f].push_back(i);
     }
   }
 
   TimelineContent timelineContent(const Sandbox& sandbox) const {
-    TimelineContent content{.frameCount = clip().frameCount(), .framesPerSecond = clip().framesPerSecond, .seconds = seconds_, .rows = {}, .bars = {}, .keys = editor_->keyFrames(), .selectedKeys = {}};
+    TimelineContent content{.frameCount = clip().frameCount(),
+                            .framesPerSecond = clip().framesPerSecond,
+                            .seconds = seconds_,
+                            .rows = {},
+                            .bars = {},
+                            .keys = editor_->keyFrames(),
+                            .selectedKeys = {}};
     for (std::size_t foot = 0; foot < feet_.size(); ++foot) {
       content.rows.push_back({feet_[foot].name, {}});
       for (const Contact& contact : contacts_)
-        if (contact.foot == static_cast<int>(foot)) content.rows.back().spans.emplace_back(contact.first, contact.last);
+        if (contact.foot == static_cast<int>(foot))
+          content.rows.back().spans.emplace_back(contact.first, contact.last);
     }
     std::size_t most = 1;
     for (const auto& joints : outside_) most = std::max(most, joints.size());
-    for (const auto& joints : outside_) content.bars.push_back(static_cast<float>(joints.size()) / static_cast<float>(most));
+    for (const auto& joints : outside_)
+      content.bars.push_back(static_cast<float>(joints.size()) / static_cast<float>(most));
     for (const int frame : content.keys)
-      if (sandbox.selectedJoint() && editor_->hasKey(*sandbox.selectedJoint(), frame)) content.selectedKeys.push_back(frame);
+      if (sandbox.selectedJoint() && editor_->hasKey(*sandbox.selectedJoint(), frame))
+        content.selectedKeys.push_back(frame);
     return content;
   }
 
@@ -435,10 +493,13 @@ class MotionPanel final : public Panel {
     const Palette& colours = sandbox.state().colours();
     const int reach = std::max(1, static_cast<int>(0.6 * clip().framesPerSecond));
     for (const auto& track : tracks_) {
-      const int from = std::max(0, frame - reach), to = std::min(clip().frameCount() - 1, frame + reach), step = std::max(1, reach / 40);
+      const int from = std::max(0, frame - reach), to = std::min(clip().frameCount() - 1, frame + reach),
+                step = std::max(1, reach / 40);
       for (int f = from; f + step <= to; f += step) {
         const float near = 1.0f - static_cast<float>(std::abs(f - frame)) / static_cast<float>(reach + 1);
-        sandbox.overlayInScene().line(track[f], track[f + step], toColour(f < frame ? colours.accent : colours.textDim, 0.15f + 0.7f * near), 1.8f);
+        sandbox.overlayInScene().line(
+            track[f], track[f + step],
+            toColour(f < frame ? colours.accent : colours.textDim, 0.15f + 0.7f * near), 1.8f);
       }
     }
   }
@@ -453,8 +514,12 @@ class MotionPanel final : public Panel {
     const Skeleton& skeleton = sandbox.session().skeleton();
     const Eigen::VectorXd q = clip().q.col(currentFrame());
     for (std::size_t k = 0; k < outside.size() && k < 6; ++k)
-      ImGui::TextColored(colours.bad, "%s", fmt::format("{}  {:.1f}° beyond", skeleton.joint(outside[k]).name, limitViolation(skeleton, q, outside[k]) * 180.0 / M_PI).c_str());
-    if (outside.size() > 6) ImGui::TextColored(colours.bad, "and %d more", static_cast<int>(outside.size()) - 6);
+      ImGui::TextColored(colours.bad, "%s",
+                         fmt::format("{}  {:.1f}° beyond", skeleton.joint(outside[k]).name,
+                                     limitViolation(skeleton, q, outside[k]) * 180.0 / M_PI)
+                             .c_str());
+    if (outside.size() > 6)
+      ImGui::TextColored(colours.bad, "and %d more", static_cast<int>(outside.size()) - 6);
   }
 
   template <class Edit>
@@ -493,12 +558,15 @@ class MotionPanel final : public Panel {
     const Skeleton& skeleton = sandbox.session().skeleton();
     const auto joint = sandbox.selectedJoint();
     const Palette& colours = sandbox.state().colours();
-    ImGui::TextColored(colours.textDim, "%s", joint ? skeleton.joint(*joint).name.c_str() : "Drag the body at rest, or select a joint.");
+    ImGui::TextColored(
+        colours.textDim, "%s",
+        joint ? skeleton.joint(*joint).name.c_str() : "Drag the body at rest, or select a joint.");
     ImGui::BeginDisabled(!joint || sandbox.playing() || goalsOnTop_);
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
     ImGui::DragFloat3("##turn", turnDegrees_, 0.5f, -180.0f, 180.0f, "%.0f°");
     ImGui::SameLine();
-    if (ImGui::Button("Turn")) tried(sandbox, [&] { turnSelected(sandbox, {turnDegrees_[0], turnDegrees_[1], turnDegrees_[2]}); });
+    if (ImGui::Button("Turn"))
+      tried(sandbox, [&] { turnSelected(sandbox, {turnDegrees_[0], turnDegrees_[1], turnDegrees_[2]}); });
     tooltip("Turns the joint by this rotation vector in its own frame, degrees.");
     ImGui::EndDisabled();
     ImGui::BeginDisabled(!joint);
@@ -515,7 +583,9 @@ class MotionPanel final : public Panel {
     ImGui::EndDisabled();
     float falloff = static_cast<float>(editor_->falloff());
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
-    if (ImGui::SliderFloat("Fade", &falloff, 0.0f, 2.0f, "%.2f s") && falloff >= 0.0f && std::isfinite(falloff)) editor_->setFalloff(falloff);
+    if (ImGui::SliderFloat("Fade", &falloff, 0.0f, 2.0f, "%.2f s") && falloff >= 0.0f &&
+        std::isfinite(falloff))
+      editor_->setFalloff(falloff);
     tooltip("Time in which a joint comes back to the clip before its first and after its last key.");
   }
 
@@ -533,7 +603,10 @@ class MotionPanel final : public Panel {
     ImGui::SliderFloat("##weight", &layerWeight_, 0.0f, 1.0f, "weight %.2f");
     ImGui::SameLine();
     if (ImGui::Button("Layer"))
-      tried(sandbox, [&] { lay(sandbox, secondPath_, layerWeight_, additive_, onlyLimb_ && joint ? limbBelow(sandbox.session().skeleton(), *joint) : std::vector<int>{}); });
+      tried(sandbox, [&] {
+        lay(sandbox, secondPath_, layerWeight_, additive_,
+            onlyLimb_ && joint ? limbBelow(sandbox.session().skeleton(), *joint) : std::vector<int>{});
+      });
     tooltip("Lays the second clip over this one, joint by joint on quaternions.");
     ImGui::EndDisabled();
     ImGui::Checkbox("On top", &additive_);
@@ -544,8 +617,9 @@ class MotionPanel final : public Panel {
     ImGui::EndDisabled();
   }
 
-  /// The clip's pose is the start of every frame; pins and held goals are reached from there. The drag solver would pull towards the rest pose: in its place stands
-  /// Levenberg and Marquardt's method, which changes no more than the goals ask for.
+  /// The clip's pose is the start of every frame; pins and held goals are reached from there. The drag solver
+  /// would pull towards the rest pose: in its place stands Levenberg and Marquardt's method, which changes no
+  /// more than the goals ask for.
   void solveGoals(Sandbox& sandbox) {
     const Session& session = sandbox.session();
     IkProblem problem = session.problem();
@@ -589,7 +663,8 @@ class MotionPanel final : public Panel {
   double seconds_ = 0.0;
   float speed_ = 1.0f, cutoff_ = 6.0f, fadeSeconds_ = 0.3f, layerWeight_ = 1.0f;
   float turnDegrees_[3] = {0, 0, 0};
-  bool loop_ = true, follow_ = true, showing_ = true, trails_ = true, contactMarks_ = true, limitMarks_ = true, goalsOnTop_ = false, additive_ = false, onlyLimb_ = false;
+  bool loop_ = true, follow_ = true, showing_ = true, trails_ = true, contactMarks_ = true,
+       limitMarks_ = true, goalsOnTop_ = false, additive_ = false, onlyLimb_ = false;
   char exportPath_[512] = "motion.glb", secondPath_[512] = "";
   std::string report_;
   Timeline timeline_;

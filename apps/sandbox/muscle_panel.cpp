@@ -19,10 +19,12 @@ using Eigen::Vector3d;
 constexpr double degree = M_PI / 180.0;
 
 /// A slider over a double; true when moved.
-bool slider(const char* label, double& value, double lower, double upper, const char* format, const char* explanation) {
+bool slider(const char* label, double& value, double lower, double upper, const char* format,
+            const char* explanation) {
   float shown = static_cast<float>(value);
   ImGui::SetNextItemWidth(0.55f * ImGui::GetContentRegionAvail().x);
-  const bool moved = ImGui::SliderFloat(label, &shown, static_cast<float>(lower), static_cast<float>(upper), format);
+  const bool moved =
+      ImGui::SliderFloat(label, &shown, static_cast<float>(lower), static_cast<float>(upper), format);
   tooltip(explanation);
   if (moved) value = shown;
   return moved;
@@ -43,8 +45,7 @@ class MusclePanel final : public Panel {
     const Model& model = sandbox.session().model();
     if (!model.skin) return;
     limbs_ = standardLimbs(model.skeleton, bindFrames(model));
-    for (const Limb& limb : limbs_)
-      settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
+    for (const Limb& limb : limbs_) settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
     under_.reset();
     dragged_.reset();
     shownLimb_ = 0;
@@ -60,21 +61,27 @@ class MusclePanel final : public Panel {
     Sandbox::State& s = sandbox.state();
     shownAt_ = sandbox.frameNumber();
     if (limbs_.empty()) {
-      ImGui::TextWrapped("%s", sandbox.session().model().skin
-                                   ? "No limb of a known name (upperarm_l, lowerarm_l, hand_l, ...) was found in this model."
-                                   : "This model has no body to deform.");
+      ImGui::TextWrapped(
+          "%s", sandbox.session().model().skin
+                    ? "No limb of a known name (upperarm_l, lowerarm_l, hand_l, ...) was found in this model."
+                    : "This model has no body to deform.");
       return;
     }
     if (ImGui::Checkbox("Muscle layers", &settings_.enabled)) rebind(sandbox);
-    tooltip("Free-form deformation volumes between skeleton and skin (Chadwick 1989). Each link carries two tri-cubic Bezier "
-            "volumes; a limb acts as one bone in the skinning sum: x' = Σ w T x + W F(u, v, w).");
+    tooltip(
+        "Free-form deformation volumes between skeleton and skin (Chadwick 1989). Each link carries two "
+        "tri-cubic Bezier "
+        "volumes; a limb acts as one bone in the skinning sum: x' = Σ w T x + W F(u, v, w).");
     if (!settings_.enabled) {
       ImGui::TextColored(s.colours().textDim, "Off: plain linear blend skinning.");
       return;
     }
     ImGui::Checkbox("Lattice", &settings_.lattice);
-    tooltip("The control planes of the chosen limb: seven a link, 4 x 4 points each. Teal: connecting planes, amber: inner planes. Click "
-            "a plane to select it; drag one of planes 2 and 4 to scale it, with Shift to turn it about the bone.");
+    tooltip(
+        "The control planes of the chosen limb: seven a link, 4 x 4 points each. Teal: connecting planes, "
+        "amber: inner planes. Click "
+        "a plane to select it; drag one of planes 2 and 4 to scale it, with Shift to turn it about the "
+        "bone.");
     ImGui::SameLine();
     ImGui::Checkbox("LBS beside", &settings_.split);
     tooltip("Split view: the same pose with linear blend skinning alone, to the left.");
@@ -85,17 +92,25 @@ class MusclePanel final : public Panel {
     measures(sandbox);
 
     heading(s, "MUSCLES");
-    bool changed = slider("Activation", limb.control.activation, 0.0, 1.0, "%.2f", "Contraction without motion, 0 to 1: swells flexor and extensor.");
+    bool changed = slider("Activation", limb.control.activation, 0.0, 1.0, "%.2f",
+                          "Contraction without motion, 0 to 1: swells flexor and extensor.");
     if (ImGui::Checkbox("Keep volume", &limb.control.keepVolume)) changed = true;
-    tooltip("Scales planes 2 and 4 by a common s so that the limb encloses its rest volume (quadratic in s).");
+    tooltip(
+        "Scales planes 2 and 4 by a common s so that the limb encloses its rest volume (quadratic in s).");
     linkChoice();
     MuscleCurve& curve = limb.control.curves[selectedLink_];
-    changed |= slider("Flexor", curve.flexor, -0.5, 1.0, "%.2f", "Bulge k of the inside at full bend, dimensionless: S = diag(1 + k, 1 + k/4), offset k r.");
-    changed |= slider("Extensor", curve.extensor, -0.5, 1.0, "%.2f", "Bulge of the outside: grows with activation, slackens with the bend.");
-    changed |= slider("Near joint", curve.nearJoint, 0.0, 1.0, "%.2f", "Share of the bulge at the plane nearer the joint: the belly sits away from it.");
-    changed |= slider("Tendon", curve.tendon, 0.0, 0.6, "%.2f", "Share by which the plane nearer the joint thins at full bend.");
+    changed |=
+        slider("Flexor", curve.flexor, -0.5, 1.0, "%.2f",
+               "Bulge k of the inside at full bend, dimensionless: S = diag(1 + k, 1 + k/4), offset k r.");
+    changed |= slider("Extensor", curve.extensor, -0.5, 1.0, "%.2f",
+                      "Bulge of the outside: grows with activation, slackens with the bend.");
+    changed |= slider("Near joint", curve.nearJoint, 0.0, 1.0, "%.2f",
+                      "Share of the bulge at the plane nearer the joint: the belly sits away from it.");
+    changed |= slider("Tendon", curve.tendon, 0.0, 0.6, "%.2f",
+                      "Share by which the plane nearer the joint thins at full bend.");
     double fullBend = curve.fullBend / degree;
-    if (slider("Full bend", fullBend, 30.0, 180.0, "%.0f°", "Total bend (straight = 0) at which the muscle is fully contracted, degrees.")) {
+    if (slider("Full bend", fullBend, 30.0, 180.0, "%.0f°",
+               "Total bend (straight = 0) at which the muscle is fully contracted, degrees.")) {
       curve.fullBend = fullBend * degree;
       changed = true;
     }
@@ -105,8 +120,11 @@ class MusclePanel final : public Panel {
     changed |= planeEditor();
 
     heading(s, "JOINT");
-    bool proportions = slider("Gap", limb.jointGap, 0.05, 0.30, "%.2f L", "Distance of the connecting planes from the joint, of the shorter link. Larger: rounder, like a hose.");
-    proportions |= slider("Wedge", limb.wedge, 0.0, 0.45, "%.2f", "Adaptation: the connecting planes turn by (1/2 - wedge) θ against their bones.");
+    bool proportions = slider("Gap", limb.jointGap, 0.05, 0.30, "%.2f L",
+                              "Distance of the connecting planes from the joint, of the shorter link. "
+                              "Larger: rounder, like a hose.");
+    proportions |= slider("Wedge", limb.wedge, 0.0, 0.45, "%.2f",
+                          "Adaptation: the connecting planes turn by (1/2 - wedge) θ against their bones.");
     if (proportions) rebind(sandbox);
     if (ImGui::Button("Reset limb")) {
       limb = defaultLimbSettings(limbs_[shownLimb_]);
@@ -141,8 +159,10 @@ class MusclePanel final : public Panel {
       const Vector3d up = sandbox.session().model().up;
       const Vector3d shift = sideways(sandbox.camera(), up) * -0.55 * sandbox.state().size;
       for (Eigen::Isometry3d& frame : beside) frame.pretranslate(shift);
-      sandbox.label(beside[0].translation() + 0.55 * sandbox.state().size * up, "LBS", {0.35f, 0.35f, 0.35f, 1.0f});
-      sandbox.label(sandbox.shownFrames()[0].translation() + 0.55 * sandbox.state().size * up, "FFD", {0.0f, 0.45f, 0.7f, 1.0f});
+      sandbox.label(beside[0].translation() + 0.55 * sandbox.state().size * up, "LBS",
+                    {0.35f, 0.35f, 0.35f, 1.0f});
+      sandbox.label(sandbox.shownFrames()[0].translation() + 0.55 * sandbox.state().size * up, "FFD",
+                    {0.0f, 0.45f, 0.7f, 1.0f});
       sandbox.ghosts().push_back({.worldFromJoint = beside, .tint = {0.80f, 0.76f, 0.71f}, .opacity = 1.0f});
     }
   }
@@ -154,18 +174,21 @@ class MusclePanel final : public Panel {
     const int links = static_cast<int>(limbs_[shownLimb_].shape.links.size());
     selectedLink_ = std::min(under_->plane / 6, links - 1);
     selectedPlane_ = under_->plane - 6 * selectedLink_;
-    if (MusclePlane* plane = selectedMuscle()) dragged_ = {.before = *plane, .from = fromCentre(sandbox, pixel)};
+    if (MusclePlane* plane = selectedMuscle())
+      dragged_ = {.before = *plane, .from = fromCentre(sandbox, pixel)};
     return true;
   }
 
-  /// Scales the plane by the mouse's distance from its middle, or with Shift turns it with the mouse about its middle.
+  /// Scales the plane by the mouse's distance from its middle, or with Shift turns it with the mouse about
+  /// its middle.
   void moved(Sandbox& sandbox, const Vector2d& pixel) override {
     MusclePlane* plane = selectedMuscle();
     if (!dragged_ || !plane || !rig_) return;
     const Vector2d from = dragged_->from, to = fromCentre(sandbox, pixel);
     if (from.norm() < 2.0) return;
     if (sandbox.state().shift) {
-      const double angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));  // clockwise on the screen: y points down
+      const double angle = std::atan2(from.x() * to.y() - from.y() * to.x(),
+                                      from.dot(to));  // clockwise on the screen: y points down
       const FfdPlane& shown = sandbox.limbPoses()[shownLimb_].planes[6 * selectedLink_ + selectedPlane_];
       const Vector3d normal = shown.axes.col(0).cross(shown.axes.col(1));
       const double facing = normal.dot(sandbox.camera().axes().col(2)) > 0.0 ? -1.0 : 1.0;
@@ -182,9 +205,11 @@ class MusclePanel final : public Panel {
   void load(Sandbox& sandbox, const std::string& json) override {
     settings_ = parseMuscleSettings(json, limbs_);
     for (const Limb& limb : limbs_)  // limbs that the scene does not mention keep their defaults
-      if (std::none_of(settings_.limbs.begin(), settings_.limbs.end(), [&](const auto& entry) { return entry.first == limb.name; }))
+      if (std::none_of(settings_.limbs.begin(), settings_.limbs.end(),
+                       [&](const auto& entry) { return entry.first == limb.name; }))
         settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
-    std::sort(settings_.limbs.begin(), settings_.limbs.end(), [&](const auto& a, const auto& b) { return indexOf(a.first) < indexOf(b.first); });
+    std::sort(settings_.limbs.begin(), settings_.limbs.end(),
+              [&](const auto& a, const auto& b) { return indexOf(a.first) < indexOf(b.first); });
     rebind(sandbox);
   }
 
@@ -222,7 +247,9 @@ class MusclePanel final : public Panel {
   }
 
   int indexOf(const std::string& limb) const {
-    return static_cast<int>(std::find_if(limbs_.begin(), limbs_.end(), [&](const Limb& l) { return l.name == limb; }) - limbs_.begin());
+    return static_cast<int>(
+        std::find_if(limbs_.begin(), limbs_.end(), [&](const Limb& l) { return l.name == limb; }) -
+        limbs_.begin());
   }
 
   /// Binds anew: after switching on, and whenever proportions change, because the rest lattice does.
@@ -247,7 +274,8 @@ class MusclePanel final : public Panel {
 
   void applyControls() {
     if (!rig_) return;
-    for (std::size_t l = 0; l < settings_.limbs.size(); ++l) rig_->controls()[l] = settings_.limbs[l].second.control;
+    for (std::size_t l = 0; l < settings_.limbs.size(); ++l)
+      rig_->controls()[l] = settings_.limbs[l].second.control;
   }
 
   void limbChoice() {
@@ -274,9 +302,11 @@ class MusclePanel final : public Panel {
     if (limb.rotations.size() > 1) {
       const JointBend bend = jointBend(limb, 1);
       ImGui::Text("Bend %.1f°   twist %.1f°", bend.bend / degree, bend.twist / degree);
-      tooltip("Total bend of the joint between the links (straight = 0) and its twist about the bone, degrees.");
+      tooltip(
+          "Total bend of the joint between the links (straight = 0) and its twist about the bone, degrees.");
     }
-    const double volume = limbVolume(rig_->body(), rig_->surface(shownLimb_), frames, sandbox.limbPoses()[shownLimb_]);
+    const double volume =
+        limbVolume(rig_->body(), rig_->surface(shownLimb_), frames, sandbox.limbPoses()[shownLimb_]);
     ImGui::Text("Volume %.4f of rest", volume / rig_->restVolume(shownLimb_));
     tooltip("Volume that the limb's surface encloses, relative to the rest pose.");
   }
@@ -298,8 +328,9 @@ class MusclePanel final : public Panel {
       std::vector<ImVec2> points;
       for (int i = 0; i <= 48; ++i) {
         const double theta = M_PI * i / 48.0, scale = 1.0 + k * fraction(theta);
-        points.push_back({at.x + width * static_cast<float>(i) / 48.0f,
-                          at.y + height * static_cast<float>(std::clamp(0.75 - 0.75 * (scale - 1.0), 0.04, 0.96))});
+        points.push_back(
+            {at.x + width * static_cast<float>(i) / 48.0f,
+             at.y + height * static_cast<float>(std::clamp(0.75 - 0.75 * (scale - 1.0), 0.04, 0.96))});
       }
       draw->AddPolyline(points.data(), static_cast<int>(points.size()), colour32(colour), 0, 1.6f * s.scale);
     };
@@ -307,23 +338,30 @@ class MusclePanel final : public Panel {
     curveOf(curve.nearJoint * curve.flexor, s.colours().held);
     curveOf(-curve.extensor, s.colours().textDim);
     ImGui::Dummy({width, height});
-    tooltip("Scale of the planes against the bend, 0 to 180 degrees: blue the belly, amber the plane nearer the joint, grey the outside.");
+    tooltip(
+        "Scale of the planes against the bend, 0 to 180 degrees: blue the belly, amber the plane nearer the "
+        "joint, grey the outside.");
   }
 
   bool planeEditor() {
     for (const int plane : {2, 4}) {
       if (plane == 4) ImGui::SameLine();
-      if (ImGui::RadioButton(fmt::format("Plane {}", plane).c_str(), selectedPlane_ == plane)) selectedPlane_ = plane;
+      if (ImGui::RadioButton(fmt::format("Plane {}", plane).c_str(), selectedPlane_ == plane))
+        selectedPlane_ = plane;
       tooltip("The free inner planes 2 and 4; plane 3 stays their middle, so the seam stays smooth.");
     }
     if (!selectedMuscle()) {
-      ImGui::TextWrapped(selectedPlane_ == 3 ? "Plane 3 is the middle of planes 2 and 4, so that the seam stays smooth."
-                                             : "Connecting planes follow from the joint's pose and the seam's constraints; Gap and Wedge below place them.");
+      ImGui::TextWrapped(selectedPlane_ == 3
+                             ? "Plane 3 is the middle of planes 2 and 4, so that the seam stays smooth."
+                             : "Connecting planes follow from the joint's pose and the seam's constraints; "
+                               "Gap and Wedge below place them.");
       return false;
     }
     MusclePlane& plane = *selectedMuscle();
-    double angle = std::atan2(plane.stretch(1, 0) - plane.stretch(0, 1), plane.stretch(0, 0) + plane.stretch(1, 1));
-    const Eigen::Matrix2d S = Eigen::Rotation2Dd(-angle).toRotationMatrix() * plane.stretch;  // polar: rotation times symmetric
+    double angle =
+        std::atan2(plane.stretch(1, 0) - plane.stretch(0, 1), plane.stretch(0, 0) + plane.stretch(1, 1));
+    const Eigen::Matrix2d S =
+        Eigen::Rotation2Dd(-angle).toRotationMatrix() * plane.stretch;  // polar: rotation times symmetric
     double across = S(0, 0), sideways = S(1, 1), shear = 0.5 * (S(0, 1) + S(1, 0)), turned = angle / degree;
     double x = 1000.0 * plane.offset.x(), y = 1000.0 * plane.offset.y();
     bool changed = slider("Scale x", across, 0.3, 2.0, "%.2f", "Stretch towards the inside of the bend.");

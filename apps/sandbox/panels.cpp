@@ -7,7 +7,8 @@ std::vector<std::unique_ptr<Panel>> makePanels() {
   panels.push_back(makeSolvePanel());
   panels.push_back(makeModelPanel());
   panels.push_back(makeSkinPanel());
-  panels.push_back(makeBindingPanel());  // before the muscles, which bind to its weights when a scene is loaded
+  panels.push_back(
+      makeBindingPanel());  // before the muscles, which bind to its weights when a scene is loaded
   panels.push_back(makeMusclePanel());
   panels.push_back(makePlotsPanel());  // first of the bottom strip's tabs
   panels.push_back(makeMotionPanel());

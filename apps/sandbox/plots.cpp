@@ -26,9 +26,10 @@ std::string superscript(int exponent) {
   return out;
 }
 
-Area drawFrame(ImDrawList* draw, const std::string& title, ImVec2 position, ImVec2 size, float leftMargin, float bottomMargin,
-               const Palette& palette, const Fonts& fonts, float scale) {
-  draw->AddRectFilled(position, {position.x + size.x, position.y + size.y}, colour32(palette.plotBackground), 6.0f * scale);
+Area drawFrame(ImDrawList* draw, const std::string& title, ImVec2 position, ImVec2 size, float leftMargin,
+               float bottomMargin, const Palette& palette, const Fonts& fonts, float scale) {
+  draw->AddRectFilled(position, {position.x + size.x, position.y + size.y}, colour32(palette.plotBackground),
+                      6.0f * scale);
   text(draw, fonts.small, {position.x + 10 * scale, position.y + 6 * scale}, palette.textDim, title);
   return {{position.x + leftMargin, position.y + 6 * scale + fonts.small->FontSize + 7 * scale},
           {position.x + size.x - 12 * scale, position.y + size.y - bottomMargin}};
@@ -54,17 +55,20 @@ void moveApart(std::vector<Label>& labels, float height) {
   std::sort(labels.begin(), labels.end(), [](const Label& a, const Label& b) { return a.at.y > b.at.y; });
   for (std::size_t i = 1; i < labels.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
-      const bool beside = labels[i].at.x > labels[j].at.x + labels[j].width || labels[j].at.x > labels[i].at.x + labels[i].width;
-      if (!beside && std::abs(labels[i].at.y - labels[j].at.y) < height) labels[i].at.y = labels[j].at.y - height;
+      const bool beside = labels[i].at.x > labels[j].at.x + labels[j].width ||
+                          labels[j].at.x > labels[i].at.x + labels[i].width;
+      if (!beside && std::abs(labels[i].at.y - labels[j].at.y) < height)
+        labels[i].at.y = labels[j].at.y - height;
     }
 }
 
 }  // namespace
 
-void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 position, ImVec2 size, const Palette& palette,
-              const Fonts& fonts, float scale) {
+void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 position, ImVec2 size,
+              const Palette& palette, const Fonts& fonts, float scale) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const Area area = drawFrame(draw, look.title, position, size, 44 * scale, 24 * scale, palette, fonts, scale);
+  const Area area =
+      drawFrame(draw, look.title, position, size, 44 * scale, 24 * scale, palette, fonts, scale);
 
   std::size_t count = look.leastCount;
   double low = look.lowest, high = look.highest;
@@ -90,38 +94,49 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
   };
 
   const float lines = std::max((area.high.y - area.low.y) / (fonts.small->FontSize * 1.7f), 1.0f);
-  const double step = look.logarithmic ? std::max(1.0, std::ceil((high - low) / lines)) : niceStep((high - low) / lines);
+  const double step =
+      look.logarithmic ? std::max(1.0, std::ceil((high - low) / lines)) : niceStep((high - low) / lines);
   for (double u = std::ceil(low / step) * step; u <= high + 1e-9; u += step) {
     const double v = look.logarithmic ? std::pow(10.0, u) : u;
     const float y = std::round(yOf(v)) + 0.5f;
     draw->AddLine({area.low.x, y}, {area.high.x, y}, colour32(palette.plotGrid), 1.0f);
-    const std::string label = look.logarithmic ? "10" + superscript(static_cast<int>(std::lround(u))) : fmt::format("{:g}", std::abs(u) < 1e-12 ? 0.0 : u);
-    text(draw, fonts.small, {area.low.x - 7 * scale - textWidth(fonts.small, label), y - 0.55f * fonts.small->FontSize}, palette.textDim, label);
+    const std::string label = look.logarithmic ? "10" + superscript(static_cast<int>(std::lround(u)))
+                                               : fmt::format("{:g}", std::abs(u) < 1e-12 ? 0.0 : u);
+    text(draw, fonts.small,
+         {area.low.x - 7 * scale - textWidth(fonts.small, label), y - 0.55f * fonts.small->FontSize},
+         palette.textDim, label);
   }
-  const double xStep = std::max(1.0, niceStep(static_cast<double>(count - 1) / std::max((area.high.x - area.low.x) / (60.0f * scale), 1.0f)));
+  const double xStep = std::max(1.0, niceStep(static_cast<double>(count - 1) /
+                                              std::max((area.high.x - area.low.x) / (60.0f * scale), 1.0f)));
   for (double i = 0; i <= static_cast<double>(count - 1) + 1e-9; i += xStep) {
     const float x = std::round(xOf(i)) + 0.5f;
     draw->AddLine({x, area.high.y}, {x, area.high.y + 3 * scale}, colour32(palette.border), 1.0f);
     const std::string label = fmt::format("{:g}", i);
-    text(draw, fonts.small, {x - 0.5f * textWidth(fonts.small, label), area.high.y + 4 * scale}, palette.textDim, label);
+    text(draw, fonts.small, {x - 0.5f * textWidth(fonts.small, label), area.high.y + 4 * scale},
+         palette.textDim, label);
   }
   if (textWidth(fonts.small, look.title) + textWidth(fonts.small, look.xLabel) + 40 * scale < size.x)
-    text(draw, fonts.small, {area.high.x - textWidth(fonts.small, look.xLabel), position.y + 6 * scale}, palette.textFaint, look.xLabel);
+    text(draw, fonts.small, {area.high.x - textWidth(fonts.small, look.xLabel), position.y + 6 * scale},
+         palette.textFaint, look.xLabel);
 
-  draw->PushClipRect({area.low.x - 4 * scale, area.low.y - 6 * scale}, {area.high.x + 6 * scale, area.high.y + 4 * scale}, true);
+  draw->PushClipRect({area.low.x - 4 * scale, area.low.y - 6 * scale},
+                     {area.high.x + 6 * scale, area.high.y + 4 * scale}, true);
   std::vector<ImVec2> points;
   std::vector<Label> labels;
   for (const Curve& curve : curves) {
     points.clear();
-    for (std::size_t i = 0; i < curve.values.size(); ++i) points.push_back({xOf(static_cast<double>(i)), yOf(curve.values[i])});
+    for (std::size_t i = 0; i < curve.values.size(); ++i)
+      points.push_back({xOf(static_cast<double>(i)), yOf(curve.values[i])});
     if (points.empty()) continue;
-    draw->AddPolyline(points.data(), static_cast<int>(points.size()), colour32(curve.colour), 0, curve.width * scale);
+    draw->AddPolyline(points.data(), static_cast<int>(points.size()), colour32(curve.colour), 0,
+                      curve.width * scale);
     if (curve.dots || points.size() == 1)
       for (const ImVec2& p : points) draw->AddCircleFilled(p, 2.4f * scale, colour32(curve.colour));
     if (!curve.label.empty()) {
       const float width = textWidth(fonts.small, curve.label);
       const ImVec2 at(std::min(points.back().x + 6 * scale, area.high.x - width),
-                      std::clamp(points.back().y - fonts.small->FontSize - 2 * scale, area.low.y - 4 * scale, area.high.y));
+                      std::clamp(points.back().y - fonts.small->FontSize - 2 * scale, area.low.y - 4 * scale,
+                                 area.high.y));
       labels.push_back({at, width, {curve.colour.x, curve.colour.y, curve.colour.z, 1.0f}, curve.label});
     }
   }
@@ -149,9 +164,12 @@ void drawRanges(const std::string& title, const std::vector<RangeRow>& rows, ImV
     draw->PushClipRect({x, y - 2 * scale}, {barLow - 6 * scale, y + rowHeight}, true);
     text(draw, fonts.small, {x, y}, row.atLimit ? palette.bad : palette.textDim, row.name);
     draw->PopClipRect();
-    draw->AddRectFilled({barLow, middle - 1.5f * scale}, {barHigh, middle + 1.5f * scale}, colour32(palette.plotGrid), 2 * scale);
-    const double t = row.upper > row.lower ? std::clamp((row.value - row.lower) / (row.upper - row.lower), 0.0, 1.0) : 0.5;
-    draw->AddCircleFilled({barLow + static_cast<float>(t) * (barHigh - barLow), middle}, 3.6f * scale, colour32(colour));
+    draw->AddRectFilled({barLow, middle - 1.5f * scale}, {barHigh, middle + 1.5f * scale},
+                        colour32(palette.plotGrid), 2 * scale);
+    const double t =
+        row.upper > row.lower ? std::clamp((row.value - row.lower) / (row.upper - row.lower), 0.0, 1.0) : 0.5;
+    draw->AddCircleFilled({barLow + static_cast<float>(t) * (barHigh - barLow), middle}, 3.6f * scale,
+                          colour32(colour));
   }
 }
 

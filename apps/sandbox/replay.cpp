@@ -22,10 +22,12 @@ struct KeyName {
   int code;
 };
 constexpr std::array keyNames{
-    KeyName{"tab", GLFW_KEY_TAB},        KeyName{"space", GLFW_KEY_SPACE},    KeyName{"delete", GLFW_KEY_DELETE},
-    KeyName{"home", GLFW_KEY_HOME},      KeyName{"escape", GLFW_KEY_ESCAPE},  KeyName{"enter", GLFW_KEY_ENTER},
-    KeyName{"shift", GLFW_KEY_LEFT_SHIFT}, KeyName{"ctrl", GLFW_KEY_LEFT_CONTROL}, KeyName{"alt", GLFW_KEY_LEFT_ALT},
-    KeyName{"f12", GLFW_KEY_F12},        KeyName{"?", GLFW_KEY_SLASH},        KeyName{"backspace", GLFW_KEY_BACKSPACE},
+    KeyName{"tab", GLFW_KEY_TAB},          KeyName{"space", GLFW_KEY_SPACE},
+    KeyName{"delete", GLFW_KEY_DELETE},    KeyName{"home", GLFW_KEY_HOME},
+    KeyName{"escape", GLFW_KEY_ESCAPE},    KeyName{"enter", GLFW_KEY_ENTER},
+    KeyName{"shift", GLFW_KEY_LEFT_SHIFT}, KeyName{"ctrl", GLFW_KEY_LEFT_CONTROL},
+    KeyName{"alt", GLFW_KEY_LEFT_ALT},     KeyName{"f12", GLFW_KEY_F12},
+    KeyName{"?", GLFW_KEY_SLASH},          KeyName{"backspace", GLFW_KEY_BACKSPACE},
 };
 
 std::optional<int> keyCode(const std::string& word) {
@@ -45,8 +47,8 @@ std::optional<int> buttonCode(const std::string& word) {
   return std::nullopt;
 }
 
-/// What a command's words must be: n number, i whole number, w word, k key, b button, r the rest of the line as one word.
-/// In brackets: optional.
+/// What a command's words must be: n number, i whole number, w word, k key, b button, r the rest of the line
+/// as one word. In brackets: optional.
 struct Form {
   std::string_view verb, words, usage;
 };
@@ -83,22 +85,31 @@ void check(const std::string& file, const Replay::Command& command) {
     throw ParseError(file, command.line, "a command: " + known, "'" + command.verb + "'");
   }
   if (command.words.size() != form->words.size())
-    throw ParseError(file, command.line, std::string(form->usage), fmt::format("{} words after {}", command.words.size(), command.verb));
+    throw ParseError(file, command.line, std::string(form->usage),
+                     fmt::format("{} words after {}", command.words.size(), command.verb));
   for (std::size_t i = 0; i < form->words.size(); ++i) {
     const std::string& word = command.words[i];
     const char kind = form->words[i];
     if (kind == 'n' && !parseNumber(word)) throw ParseError(file, command.line, "a number", "'" + word + "'");
-    if (kind == 'i' && (!parseInteger(word) || *parseInteger(word) < 1)) throw ParseError(file, command.line, "a number of frames of at least 1", "'" + word + "'");
-    if (kind == 'k' && !keyCode(word)) throw ParseError(file, command.line, "a key: a letter, a digit, tab, space, delete, home, escape, enter, shift, ctrl, alt, f12, backspace or ?", "'" + word + "'");
-    if (kind == 'b' && !buttonCode(word)) throw ParseError(file, command.line, "left, right or middle", "'" + word + "'");
+    if (kind == 'i' && (!parseInteger(word) || *parseInteger(word) < 1))
+      throw ParseError(file, command.line, "a number of frames of at least 1", "'" + word + "'");
+    if (kind == 'k' && !keyCode(word))
+      throw ParseError(file, command.line,
+                       "a key: a letter, a digit, tab, space, delete, home, escape, enter, shift, ctrl, alt, "
+                       "f12, backspace or ?",
+                       "'" + word + "'");
+    if (kind == 'b' && !buttonCode(word))
+      throw ParseError(file, command.line, "left, right or middle", "'" + word + "'");
   }
 }
 
 int goalIndex(const Sandbox& sandbox, const std::string& name) {
   if (const auto goal = sandbox.session().findGoal(name)) return *goal;
-  if (const auto joint = sandbox.session().skeleton().findJoint(name)) return const_cast<Session&>(sandbox.session()).addJointGoal(*joint);
+  if (const auto joint = sandbox.session().skeleton().findJoint(name))
+    return const_cast<Session&>(sandbox.session()).addJointGoal(*joint);
   std::string known;
-  for (const SceneGoal& goal : sandbox.session().goals()) known += (known.empty() ? "" : ", ") + goal.goal.name;
+  for (const SceneGoal& goal : sandbox.session().goals())
+    known += (known.empty() ? "" : ", ") + goal.goal.name;
   throw std::invalid_argument(fmt::format("no goal or joint is called '{}'; the goals are: {}", name, known));
 }
 
@@ -111,11 +122,22 @@ Panel& panelOf(Sandbox& sandbox, std::string_view name) {
   throw std::invalid_argument(fmt::format("no panel is called '{}'; there are: {}", name, known));
 }
 
-bool ViewOptions::* option(const std::string& name) {
-  static const std::array<std::pair<const char*, bool ViewOptions::*>, 9> table{{{"skin", &ViewOptions::skin}, {"wireframe", &ViewOptions::wireframe}, {"skeleton", &ViewOptions::skeleton}, {"weights", &ViewOptions::weights}, {"frames", &ViewOptions::jointFrames}, {"limits", &ViewOptions::limits}, {"handles", &ViewOptions::handles}, {"ground", &ViewOptions::ground}, {"shadow", &ViewOptions::shadow}}};
+bool ViewOptions::*option(const std::string& name) {
+  static const std::array<std::pair<const char*, bool ViewOptions::*>, 9> table{
+      {{"skin", &ViewOptions::skin},
+       {"wireframe", &ViewOptions::wireframe},
+       {"skeleton", &ViewOptions::skeleton},
+       {"weights", &ViewOptions::weights},
+       {"frames", &ViewOptions::jointFrames},
+       {"limits", &ViewOptions::limits},
+       {"handles", &ViewOptions::handles},
+       {"ground", &ViewOptions::ground},
+       {"shadow", &ViewOptions::shadow}}};
   for (const auto& [known, member] : table)
     if (name == known) return member;
-  throw std::invalid_argument("'" + name + "' cannot be shown; there are: skin, wireframe, skeleton, weights, frames, limits, handles, ground, shadow");
+  throw std::invalid_argument("'" + name +
+                              "' cannot be shown; there are: skin, wireframe, skeleton, weights, frames, "
+                              "limits, handles, ground, shadow");
 }
 
 double number(const Replay::Command& command, int i) { return *parseNumber(command.words[i]); }
@@ -123,8 +145,12 @@ double number(const Replay::Command& command, int i) { return *parseNumber(comma
 void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
   Sandbox::State& s = sandbox.state();
   const std::string& verb = command.verb;
-  const auto key = [&](bool down) { queue.add({.kind = Kind::Key, .code = *keyCode(command.words[0]), .down = down}); };
-  const auto button = [&](bool down) { queue.add({.kind = Kind::MouseButton, .code = *buttonCode(command.words[0]), .down = down}); };
+  const auto key = [&](bool down) {
+    queue.add({.kind = Kind::Key, .code = *keyCode(command.words[0]), .down = down});
+  };
+  const auto button = [&](bool down) {
+    queue.add({.kind = Kind::MouseButton, .code = *buttonCode(command.words[0]), .down = down});
+  };
   if (verb == "move") queue.add({.kind = Kind::MouseMove, .x = number(command, 0), .y = number(command, 1)});
   if (verb == "press") button(true);
   if (verb == "release") button(false);
@@ -132,7 +158,8 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
   if (verb == "key" || verb == "keydown") key(true);
   if (verb == "key" || verb == "keyup") key(false);
   if (verb == "text")
-    for (const char c : command.words[0]) queue.add({.kind = Kind::Character, .code = static_cast<unsigned char>(c)});
+    for (const char c : command.words[0])
+      queue.add({.kind = Kind::Character, .code = static_cast<unsigned char>(c)});
   if (verb == "drop") queue.add({.kind = Kind::Drop, .path = command.words[0]});
   if (verb == "grab") {
     const Eigen::Vector2d pixel = s.toWindow(s.session->reached(goalIndex(sandbox, command.words[0]))).pixel;
@@ -156,7 +183,8 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
   if (verb == "show") s.show.*option(command.words[0]) = command.words[1] == "on";
   if (verb == "tab") {
     const Panel& panel = panelOf(sandbox, command.words[0]);
-    panel.hasBottomStrip() && !panel.hasInspector() ? sandbox.showBottomStrip(command.words[0]) : sandbox.showInspector(command.words[0]);
+    panel.hasBottomStrip() && !panel.hasInspector() ? sandbox.showBottomStrip(command.words[0])
+                                                    : sandbox.showInspector(command.words[0]);
   }
   if (verb == "do") {
     const auto words = splitWords(command.words[0]);
@@ -173,7 +201,8 @@ int expand(const Replay::Command& command, std::vector<Replay::Command>& out) {
   }
   const int frames = *parseInteger(command.words[3]);
   out.push_back({command.frame, command.line, "grab", {command.words[0]}});
-  out.push_back({command.frame + 1, command.line, "shift-by", {command.words[1], command.words[2], command.words[3]}});
+  out.push_back(
+      {command.frame + 1, command.line, "shift-by", {command.words[1], command.words[2], command.words[3]}});
   out.push_back({command.frame + frames + 1, command.line, "release", {"left"}});
   return command.frame + frames + 2;
 }
@@ -193,8 +222,10 @@ Replay Replay::parse(const std::string& name, const std::string& text) {
     const std::vector<std::string_view> words = splitWords(content);
     if (words.empty()) continue;
     const std::optional<int> frame = parseInteger(words[0]);
-    if (!frame || *frame < 0) throw ParseError(name, lineNumber, "a frame number", "'" + std::string(words[0]) + "'");
-    if (*frame < last) throw ParseError(name, lineNumber, fmt::format("a frame not before {}", last), std::string(words[0]));
+    if (!frame || *frame < 0)
+      throw ParseError(name, lineNumber, "a frame number", "'" + std::string(words[0]) + "'");
+    if (*frame < last)
+      throw ParseError(name, lineNumber, fmt::format("a frame not before {}", last), std::string(words[0]));
     if (words.size() < 2) throw ParseError(name, lineNumber, "a command after the frame number", "none");
     last = *frame;
     Command command{*frame, lineNumber, std::string(words[1]), {}};
@@ -219,10 +250,14 @@ void Replay::play(int number, Sandbox& sandbox, InputQueue& queue) {
     try {
       if (command.verb == "shift-by") {
         const int frames = *parseInteger(command.words[2]);
-        const double dx = *parseNumber(command.words[0]) / frames, dy = *parseNumber(command.words[1]) / frames;
+        const double dx = *parseNumber(command.words[0]) / frames,
+                     dy = *parseNumber(command.words[1]) / frames;
         const Eigen::Vector2d from = sandbox.state().mouse;
         for (int i = 0; i < frames; ++i)
-          next.push_back({number + i, command.line, "move", {exactNumber(from.x() + dx * (i + 1)), exactNumber(from.y() + dy * (i + 1))}});
+          next.push_back({number + i,
+                          command.line,
+                          "move",
+                          {exactNumber(from.x() + dx * (i + 1)), exactNumber(from.y() + dy * (i + 1))}});
         run(next.front(), sandbox, queue);
         next.erase(next.begin());
       } else {

@@ -10,17 +10,18 @@ namespace gelenk {
 
 class Sandbox;
 
-/// A recorded or written session: what happens in which frame (docs/sandbox.md lists the commands). Read once, played frame by
-/// frame into the same input queue that a window fills.
+/// A recorded or written session: what happens in which frame (docs/sandbox.md lists the commands). Read
+/// once, played frame by frame into the same input queue that a window fills.
 class Replay {
  public:
-  /// Throws ParseError with the line: a frame number missing or going back, an unknown command, a wrong number of values.
+  /// Throws ParseError with the line: a frame number missing or going back, an unknown command, a wrong
+  /// number of values.
   static Replay read(const std::string& path);
   /// text: the file's content; name: for messages.
   static Replay parse(const std::string& name, const std::string& text);
 
-  /// Adds what happens before frame `number` (from 0) to the queue; commands that are no input act on the sandbox at once.
-  /// Throws std::invalid_argument, naming the line, for a goal or solver that is not there.
+  /// Adds what happens before frame `number` (from 0) to the queue; commands that are no input act on the
+  /// sandbox at once. Throws std::invalid_argument, naming the line, for a goal or solver that is not there.
   void play(int number, Sandbox& sandbox, InputQueue& queue);
 
   /// First frame after the last event; a drag's moves included.

@@ -61,7 +61,8 @@ void recordPlots(Sandbox::State& s) {
   }
 }
 
-/// The model's mesh for this frame: skinned on the GPU, or, with a deformer, on the CPU. Sets the pose to draw it with.
+/// The model's mesh for this frame: skinned on the GPU, or, with a deformer, on the CPU. Sets the pose to
+/// draw it with.
 SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.mesh || !(s.show.skin || s.show.wireframe)) return nullptr;
@@ -89,12 +90,15 @@ void addGhosts(Sandbox::State& s) {
   s.ghostPoses.resize(s.ghosts.size());
   for (std::size_t i = 0; i < s.ghosts.size(); ++i) {
     const Ghost& ghost = s.ghosts[i];
-    const Skin* skin = ghost.skin ? ghost.skin : s.session->model().skin ? &*s.session->model().skin : nullptr;
+    const Skin* skin = ghost.skin                ? ghost.skin
+                       : s.session->model().skin ? &*s.session->model().skin
+                                                 : nullptr;
     if (!skin) continue;
     const SkinnedMeshGl* mesh = s.mesh.get();
     if (ghost.skin) {
       auto it = std::ranges::find(s.ghostMeshes, skin, [](const auto& entry) { return entry.first; });
-      if (it == s.ghostMeshes.end()) it = s.ghostMeshes.emplace(s.ghostMeshes.end(), skin, std::make_unique<SkinnedMeshGl>(*skin));
+      if (it == s.ghostMeshes.end())
+        it = s.ghostMeshes.emplace(s.ghostMeshes.end(), skin, std::make_unique<SkinnedMeshGl>(*skin));
       mesh = it->second.get();
     }
     poseSkin(*skin, ghost.worldFromJoint, s.ghostPoses[i]);
@@ -117,7 +121,8 @@ void renderView(Sandbox& sandbox) {
   std::optional<std::vector<Eigen::Vector3f>> colours = std::exchange(s.vertexColours, std::nullopt);
   if (SkinnedMeshGl* mesh = meshOfFrame(sandbox)) {
     BodyInstance body{.mesh = mesh, .pose = &s.pose, .wireframe = s.show.wireframe};
-    if (!colours && s.show.weights && s.selectedJoint) colours = viridisColours(jointWeights(*s.session->model().skin, *s.selectedJoint));
+    if (!colours && s.show.weights && s.selectedJoint)
+      colours = viridisColours(jointWeights(*s.session->model().skin, *s.selectedJoint));
     if (colours && static_cast<int>(colours->size()) == mesh->vertexCount()) {
       mesh->setColours(*colours);
       body.surface = SurfaceColour::Vertex;
@@ -143,9 +148,14 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   if (options.skeletonFile.empty() && endsWith(options.model, ".json")) {
     openScene(options.model);
   } else {
-    const bool isLecture = options.model.starts_with("lecture:");  // an example of the lecture opens its own model
-    const ModelReference reference{.nameOrFile = isLecture ? "planar" : options.model, .skeletonFile = options.skeletonFile, .weightsFile = options.weightsFile,
-                                   .asfFile = options.asfFile, .amcFile = options.amcFile, .mappingFile = options.mappingFile};
+    const bool isLecture =
+        options.model.starts_with("lecture:");  // an example of the lecture opens its own model
+    const ModelReference reference{.nameOrFile = isLecture ? "planar" : options.model,
+                                   .skeletonFile = options.skeletonFile,
+                                   .weightsFile = options.weightsFile,
+                                   .asfFile = options.asfFile,
+                                   .amcFile = options.amcFile,
+                                   .mappingFile = options.mappingFile};
     openModel(readModel(reference), reference);
     s.session->setSolver(options.solver);
     if (isLecture)
@@ -193,7 +203,8 @@ void Sandbox::openModel(Model model, const ModelReference& reference) {
 namespace {
 
 /// What a panel objects to, with the file's name before it.
-void verifyPanels(const std::string& path, const Scene& scene, const std::vector<std::unique_ptr<Panel>>& panels, const Model& model) {
+void verifyPanels(const std::string& path, const Scene& scene,
+                  const std::vector<std::unique_ptr<Panel>>& panels, const Model& model) {
   for (const auto& panel : panels) {
     const auto it = scene.panels.find(panel->name());
     if (it == scene.panels.end()) continue;
@@ -231,14 +242,17 @@ void Sandbox::openScene(const std::string& path) {
       panel->reset(*this);
 }
 
-bool Sandbox::open(const std::string& nameOrFile, const std::string& skeletonFile, const std::string& weightsFile) {
+bool Sandbox::open(const std::string& nameOrFile, const std::string& skeletonFile,
+                   const std::string& weightsFile) {
   try {
     if (endsWith(nameOrFile, ".json")) {
       openScene(nameOrFile);
     } else {
       bool taken = false;
-      for (const auto& panel : state_->panels) taken = taken || (skeletonFile.empty() && panel->openFile(*this, nameOrFile));
-      const ModelReference reference{.nameOrFile = nameOrFile, .skeletonFile = skeletonFile, .weightsFile = weightsFile};
+      for (const auto& panel : state_->panels)
+        taken = taken || (skeletonFile.empty() && panel->openFile(*this, nameOrFile));
+      const ModelReference reference{
+          .nameOrFile = nameOrFile, .skeletonFile = skeletonFile, .weightsFile = weightsFile};
       if (!taken) openModel(readModel(reference), reference);
     }
     say("Opened " + nameOrFile);
@@ -323,7 +337,8 @@ void Sandbox::frame(const Input& input, double dt) {
   s.gui.endFrame();
   if (!s.screenshotPath.empty()) {
     try {
-      writePng(s.screenshotPath, {input.width, input.height, readPixels(framebuffer, input.width, input.height)});
+      writePng(s.screenshotPath,
+               {input.width, input.height, readPixels(framebuffer, input.width, input.height)});
       say("Screenshot " + s.screenshotPath);
     } catch (const std::exception& error) {
       say(error.what(), true);
@@ -352,7 +367,9 @@ void Sandbox::showFrames(Frames worldFromJoint, bool withHandles) {
   state_->handlesOnShown = withHandles;
   state_->surfaceIsCurrent = state_->limbPosesAreCurrent = false;
 }
-const Frames& Sandbox::shownFrames() const { return state_->shownFrames ? *state_->shownFrames : state_->session->frames(); }
+const Frames& Sandbox::shownFrames() const {
+  return state_->shownFrames ? *state_->shownFrames : state_->session->frames();
+}
 
 const SkinnedVertices& Sandbox::surface() const {
   State& s = *state_;
@@ -382,7 +399,8 @@ void Sandbox::setMuscles(std::shared_ptr<const MuscleRig> muscles) {
 }
 const std::vector<LimbPose>& Sandbox::limbPoses() const {
   State& s = *state_;
-  if (!s.limbPosesAreCurrent) s.limbPoses = s.muscles ? s.muscles->pose(shownFrames()) : std::vector<LimbPose>{};
+  if (!s.limbPosesAreCurrent)
+    s.limbPoses = s.muscles ? s.muscles->pose(shownFrames()) : std::vector<LimbPose>{};
   s.limbPosesAreCurrent = true;
   return s.limbPoses;
 }
@@ -403,8 +421,12 @@ Overlay& Sandbox::overlayInScene() { return state_->scene.overlay; }
 void Sandbox::label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour) {
   state_->labels.push_back({at, text, colour});
 }
-void Sandbox::showVertexScalars(const std::vector<float>& values) { state_->vertexColours = viridisColours(values); }
-void Sandbox::showVertexColours(std::vector<Eigen::Vector3f> colours) { state_->vertexColours = std::move(colours); }
+void Sandbox::showVertexScalars(const std::vector<float>& values) {
+  state_->vertexColours = viridisColours(values);
+}
+void Sandbox::showVertexColours(std::vector<Eigen::Vector3f> colours) {
+  state_->vertexColours = std::move(colours);
+}
 
 std::optional<int> Sandbox::selectedJoint() const { return state_->selectedJoint; }
 void Sandbox::select(std::optional<int> joint) { state_->selectedJoint = joint; }

@@ -8,25 +8,27 @@
 #include <string>
 #include <vector>
 
-#include "apps/sandbox/input.h"
-#include "apps/render/renderer.h"
-#include "apps/sandbox/panel.h"
 #include "apps/document/scene.h"
 #include "apps/document/session.h"
+#include "apps/render/renderer.h"
+#include "apps/sandbox/input.h"
+#include "apps/sandbox/panel.h"
 #include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
 
-/// A further body in the view: a comparison, a keyframe, a mocap source. Drawn in the frame in which it is added.
+/// A further body in the view: a comparison, a keyframe, a mocap source. Drawn in the frame in which it is
+/// added.
 struct Ghost {
-  Frames worldFromJoint;             ///< of the sandbox's own model, or of the skin's where one is given
+  Frames worldFromJoint;  ///< of the sandbox's own model, or of the skin's where one is given
   Eigen::Vector3f tint = {0.3f, 0.5f, 0.9f};  ///< sRGB, 0..1
   float opacity = 0.4f;
-  const Skin* skin = nullptr;        ///< nullptr: the model's own; must live until the end of the frame
+  const Skin* skin = nullptr;  ///< nullptr: the model's own; must live until the end of the frame
   std::string label = {};
 };
 
-/// Replaces the skinned surface of the model before it is drawn and picked, e.g. by muscle layers. Called every frame.
+/// Replaces the skinned surface of the model before it is drawn and picked, e.g. by muscle layers. Called
+/// every frame.
 using SkinDeformer = std::function<void(const Frames& worldFromJoint, SkinnedVertices& vertices)>;
 
 /// What the sandbox is started with.
@@ -49,24 +51,26 @@ class Sandbox {
   Sandbox(const Sandbox&) = delete;
   Sandbox& operator=(const Sandbox&) = delete;
 
-  /// Takes input, steps, solves, draws into the framebuffer that is bound. dt: seconds. Deterministic but for what is measured
-  /// (times, fps), which is shown and never fed back.
+  /// Takes input, steps, solves, draws into the framebuffer that is bound. dt: seconds. Deterministic but for
+  /// what is measured (times, fps), which is shown and never fed back.
   void frame(const Input& input, double dt);
   bool wantsToClose() const;
 
   // --- model and scene
   Session& session();
   const Session& session() const;
-  /// A built-in name, a model file, a scene (.json), or a file that a panel takes. Failures are shown on screen and return false.
-  bool open(const std::string& nameOrFile, const std::string& skeletonFile = {}, const std::string& weightsFile = {});
+  /// A built-in name, a model file, a scene (.json), or a file that a panel takes. Failures are shown on
+  /// screen and return false.
+  bool open(const std::string& nameOrFile, const std::string& skeletonFile = {},
+            const std::string& weightsFile = {});
   bool open(const ModelReference& reference);  ///< a model with all its files
   /// A model that the program made itself.
   void openModel(Model model, const ModelReference& reference);
   bool saveSceneTo(const std::string& path);
   Scene scene() const;
 
-  /// Binds the model's skin anew, in the session and on the GPU. settled: an edit is complete, and panels that build on the binding
-  /// (muscle layers) follow; until then they keep the one before. One row a vertex.
+  /// Binds the model's skin anew, in the session and on the GPU. settled: an edit is complete, and panels
+  /// that build on the binding (muscle layers) follow; until then they keep the one before. One row a vertex.
   void setWeights(std::vector<Influences> influences, bool settled = true);
 
   // --- what panels use
@@ -77,26 +81,29 @@ class Sandbox {
   int frameNumber() const;
   double time() const;  ///< sum of dt, seconds
 
-  /// Shows these frames instead of the session's pose, in this frame only; the solver rests. For poses that no q describes;
-  /// where one does, prefer session().setPose(q). withHandles: the session stands in the same pose, so that its handles can be shown and taken.
+  /// Shows these frames instead of the session's pose, in this frame only; the solver rests. For poses that
+  /// no q describes; where one does, prefer session().setPose(q). withHandles: the session stands in the same
+  /// pose, so that its handles can be shown and taken.
   void showFrames(Frames worldFromJoint, bool withHandles = false);
   /// What is drawn: the frames shown, else the session's.
   const Frames& shownFrames() const;
   /// The model's surface as it was drawn last (world, metres); empty without a skin.
   const SkinnedVertices& surface() const;
 
-  std::vector<Ghost>& ghosts();         ///< emptied at the beginning of every frame
+  std::vector<Ghost>& ghosts();             ///< emptied at the beginning of every frame
   void setDeformer(SkinDeformer deformer);  ///< empty: plain linear blend skinning on the GPU
-  /// Muscle layers on the model's limbs: the skin is drawn, in the vertex shader, and picked with them. nullptr: without. To be called
-  /// again when the rig's binding has changed; controls may change at any time.
+  /// Muscle layers on the model's limbs: the skin is drawn, in the vertex shader, and picked with them.
+  /// nullptr: without. To be called again when the rig's binding has changed; controls may change at any
+  /// time.
   void setMuscles(std::shared_ptr<const MuscleRig> muscles);
   /// The limbs of this frame; empty without muscle layers.
   const std::vector<LimbPose>& limbPoses() const;
-  Overlay& overlay();                   ///< lines, dots, bones, fills over the view, this frame (apps/render/renderer.h)
-  Overlay& overlayInScene();            ///< the same, hidden by bodies in front
+  Overlay& overlay();  ///< lines, dots, bones, fills over the view, this frame (apps/render/renderer.h)
+  Overlay& overlayInScene();  ///< the same, hidden by bodies in front
   /// Text at a world point, this frame; colour sRGB 0..1.
   void label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour);
-  /// One value in [0, 1] a vertex, shown as viridis instead of the clay, this frame: weights, distances, strain.
+  /// One value in [0, 1] a vertex, shown as viridis instead of the clay, this frame: weights, distances,
+  /// strain.
   void showVertexScalars(const std::vector<float>& values);
   /// Any colours instead, linear light 0..1, one a vertex.
   void showVertexColours(std::vector<Eigen::Vector3f> colours);
@@ -104,7 +111,7 @@ class Sandbox {
   std::optional<int> selectedJoint() const;
   void select(std::optional<int> joint);
   void say(const std::string& sentence, bool isError = false);  ///< a notice at the lower edge that fades
-  bool playing() const;                 ///< Space toggles it; panels that play motion obey it
+  bool playing() const;  ///< Space toggles it; panels that play motion obey it
   void setPlaying(bool playing);
   void showInspector(const std::string& panelName);  ///< brings a tab to the front
   void showBottomStrip(const std::string& panelName);

@@ -27,13 +27,17 @@ struct Arguments {
 };
 
 using Clock = std::chrono::steady_clock;
-double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double secondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 void parseSize(Arguments& arguments) {
   int width = 0, height = 0, used = 0;
-  if (std::sscanf(arguments.size.c_str(), "%dx%d%n", &width, &height, &used) != 2 || used != static_cast<int>(arguments.size.size()) ||
-      width < 320 || height < 240 || width > 16384 || height > 16384)
-    throw std::invalid_argument("--size: expected WIDTHxHEIGHT from 320x240 to 16384x16384, found '" + arguments.size + "'");
+  if (std::sscanf(arguments.size.c_str(), "%dx%d%n", &width, &height, &used) != 2 ||
+      used != static_cast<int>(arguments.size.size()) || width < 320 || height < 240 || width > 16384 ||
+      height > 16384)
+    throw std::invalid_argument("--size: expected WIDTHxHEIGHT from 320x240 to 16384x16384, found '" +
+                                arguments.size + "'");
   arguments.sandbox.width = width;
   arguments.sandbox.height = height;
 }
@@ -47,7 +51,8 @@ void requireWritableFolder(const std::string& path) {
 }
 
 void tellStart(const Arguments& arguments, const Sandbox& sandbox, Clock::time_point begin) {
-  if (arguments.verbose) std::fprintf(stderr, "first frame after %.3f s, %s\n", secondsSince(begin), sandbox.renderer().c_str());
+  if (arguments.verbose)
+    std::fprintf(stderr, "first frame after %.3f s, %s\n", secondsSince(begin), sandbox.renderer().c_str());
 }
 
 /// Frames of 1/60 s into a framebuffer of its own.
@@ -62,11 +67,14 @@ void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Cloc
   for (int i = 0; i < frames && !sandbox.wantsToClose(); ++i) {
     if (replay) replay->play(i, sandbox, queue);
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-    sandbox.frame({.width = width, .height = height, .scale = arguments.sandbox.scale, .events = queue.take()}, 1.0 / 60.0);
+    sandbox.frame(
+        {.width = width, .height = height, .scale = arguments.sandbox.scale, .events = queue.take()},
+        1.0 / 60.0);
     if (i == 0) tellStart(arguments, sandbox, begin);
     if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
   }
-  if (!arguments.screenshot.empty()) writePng(arguments.screenshot, {width, height, readPixels(target.framebuffer(), width, height)});
+  if (!arguments.screenshot.empty())
+    writePng(arguments.screenshot, {width, height, readPixels(target.framebuffer(), width, height)});
 }
 
 void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::time_point begin) {
@@ -79,7 +87,9 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
   Sandbox sandbox(options);
   InputQueue queue;
   auto last = Clock::now();
-  for (int i = 0; !window.shouldClose() && !sandbox.wantsToClose() && (arguments.frames == 0 || i < arguments.frames); ++i) {
+  for (int i = 0;
+       !window.shouldClose() && !sandbox.wantsToClose() && (arguments.frames == 0 || i < arguments.frames);
+       ++i) {
     input = window.poll(arguments.scale);
     if (replay) {
       replay->play(i, sandbox, queue);
@@ -120,20 +130,32 @@ void addSandboxCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("sandbox", "Open a model and drag it: the interactive window");
   auto arguments = std::make_shared<Arguments>();
   Arguments& a = *arguments;
-  command->add_option("model", a.sandbox.model, "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")->capture_default_str();
+  command
+      ->add_option("model", a.sandbox.model,
+                   "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")
+      ->capture_default_str();
   command->add_option("--skeleton", a.sandbox.skeletonFile, "Skeleton of an OBJ body");
-  command->add_option("--weights", a.sandbox.weightsFile, "Weights of an OBJ body; heat weights where not given");
-  command->add_option("--asf", a.sandbox.asfFile, "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
+  command->add_option("--weights", a.sandbox.weightsFile,
+                      "Weights of an OBJ body; heat weights where not given");
+  command->add_option("--asf", a.sandbox.asfFile,
+                      "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
   command->add_option("--amc", a.sandbox.amcFile, "Motion for the ASF skeleton");
-  command->add_option("--mapping", a.sandbox.mappingFile, "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command->add_option("--mapping", a.sandbox.mappingFile,
+                      "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command->add_option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
   command->add_flag("--offscreen", a.offscreen, "Without a window; deterministic");
-  command->add_option("--frames", a.frames, "Stop after so many frames; offscreen: the replay's length by default")->check(CLI::PositiveNumber);
+  command
+      ->add_option("--frames", a.frames,
+                   "Stop after so many frames; offscreen: the replay's length by default")
+      ->check(CLI::PositiveNumber);
   command->add_option("--screenshot", a.screenshot, "Write the last frame as PNG");
   command->add_option("--status", a.status, "Write the state as JSON after every frame");
   command->add_option("--size", a.size, "Pixels, WIDTHxHEIGHT")->capture_default_str();
-  command->add_option("--scale", a.scale, "Of type and spacing; the monitor's by default")->check(CLI::Range(0.5, 4.0));
-  command->add_option("--theme", a.theme, "light or dark")->check(CLI::IsMember({"light", "dark"}))->capture_default_str();
+  command->add_option("--scale", a.scale, "Of type and spacing; the monitor's by default")
+      ->check(CLI::Range(0.5, 4.0));
+  command->add_option("--theme", a.theme, "light or dark")
+      ->check(CLI::IsMember({"light", "dark"}))
+      ->capture_default_str();
   command->add_option("--solver", a.sandbox.solver, "Solver while dragging")->capture_default_str();
   command->add_flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
   command->callback([arguments] { run(*arguments); });

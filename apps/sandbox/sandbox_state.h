@@ -15,7 +15,9 @@ namespace gelenk {
 struct Layout {
   struct Rect {
     float x = 0, y = 0, width = 0, height = 0;
-    bool contains(double px, double py) const { return px >= x && py >= y && px < x + width && py < y + height; }
+    bool contains(double px, double py) const {
+      return px >= x && py >= y && px < x + width && py < y + height;
+    }
   };
   Rect view, inspector, strip, statusLine;
 };
@@ -34,15 +36,15 @@ struct Gesture {
   enum class Kind { None, PressedSkin, Drag, Orbit, Pan, Tool };
   Kind kind = Kind::None;
   int button = -1;
-  Eigen::Vector2d press = Eigen::Vector2d::Zero();   ///< window pixels
+  Eigen::Vector2d press = Eigen::Vector2d::Zero();  ///< window pixels
   Eigen::Vector2d last = Eigen::Vector2d::Zero();
-  Eigen::Vector2d grip = Eigen::Vector2d::Zero();    ///< from the mouse to the dragged point's pixel
-  Eigen::Vector3d start = Eigen::Vector3d::Zero();   ///< target when the present constraint began
+  Eigen::Vector2d grip = Eigen::Vector2d::Zero();   ///< from the mouse to the dragged point's pixel
+  Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< target when the present constraint began
   DragConstraint constraint = DragConstraint::ViewPlane;
-  DragConstraint lock = DragConstraint::ViewPlane;   ///< chosen by X, Y, Z
-  bool rotated = false;                              ///< Alt turned the goal since the last move
+  DragConstraint lock = DragConstraint::ViewPlane;  ///< chosen by X, Y, Z
+  bool rotated = false;                             ///< Alt turned the goal since the last move
   Hover pressed;
-  Panel* tool = nullptr;                             ///< Tool: the panel that took the press
+  Panel* tool = nullptr;  ///< Tool: the panel that took the press
 };
 
 struct Notice {
@@ -57,10 +59,10 @@ struct PlotHistory {
     std::vector<double> residuals;
     std::string solver;
   };
-  std::vector<Drag> earlier;       ///< worst frame of the last drags
-  std::vector<double> residuals;   ///< of the last frame that iterated
-  std::vector<double> worst;       ///< of the present drag's frame with most iterations
-  std::vector<double> errors;      ///< largest goal error a frame, metres
+  std::vector<Drag> earlier;      ///< worst frame of the last drags
+  std::vector<double> residuals;  ///< of the last frame that iterated
+  std::vector<double> worst;      ///< of the present drag's frame with most iterations
+  std::vector<double> errors;     ///< largest goal error a frame, metres
 };
 
 struct Sandbox::State {
@@ -74,20 +76,20 @@ struct Sandbox::State {
   std::unique_ptr<Session> session;
   std::unique_ptr<SkinnedMeshGl> mesh;
   SkinPose pose;
-  Eigen::AlignedBox3d bounds;        ///< of the pose shown
-  double size = 1.0;                 ///< diagonal of the rest pose, metres
-  double groundHeight = 0.0;         ///< along up
+  Eigen::AlignedBox3d bounds;  ///< of the pose shown
+  double size = 1.0;           ///< diagonal of the rest pose, metres
+  double groundHeight = 0.0;   ///< along up
   std::string scenePath;
 
   // pose and surface of this frame
   std::optional<Frames> shownFrames;
-  bool handlesOnShown = false;       ///< the session stands as shown
+  bool handlesOnShown = false;  ///< the session stands as shown
   SkinnedVertices surface;
   bool surfaceIsCurrent = false;
   SkinDeformer deformer;
   std::unique_ptr<SkinnedMeshGl> deformedMesh;  ///< takes the shape that the deformer gives
   std::shared_ptr<const MuscleRig> muscles;
-  std::unique_ptr<SkinnedMeshGl> layeredMesh;   ///< the body with its muscle layers
+  std::unique_ptr<SkinnedMeshGl> layeredMesh;  ///< the body with its muscle layers
   std::vector<LimbPose> limbPoses;
   bool limbPosesAreCurrent = false;
   std::unique_ptr<PosedBounds> posedBounds;
@@ -114,7 +116,7 @@ struct Sandbox::State {
   std::vector<Ghost> ghosts;
   std::vector<SkinPose> ghostPoses;
   std::vector<std::pair<const Skin*, std::unique_ptr<SkinnedMeshGl>>> ghostMeshes;
-  std::vector<double> limitGlow;     ///< a joint, 1 at its limit, fading
+  std::vector<double> limitGlow;  ///< a joint, 1 at its limit, fading
   std::optional<int> selectedJoint;
   std::optional<int> selectedGoal;
 
@@ -127,13 +129,13 @@ struct Sandbox::State {
 
   // panels
   std::vector<std::unique_ptr<Panel>> panels;
-  std::string inspectorTab, stripTab;          ///< in front; empty: the first
+  std::string inspectorTab, stripTab;  ///< in front; empty: the first
   bool inspectorOpen = true, stripOpen = true, helpOpen = false, playing = false, closing = false;
   enum class Dialog { None, OpenFile, SaveScene } dialog = Dialog::None;
   char path[1024] = "";
   std::vector<Notice> notices;
   PlotHistory plots;
-  std::string screenshotPath;                  ///< written at the end of the frame
+  std::string screenshotPath;  ///< written at the end of the frame
 
   int frameNumber = 0;
   double time = 0.0;
@@ -141,7 +143,8 @@ struct Sandbox::State {
   double secondsPerFrame = 0.0;  ///< measured from frame to frame, running mean, shown only
 
   Viewport viewport() const {
-    return {std::max(1, static_cast<int>(layout.view.width)), std::max(1, static_cast<int>(layout.view.height))};
+    return {std::max(1, static_cast<int>(layout.view.width)),
+            std::max(1, static_cast<int>(layout.view.height))};
   }
   Eigen::Vector2d toView(const Eigen::Vector2d& windowPixel) const {
     return windowPixel - Eigen::Vector2d(layout.view.x, layout.view.y);

@@ -12,8 +12,9 @@
 namespace gelenk {
 namespace {
 
-constexpr ImGuiWindowFlags fixedWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                                         ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+constexpr ImGuiWindowFlags fixedWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                                         ImGuiWindowFlags_NoSavedSettings |
                                          ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
 
 void place(const Layout::Rect& rect) {
@@ -23,7 +24,9 @@ void place(const Layout::Rect& rect) {
 
 void openDialog(Sandbox::State& s, Sandbox::State::Dialog dialog) {
   s.dialog = dialog;
-  const std::string start = dialog == Sandbox::State::Dialog::SaveScene ? (s.scenePath.empty() ? "scene.json" : s.scenePath) : std::string();
+  const std::string start = dialog == Sandbox::State::Dialog::SaveScene
+                                ? (s.scenePath.empty() ? "scene.json" : s.scenePath)
+                                : std::string();
   std::snprintf(s.path, sizeof s.path, "%s", start.c_str());
 }
 
@@ -86,7 +89,8 @@ void viewMenu(Sandbox& sandbox) {
 void modelMenu(Sandbox& sandbox) {
   if (!ImGui::BeginMenu("Model")) return;
   for (const std::string& name : builtInModels())
-    if (ImGui::MenuItem(name.c_str(), nullptr, sandbox.state().reference.nameOrFile == name)) sandbox.open(name);
+    if (ImGui::MenuItem(name.c_str(), nullptr, sandbox.state().reference.nameOrFile == name))
+      sandbox.open(name);
   ImGui::EndMenu();
 }
 
@@ -134,7 +138,8 @@ void tabs(Sandbox& sandbox, const char* id, std::string& current, Has has, Draw 
     const float width = ImGui::CalcTextSize(name.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
     if (x + width <= right && x > ImGui::GetCursorStartPos().x) ImGui::SameLine(x);
     if (x + width > right) x = ImGui::GetCursorPosX();
-    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(panel.get() == front ? ImGuiCol_TabActive : ImGuiCol_Tab));
+    ImGui::PushStyleColor(ImGuiCol_Button,
+                          ImGui::GetStyleColorVec4(panel.get() == front ? ImGuiCol_TabActive : ImGuiCol_Tab));
     if (ImGui::Button(name.c_str())) current = name;
     ImGui::PopStyleColor();
     x += width + gap;
@@ -154,8 +159,9 @@ void inspector(Sandbox& sandbox) {
   if (s.layout.inspector.width <= 0) return;
   place(s.layout.inspector);
   ImGui::Begin("##inspector", nullptr, fixedWindow);
-  tabs(sandbox, "##inspector tabs", s.inspectorTab, [](const Panel& p) { return p.hasInspector(); },
-       [&](Panel& p) { p.drawInspector(sandbox); });
+  tabs(
+      sandbox, "##inspector tabs", s.inspectorTab, [](const Panel& p) { return p.hasInspector(); },
+      [&](Panel& p) { p.drawInspector(sandbox); });
   ImGui::End();
 }
 
@@ -166,8 +172,9 @@ void strip(Sandbox& sandbox) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * s.scale, 6 * s.scale});
   ImGui::Begin("##strip", nullptr, fixedWindow | ImGuiWindowFlags_NoScrollbar);
   ImGui::PopStyleVar();
-  tabs(sandbox, "##strip tabs", s.stripTab, [](const Panel& p) { return p.hasBottomStrip(); },
-       [&](Panel& p) { p.drawBottomStrip(sandbox); });
+  tabs(
+      sandbox, "##strip tabs", s.stripTab, [](const Panel& p) { return p.hasBottomStrip(); },
+      [&](Panel& p) { p.drawBottomStrip(sandbox); });
   ImGui::End();
 }
 
@@ -177,13 +184,18 @@ std::string hint(const Sandbox::State& s) {
     return "X Y Z lock an axis · Shift: ground plane · Alt turns · P pins · Esc cancels";
   }
   switch (s.hover.kind) {
-    case Hover::Kind::Goal: return "Drag to move " + s.session->goals()[s.hover.index].goal.name + " · P pins · Del lets go";
-    case Hover::Kind::Joint: return "Drag " + s.session->skeleton().joint(s.hover.index).name + " · click selects · P pins";
-    case Hover::Kind::Skin: return "Drag the skin (" + s.session->skeleton().joint(s.hover.index).name + ") · click selects · P pins";
+    case Hover::Kind::Goal:
+      return "Drag to move " + s.session->goals()[s.hover.index].goal.name + " · P pins · Del lets go";
+    case Hover::Kind::Joint:
+      return "Drag " + s.session->skeleton().joint(s.hover.index).name + " · click selects · P pins";
+    case Hover::Kind::Skin:
+      return "Drag the skin (" + s.session->skeleton().joint(s.hover.index).name +
+             ") · click selects · P pins";
     default: break;
   }
-  return s.session->model().planar ? "Drag the arm · drag the ground to pan · wheel zooms · H: help"
-                                   : "Drag a handle or the skin · drag the ground to orbit · wheel zooms · H: help";
+  return s.session->model().planar
+             ? "Drag the arm · drag the ground to pan · wheel zooms · H: help"
+             : "Drag a handle or the skin · drag the ground to orbit · wheel zooms · H: help";
 }
 
 void statusLine(Sandbox& sandbox) {
@@ -192,10 +204,12 @@ void statusLine(Sandbox& sandbox) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * s.scale, 5 * s.scale});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelSunken);
-  ImGui::Begin("##status", nullptr, fixedWindow | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::Begin("##status", nullptr,
+               fixedWindow | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PushFont(s.gui.fonts().small);
   const FrameSolve& solve = s.session->lastSolve();
-  std::string facts = solve.ran ? fmt::format("{} it · {} · {:.0f} µs · ", solve.iterations, formatLength(solve.error), 1e6 * solve.seconds)
+  std::string facts = solve.ran ? fmt::format("{} it · {} · {:.0f} µs · ", solve.iterations,
+                                              formatLength(solve.error), 1e6 * solve.seconds)
                                 : std::string("at rest · ");
   facts += fmt::format("{} dof", s.session->skeleton().nv());
   if (s.secondsPerFrame > 0.0) facts += fmt::format(" · {:.0f} fps", 1.0 / s.secondsPerFrame);
@@ -210,7 +224,9 @@ void statusLine(Sandbox& sandbox) {
     ImGui::SameLine(x);
   }
   ImGui::TextColored(s.colours().textDim, "%s", facts.c_str());
-  tooltip("solver · iterations of this frame · largest goal error, from forward kinematics · time of the solve · degrees of freedom · frames a second · OpenGL renderer");
+  tooltip(
+      "solver · iterations of this frame · largest goal error, from forward kinematics · time of the solve · "
+      "degrees of freedom · frames a second · OpenGL renderer");
   ImGui::PopFont();
   ImGui::End();
   ImGui::PopStyleColor();
@@ -221,33 +237,37 @@ void help(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.helpOpen) return;
   const Layout::Rect& view = s.layout.view;
-  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.5f * view.height}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.5f * view.height}, ImGuiCond_Always,
+                          {0.5f, 0.5f});
   ImGui::SetNextWindowBgAlpha(0.97f);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 9 * s.scale);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {22 * s.scale, 18 * s.scale});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelRaised);
-  ImGui::Begin("##help", &s.helpOpen, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Begin("##help", &s.helpOpen,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings);
   ImGui::PushFont(s.gui.fonts().large);
   ImGui::TextUnformatted("Mouse and keys");
   ImGui::PopFont();
   ImGui::Dummy({0, 4 * s.scale});
-  static constexpr const char* rows[][2] = {{"Drag a handle, the skin or a joint", "move it in the plane that faces you"},
-                                            {"X, Y, Z while dragging", "lock to an axis, again to free it"},
-                                            {"Shift while dragging", "move along the ground plane"},
-                                            {"Alt while dragging", "turn the goal's orientation"},
-                                            {"Drag the ground", "orbit; middle button orbits anywhere"},
-                                            {"Right drag, Shift + middle", "pan"},
-                                            {"Wheel", "zoom to the mouse"},
-                                            {"P", "pin or free what is under the mouse"},
-                                            {"Delete", "let the goal go"},
-                                            {"R, M", "rest pose, mirror pose"},
-                                            {"Tab, Shift + Tab", "next solver, previous solver"},
-                                            {"F, Home", "frame the selection, frame everything"},
-                                            {"1, 3, 7, 5", "front, side, top, orthographic"},
-                                            {"Space", "play"},
-                                            {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
-                                            {"Ctrl+S, Ctrl+O", "save and open; files can be dropped"},
-                                            {"F12", "screenshot"}};
+  static constexpr const char* rows[][2] = {
+      {"Drag a handle, the skin or a joint", "move it in the plane that faces you"},
+      {"X, Y, Z while dragging", "lock to an axis, again to free it"},
+      {"Shift while dragging", "move along the ground plane"},
+      {"Alt while dragging", "turn the goal's orientation"},
+      {"Drag the ground", "orbit; middle button orbits anywhere"},
+      {"Right drag, Shift + middle", "pan"},
+      {"Wheel", "zoom to the mouse"},
+      {"P", "pin or free what is under the mouse"},
+      {"Delete", "let the goal go"},
+      {"R, M", "rest pose, mirror pose"},
+      {"Tab, Shift + Tab", "next solver, previous solver"},
+      {"F, Home", "frame the selection, frame everything"},
+      {"1, 3, 7, 5", "front, side, top, orthographic"},
+      {"Space", "play"},
+      {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
+      {"Ctrl+S, Ctrl+O", "save and open; files can be dropped"},
+      {"F12", "screenshot"}};
   if (ImGui::BeginTable("##keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const auto& [key, what] : rows) {
       ImGui::TableNextRow();
@@ -260,7 +280,8 @@ void help(Sandbox& sandbox) {
     }
     ImGui::EndTable();
   }
-  if (ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered() && !ImGui::IsWindowAppearing()) s.helpOpen = false;
+  if (ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered() && !ImGui::IsWindowAppearing())
+    s.helpOpen = false;
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(2);
@@ -277,15 +298,20 @@ void dialogs(Sandbox& sandbox) {
     ImGui::OpenPopup(title);
   }
   const Layout::Rect& view = s.layout.view;
-  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.4f * view.height}, ImGuiCond_Always, {0.5f, 0.5f});
-  if (!ImGui::BeginPopupModal(title, nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove)) return;
+  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.4f * view.height}, ImGuiCond_Always,
+                          {0.5f, 0.5f});
+  if (!ImGui::BeginPopupModal(
+          title, nullptr,
+          ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove))
+    return;
   ImGui::PushFont(s.gui.fonts().medium);
   ImGui::TextUnformatted(title);
   ImGui::PopFont();
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(420 * s.scale);
   bool done = ImGui::InputText("##path", s.path, sizeof s.path, ImGuiInputTextFlags_EnterReturnsTrue);
-  ImGui::TextColored(s.colours().textDim, "%s", saving ? "Path of a .json file." : "Path of a file, or the name of a built-in model.");
+  ImGui::TextColored(s.colours().textDim, "%s",
+                     saving ? "Path of a .json file." : "Path of a file, or the name of a built-in model.");
   done |= ImGui::Button(saving ? "Save" : "Open", {96 * s.scale, 0});
   ImGui::SameLine();
   const bool cancelled = ImGui::Button("Cancel", {96 * s.scale, 0}) || ImGui::IsKeyPressed(GLFW_KEY_ESCAPE);
@@ -302,7 +328,9 @@ void dialogs(Sandbox& sandbox) {
 
 Layout layOut(const Sandbox::State& s, int width, int height) {
   const float scale = s.scale, w = static_cast<float>(width), h = static_cast<float>(height);
-  const float menu = ImGui::GetIO().Fonts->Fonts.empty() ? 24 * scale : s.gui.fonts().regular->FontSize + 2 * ImGui::GetStyle().FramePadding.y;
+  const float menu = ImGui::GetIO().Fonts->Fonts.empty()
+                         ? 24 * scale
+                         : s.gui.fonts().regular->FontSize + 2 * ImGui::GetStyle().FramePadding.y;
   const float status = s.gui.fonts().small->FontSize + 10 * scale;
   const float inspector = s.inspectorOpen ? std::min(std::round(320 * scale), std::floor(0.55f * w)) : 0.0f;
   const float strip = s.stripOpen && h > 560 * scale ? std::round(198 * scale) : 0.0f;
@@ -336,8 +364,10 @@ void colourBar(const Sandbox::State& state) {
   constexpr int steps = 48;
   for (int i = 0; i < steps; ++i) {
     const Colour c = viridis((static_cast<float>(i) + 0.5f) / steps);
-    ImGui::GetWindowDrawList()->AddRectFilled({at.x + width * static_cast<float>(i) / steps, at.y},
-                                              {at.x + width * static_cast<float>(i + 1) / steps + 0.5f, at.y + height}, colour32({c.r, c.g, c.b, 1}));
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        {at.x + width * static_cast<float>(i) / steps, at.y},
+        {at.x + width * static_cast<float>(i + 1) / steps + 0.5f, at.y + height},
+        colour32({c.r, c.g, c.b, 1}));
   }
   ImGui::Dummy({width, height});
 }
@@ -363,7 +393,8 @@ std::string describeSolve(const Session& session) {
   const FrameSolve& solve = session.lastSolve();
   if (!solve.ran) return "nothing is held";
   double reach = 1.0;  // a thousandth of a metre, or of the model where it is larger
-  for (int i = 0; i < session.skeleton().jointCount(); ++i) reach = std::max(reach, chainLength(session.skeleton(), i));
+  for (int i = 0; i < session.skeleton().jointCount(); ++i)
+    reach = std::max(reach, chainLength(session.skeleton(), i));
   const double reachedWithin = 1e-3 * reach;
   if (solve.why == Stop::Unsupported) return "not for this solver: " + solve.unsupported;
   if (solve.why == Stop::Failure) return "numerical failure";

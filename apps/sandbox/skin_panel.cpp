@@ -24,11 +24,13 @@ class SkinPanel final : public Panel {
         ImGui::TableNextColumn();
         check(label, value, explanation);
       };
-      cell("Skin", show.skin, "The body: linear blend skinning, v = Σ wᵢ Tᵢ Tᵢ,rest⁻¹ v_rest, in the vertex shader.");
+      cell("Skin", show.skin,
+           "The body: linear blend skinning, v = Σ wᵢ Tᵢ Tᵢ,rest⁻¹ v_rest, in the vertex shader.");
       cell("Skeleton", show.skeleton, "Slim bones seen through the body.");
       cell("Wireframe", show.wireframe, "The triangles' edges over the surface.");
       cell("Joint frames", show.jointFrames, "Axes of every joint's frame: x red, y green, z blue.");
-      cell("Handles", show.handles, "What can be dragged: circles are positions, squares pins, rings orientations, diamonds poles.");
+      cell("Handles", show.handles,
+           "What can be dragged: circles are positions, squares pins, rings orientations, diamonds poles.");
       cell("Limits", show.limits, "Cones and arcs of joints that press against their limit, in red.");
       cell("Ground", show.ground, "Grid and ground plane.");
       cell("Shadow", show.shadow, "Soft shadow of the key light (percentage closer filtering).");
@@ -40,10 +42,13 @@ class SkinPanel final : public Panel {
     }
     const Skin& skin = *s.session->model().skin;
     heading(s, "BODY");
-    ImGui::TextColored(s.colours().textDim, "%zu vertices · %zu triangles", skin.mesh.positions.size(), skin.mesh.triangles.size());
+    ImGui::TextColored(s.colours().textDim, "%zu vertices · %zu triangles", skin.mesh.positions.size(),
+                       skin.mesh.triangles.size());
     for (const std::string& note : s.session->model().notes) ImGui::TextWrapped("%s", note.c_str());
     heading(s, "WEIGHTS");
-    check("Colour by the selected joint's weight", show.weights, "wᵢ of each vertex, 0 to 1, in viridis. At most four joints carry a vertex; their weights sum to 1.");
+    check(
+        "Colour by the selected joint's weight", show.weights,
+        "wᵢ of each vertex, 0 to 1, in viridis. At most four joints carry a vertex; their weights sum to 1.");
     weights(sandbox, skin);
   }
 
@@ -73,8 +78,10 @@ class SkinPanel final : public Panel {
           sum += v.weights[k];
           largest = std::max(largest, v.weights[k]);
         }
-    ImGui::TextWrapped("%s", fmt::format("{} carries {} vertices, mean weight {:.2f}, largest {:.2f}", s.session->skeleton().joint(*s.selectedJoint).name,
-                                         carried, carried > 0 ? sum / carried : 0.0, largest).c_str());
+    ImGui::TextWrapped("%s", fmt::format("{} carries {} vertices, mean weight {:.2f}, largest {:.2f}",
+                                         s.session->skeleton().joint(*s.selectedJoint).name, carried,
+                                         carried > 0 ? sum / carried : 0.0, largest)
+                                 .c_str());
   }
 };
 

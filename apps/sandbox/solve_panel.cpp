@@ -3,9 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "apps/commands/solver_colour.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/commands/solver_colour.h"
 #include "kinematics/jacobian.h"
 
 namespace gelenk {
@@ -13,9 +13,14 @@ namespace {
 
 /// Singular values of the 3 x nv position Jacobian of a goal's point, descending.
 Eigen::Vector3d singularValues(const Session& session, const Goal& goal) {
-  const Eigen::Matrix3Xd J = pointJacobian(session.skeleton(), session.q(), session.frames(), goal.joint, goal.pointInJoint);
+  const Eigen::Matrix3Xd J =
+      pointJacobian(session.skeleton(), session.q(), session.frames(), goal.joint, goal.pointInJoint);
   const Eigen::Matrix3d JJt = J * J.transpose();
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(JJt, Eigen::EigenvaluesOnly).eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(JJt, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .reverse()
+      .cwiseMax(0.0)
+      .cwiseSqrt();
 }
 
 std::string_view titleOf(const std::string& solver) {
@@ -45,7 +50,8 @@ class SolvePanel final : public Panel {
   static void dot(const ImVec4& colour, float scale) {
     const float size = ImGui::GetTextLineHeight();
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + 5 * scale, at.y + 0.55f * size}, 4.5f * scale, colour32(colour));
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + 5 * scale, at.y + 0.55f * size}, 4.5f * scale,
+                                                colour32(colour));
     ImGui::Dummy({12 * scale, size});
     ImGui::SameLine(0, 4 * scale);
   }
@@ -57,12 +63,15 @@ class SolvePanel final : public Panel {
     if (ImGui::BeginCombo("##solver", std::string(titleOf(current)).c_str(), ImGuiComboFlags_HeightLarge)) {
       for (const std::string& name : frameSolverNames()) {
         dot(toImVec4(solverColour(name)), s.scale);
-        if (ImGui::Selectable(fmt::format("{}##{}", titleOf(name), name).c_str(), name == current)) s.session->setSolver(name);
+        if (ImGui::Selectable(fmt::format("{}##{}", titleOf(name), name).c_str(), name == current))
+          s.session->setSolver(name);
         tooltip(fmt::format("{}\n{}", name, referenceOf(name)).c_str());
       }
       ImGui::EndCombo();
     }
-    tooltip("The method that follows the goals in every frame. The hybrid keeps its state from frame to frame; every other solver starts at the present pose with 20 iterations.");
+    tooltip(
+        "The method that follows the goals in every frame. The hybrid keeps its state from frame to frame; "
+        "every other solver starts at the present pose with 20 iterations.");
     ImGui::PushFont(s.gui.fonts().small);
     dot(toImVec4(solverColour(current)), s.scale);
     ImGui::PushTextWrapPos();
@@ -90,31 +99,40 @@ class SolvePanel final : public Panel {
     const bool bad = solve.why == Stop::Failure || solve.why == Stop::Unsupported;
     const std::string sentence = describeSolve(*s.session);
     const bool reached = sentence.starts_with("reached");
-    const ImVec4& colour = !solve.ran ? s.colours().textDim : bad ? s.colours().bad : reached ? s.colours().good : s.colours().warning;
+    const ImVec4& colour = !solve.ran ? s.colours().textDim
+                           : bad      ? s.colours().bad
+                           : reached  ? s.colours().good
+                                      : s.colours().warning;
     ImGui::PushFont(s.gui.fonts().medium);
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
     ImGui::TextWrapped("%s", sentence.c_str());
     ImGui::PopStyleColor();
     ImGui::PopFont();
     if (!ImGui::BeginTable("##facts", 2)) return;
-    row("Iterations", solve.ran ? std::to_string(solve.iterations) : "–", "Steps of the solver in this frame.");
-    row("Solve time", solve.ran ? fmt::format("{:.0f} µs", 1e6 * solve.seconds) : "–", "Wall-clock time of the solve alone, in microseconds.");
-    row("Joint motion", solve.ran ? fmt::format("{:.1e} rad", solve.jointMotion) : "–", "Largest change of a joint in this frame, radians (metres for translations).");
+    row("Iterations", solve.ran ? std::to_string(solve.iterations) : "–",
+        "Steps of the solver in this frame.");
+    row("Solve time", solve.ran ? fmt::format("{:.0f} µs", 1e6 * solve.seconds) : "–",
+        "Wall-clock time of the solve alone, in microseconds.");
+    row("Joint motion", solve.ran ? fmt::format("{:.1e} rad", solve.jointMotion) : "–",
+        "Largest change of a joint in this frame, radians (metres for translations).");
     const std::optional<int> goal = goalOfInterest(s);
     const bool measured = goal && s.session->goals()[*goal].goal.kind != GoalKind::Pole;
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
     if (measured) sigma = singularValues(*s.session, s.session->goals()[*goal].goal);
     const int rank = s.session->model().planar ? 2 : 3;
     row("σ min", measured ? fmt::format("{:.4f}", sigma[rank - 1]) : "–",
-        "Smallest singular value of the goal's position Jacobian J (3 x n; 2 x n in the plane): metres a radian in the direction that moves least. 0 at a singularity.");
+        "Smallest singular value of the goal's position Jacobian J (3 x n; 2 x n in the plane): metres a "
+        "radian in the direction that moves least. 0 at a singularity.");
     row("Manipulability", measured ? fmt::format("{:.2e}", sigma.head(rank).prod()) : "–",
-        "w = √det(J Jᵀ), the product of the singular values of the goal's position Jacobian (Yoshikawa 1985): volume of the velocity ellipsoid.");
+        "w = √det(J Jᵀ), the product of the singular values of the goal's position Jacobian (Yoshikawa "
+        "1985): volume of the velocity ellipsoid.");
     ImGui::EndTable();
   }
 
   static std::optional<int> goalOfInterest(const Sandbox::State& s) {
     if (s.session->dragged()) return s.session->dragged();
-    if (s.selectedGoal && *s.selectedGoal < static_cast<int>(s.session->goals().size())) return s.selectedGoal;
+    if (s.selectedGoal && *s.selectedGoal < static_cast<int>(s.session->goals().size()))
+      return s.selectedGoal;
     for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i)
       if (s.session->goals()[i].state == GoalState::Held) return i;
     return s.session->goals().empty() ? std::nullopt : std::optional(0);
@@ -142,7 +160,10 @@ class SolvePanel final : public Panel {
         ImGui::PushID(i);
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        const ImVec4& colour = goal.state == GoalState::Pinned ? s.colours().pinned : goal.goal.kind == GoalKind::Pole ? s.colours().pole : goal.state == GoalState::Free ? s.colours().textFaint : s.colours().held;
+        const ImVec4& colour = goal.state == GoalState::Pinned    ? s.colours().pinned
+                               : goal.goal.kind == GoalKind::Pole ? s.colours().pole
+                               : goal.state == GoalState::Free    ? s.colours().textFaint
+                                                                  : s.colours().held;
         dot(colour, s.scale);
         if (ImGui::Selectable(goal.goal.name.c_str(), s.selectedGoal == i)) {
           s.selectedGoal = i;
@@ -150,11 +171,16 @@ class SolvePanel final : public Panel {
         }
         ImGui::TableNextColumn();
         if (goal.state != GoalState::Free)
-          ImGui::TextColored(distanceColour(s.colours(), s.session->error(i)), "%s", formatLength(s.session->error(i)).c_str());
-        tooltip("Distance between target and the point reached, by forward kinematics. Poles: distance of the elbow or knee from the half plane of the pole.");
+          ImGui::TextColored(distanceColour(s.colours(), s.session->error(i)), "%s",
+                             formatLength(s.session->error(i)).c_str());
+        tooltip(
+            "Distance between target and the point reached, by forward kinematics. Poles: distance of the "
+            "elbow or knee from the half plane of the pole.");
         ImGui::TableNextColumn();
         if (ImGui::SmallButton(stateWord(goal.state))) toPin = i;
-        tooltip("Click to pin or free (P). free: goes with the body. held: kept at its target, weight 1. pin: weight 300 on the squared error.");
+        tooltip(
+            "Click to pin or free (P). free: goes with the body. held: kept at its target, weight 1. pin: "
+            "weight 300 on the squared error.");
         ImGui::TableNextColumn();
         if (goal.state == GoalState::Held || !goal.handle) {
           if (ImGui::SmallButton("×")) toFree = i;
@@ -198,7 +224,9 @@ class SolvePanel final : public Panel {
         else
           s.session->clearOrientation(index);
       }
-      tooltip("Solve for the orientation of the joint's frame too: the rotation vector of R_target R⁻¹, in radians, joins the residual.");
+      tooltip(
+          "Solve for the orientation of the joint's frame too: the rotation vector of R_target R⁻¹, in "
+          "radians, joins the residual.");
     }
   }
 };

@@ -22,7 +22,8 @@ json goalStatus(const Sandbox::State& s, int index) {
              {"pixel", {p.pixel.x(), p.pixel.y()}}};
   if (goal.goal.kind == GoalKind::Pose || goal.goal.kind == GoalKind::Orientation) {
     const Eigen::Quaterniond now(s.session->frames()[goal.goal.joint].linear());
-    entry["orientation"] = {goal.goal.orientation.w(), goal.goal.orientation.x(), goal.goal.orientation.y(), goal.goal.orientation.z()};
+    entry["orientation"] = {goal.goal.orientation.w(), goal.goal.orientation.x(), goal.goal.orientation.y(),
+                            goal.goal.orientation.z()};
     entry["orientation_error"] = logRotation(goal.goal.orientation * now.conjugate()).norm();
   }
   return entry;
@@ -43,15 +44,21 @@ std::string Sandbox::status() const {
             {"solver", s.session->solver()},
             {"q", q},
             {"goals", goals},
-            {"dragging", s.session->dragged() ? json(s.session->goals()[*s.session->dragged()].goal.name) : json(nullptr)},
+            {"dragging", s.session->dragged() ? json(s.session->goals()[*s.session->dragged()].goal.name)
+                                              : json(nullptr)},
             {"iterations", solve.iterations},
             {"stop", solve.ran ? json(toString(solve.why)) : json(nullptr)},
             {"error", solve.error},
             {"joint_motion", solve.jointMotion},
-            {"view", {{"x", s.layout.view.x}, {"y", s.layout.view.y}, {"width", s.layout.view.width}, {"height", s.layout.view.height}}},
+            {"view",
+             {{"x", s.layout.view.x},
+              {"y", s.layout.view.y},
+              {"width", s.layout.view.width},
+              {"height", s.layout.view.height}}},
             {"mouse", {s.mouse.x(), s.mouse.y()}}};
   for (const auto& panel : s.panels)
-    if (const std::string text = panel->status(); !text.empty()) tree["panels"][panel->name()] = json::parse(text);
+    if (const std::string text = panel->status(); !text.empty())
+      tree["panels"][panel->name()] = json::parse(text);
   return tree.dump(1) + "\n";
 }
 

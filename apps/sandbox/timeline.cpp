@@ -17,12 +17,22 @@ struct Geometry {
   int lastFrame;
 
   float x(double frame) const { return left + static_cast<float>(frame / std::max(1, lastFrame)) * width; }
-  double frame(float px) const { return std::clamp<double>((px - left) / width * std::max(1, lastFrame), 0.0, lastFrame); }
+  double frame(float px) const {
+    return std::clamp<double>((px - left) / width * std::max(1, lastFrame), 0.0, lastFrame);
+  }
   float bottom() const { return at.y + size.y - 4 * scale; }
 };
 
 Geometry measure(const Sandbox::State& s, const TimelineContent& content) {
-  Geometry g{.at = ImGui::GetCursorScreenPos(), .size = ImGui::GetContentRegionAvail(), .scale = s.scale, .left = 0, .width = 0, .ruler = 0, .firstRow = 0, .row = 0, .lastFrame = content.frameCount - 1};
+  Geometry g{.at = ImGui::GetCursorScreenPos(),
+             .size = ImGui::GetContentRegionAvail(),
+             .scale = s.scale,
+             .left = 0,
+             .width = 0,
+             .ruler = 0,
+             .firstRow = 0,
+             .row = 0,
+             .lastFrame = content.frameCount - 1};
   g.left = g.at.x + 84 * s.scale;
   g.width = std::max(1.0f, g.size.x - 96 * s.scale);
   g.ruler = g.at.y + 4 * s.scale;
@@ -47,14 +57,19 @@ void drawRuler(const Geometry& g, const TimelineContent& content, const Palette&
   }
 }
 
-void drawRowGround(const Geometry& g, float y, const std::string& label, const Palette& colours, ImDrawList& draw) {
-  draw.AddText({g.at.x + 4 * g.scale, y + 0.5f * (g.row - ImGui::GetFontSize())}, colour32(colours.textDim), label.c_str());
-  draw.AddRectFilled({g.left, y + 2 * g.scale}, {g.left + g.width, y + g.row - 2 * g.scale}, colour32(colours.plotBackground), 3 * g.scale);
+void drawRowGround(const Geometry& g, float y, const std::string& label, const Palette& colours,
+                   ImDrawList& draw) {
+  draw.AddText({g.at.x + 4 * g.scale, y + 0.5f * (g.row - ImGui::GetFontSize())}, colour32(colours.textDim),
+               label.c_str());
+  draw.AddRectFilled({g.left, y + 2 * g.scale}, {g.left + g.width, y + g.row - 2 * g.scale},
+                     colour32(colours.plotBackground), 3 * g.scale);
 }
 
-void drawDiamond(const Geometry& g, double frame, float y, bool strong, const Palette& colours, ImDrawList& draw) {
+void drawDiamond(const Geometry& g, double frame, float y, bool strong, const Palette& colours,
+                 ImDrawList& draw) {
   const float r = 5 * g.scale, px = g.x(frame), py = y + 0.5f * g.row;
-  draw.AddQuadFilled({px - r, py}, {px, py - r}, {px + r, py}, {px, py + r}, colour32(strong ? colours.accent : colours.textFaint));
+  draw.AddQuadFilled({px - r, py}, {px, py - r}, {px + r, py}, {px, py + r},
+                     colour32(strong ? colours.accent : colours.textFaint));
 }
 
 }  // namespace
@@ -70,14 +85,18 @@ TimelineAction Timeline::draw(Sandbox::State& s, const TimelineContent& content)
   for (const TimelineContent::Row& row : content.rows) {
     drawRowGround(g, y, row.label, colours, draw);
     for (const auto& [first, last] : row.spans)
-      draw.AddRectFilled({g.x(first), y + 2 * g.scale}, {std::max(g.x(last), g.x(first) + 1), y + g.row - 2 * g.scale}, colour32(colours.held, 0.85f), 3 * g.scale);
+      draw.AddRectFilled({g.x(first), y + 2 * g.scale},
+                         {std::max(g.x(last), g.x(first) + 1), y + g.row - 2 * g.scale},
+                         colour32(colours.held, 0.85f), 3 * g.scale);
     y += g.row;
   }
   drawRowGround(g, y, "limits left", colours, draw);
   for (int f = 0; f < static_cast<int>(content.bars.size()); ++f)
     if (const float share = content.bars[f]; share > 0.0f)
-      draw.AddRectFilled({std::max(g.left, g.x(f - 0.5)), y + g.row - 2 * g.scale - share * (g.row - 4 * g.scale)}, {std::min(g.left + g.width, g.x(f + 0.5) + 0.5f), y + g.row - 2 * g.scale},
-                         colour32(colours.bad, 0.75f));
+      draw.AddRectFilled(
+          {std::max(g.left, g.x(f - 0.5)), y + g.row - 2 * g.scale - share * (g.row - 4 * g.scale)},
+          {std::min(g.left + g.width, g.x(f + 0.5) + 0.5f), y + g.row - 2 * g.scale},
+          colour32(colours.bad, 0.75f));
   y += g.row;
   const float keyRow = y;
   drawRowGround(g, keyRow, "keys", colours, draw);
@@ -85,14 +104,18 @@ TimelineAction Timeline::draw(Sandbox::State& s, const TimelineContent& content)
   for (const int frame : content.keys) {
     keyPixels_.emplace_back(g.x(frame), keyRow + 0.5f * g.row);
     const bool moving = movingKey_ && movingKey_->first == frame;
-    drawDiamond(g, moving ? movingKey_->second : frame, keyRow, moving || std::ranges::count(content.selectedKeys, frame) > 0, colours, draw);
+    drawDiamond(g, moving ? movingKey_->second : frame, keyRow,
+                moving || std::ranges::count(content.selectedKeys, frame) > 0, colours, draw);
   }
 
   const float head = g.x(std::min<double>(content.seconds * content.framesPerSecond, g.lastFrame));
   draw.AddLine({head, g.ruler}, {head, g.bottom()}, colour32(colours.accent), 2 * g.scale);
-  draw.AddTriangleFilled({head - 5 * g.scale, g.ruler}, {head + 5 * g.scale, g.ruler}, {head, g.ruler + 7 * g.scale}, colour32(colours.accent));
-  const int frame = std::clamp(static_cast<int>(std::lround(content.seconds * content.framesPerSecond)), 0, g.lastFrame);
-  draw.AddText({g.at.x + 4 * g.scale, g.ruler}, colour32(colours.text), fmt::format("{} / {}", frame + 1, content.frameCount).c_str());
+  draw.AddTriangleFilled({head - 5 * g.scale, g.ruler}, {head + 5 * g.scale, g.ruler},
+                         {head, g.ruler + 7 * g.scale}, colour32(colours.accent));
+  const int frame =
+      std::clamp(static_cast<int>(std::lround(content.seconds * content.framesPerSecond)), 0, g.lastFrame);
+  draw.AddText({g.at.x + 4 * g.scale, g.ruler}, colour32(colours.text),
+               fmt::format("{} / {}", frame + 1, content.frameCount).c_str());
   ImGui::PopFont();
 
   TimelineAction action;

@@ -17,17 +17,17 @@ struct TimelineContent {
   };
   int frameCount = 1;
   double framesPerSecond = 30.0;
-  double seconds = 0.0;              ///< of the playhead
-  std::vector<Row> rows;             ///< such as feet in contact
-  std::vector<float> bars;           ///< one a frame, 0 to 1: joints beyond their limits; drawn in a row of its own
-  std::vector<int> keys;             ///< frames with keys
-  std::vector<int> selectedKeys;     ///< those of the selected joint
+  double seconds = 0.0;     ///< of the playhead
+  std::vector<Row> rows;    ///< such as feet in contact
+  std::vector<float> bars;  ///< one a frame, 0 to 1: joints beyond their limits; drawn in a row of its own
+  std::vector<int> keys;    ///< frames with keys
+  std::vector<int> selectedKeys;  ///< those of the selected joint
 };
 
 /// What the mouse did in it.
 struct TimelineAction {
-  std::optional<double> scrubTo = {};                 ///< seconds
-  std::optional<std::pair<int, int>> moveKey = {};    ///< from, to: let go in this frame
+  std::optional<double> scrubTo = {};               ///< seconds
+  std::optional<std::pair<int, int>> moveKey = {};  ///< from, to: let go in this frame
 };
 
 /// Ruler in seconds, rows, keys as diamonds, playhead. A drag on a diamond moves the key, any other scrubs.

@@ -8,8 +8,8 @@
 
 namespace gelenk {
 
-/// The colours of panels and marks. One hue for what is held (amber), one for what is pinned (teal), one for what acts (blue), red
-/// for limits and failures only; told apart with any colour vision.
+/// The colours of panels and marks. One hue for what is held (amber), one for what is pinned (teal), one for
+/// what acts (blue), red for limits and failures only; told apart with any colour vision.
 struct Palette {
   ImVec4 panel, panelRaised, panelSunken, border;
   ImVec4 text, textDim, textFaint;

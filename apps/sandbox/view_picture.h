@@ -4,7 +4,8 @@
 
 namespace gelenk {
 
-/// A colour texture with a framebuffer, of the size of the view; 8-bit RGBA, holding sRGB-encoded values as they are.
+/// A colour texture with a framebuffer, of the size of the view; 8-bit RGBA, holding sRGB-encoded values as
+/// they are.
 class ViewPicture {
  public:
   /// Makes it anew when the size changes. The framebuffer binding is left changed.

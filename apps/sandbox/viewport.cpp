@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double handleReach = 13.0, jointReach = 8.0;  // pixels at scale 1
 constexpr double dragThreshold = 3.0;
-constexpr double radiansPerPixel = 0.01;                // Alt turning
+constexpr double radiansPerPixel = 0.01;  // Alt turning
 
 Hover hoverAt(Sandbox& sandbox, const Vector2d& pixel) {
   Sandbox::State& s = sandbox.state();
@@ -96,7 +96,7 @@ void continueDrag(Sandbox::State& s) {
     return;
   }
   const DragConstraint wanted = s.gesture.lock != DragConstraint::ViewPlane ? s.gesture.lock
-                                : s.shift                                  ? DragConstraint::GroundPlane
+                                : s.shift                                   ? DragConstraint::GroundPlane
                                                                             : DragConstraint::ViewPlane;
   if (wanted != s.gesture.constraint || s.gesture.rotated) {
     s.gesture.constraint = wanted;
@@ -105,7 +105,8 @@ void continueDrag(Sandbox::State& s) {
   }
   const Vector2d pixel = s.toView(s.mouse + s.gesture.grip);
   if (const auto target = dragTarget(s.camera, s.viewport(), pixel, s.gesture.start, wanted))
-    s.session->moveDrag(s.gesture.start + (*target - s.gesture.start).cwiseMax(-10.0 * s.size).cwiseMin(10.0 * s.size));
+    s.session->moveDrag(s.gesture.start +
+                        (*target - s.gesture.start).cwiseMax(-10.0 * s.size).cwiseMin(10.0 * s.size));
 }
 
 /// The panel whose tool has the mouse; nullptr: dragging is on.
@@ -144,12 +145,14 @@ void release(Sandbox& sandbox, int button) {
   if (s.gesture.kind == Gesture::Kind::None || button != s.gesture.button) return;
   if (s.gesture.kind == Gesture::Kind::Drag) {
     s.session->endDrag();
-    if (s.selectedGoal && *s.selectedGoal >= static_cast<int>(s.session->goals().size())) s.selectedGoal.reset();
+    if (s.selectedGoal && *s.selectedGoal >= static_cast<int>(s.session->goals().size()))
+      s.selectedGoal.reset();
   } else if (s.gesture.kind == Gesture::Kind::PressedSkin) {
     s.selectedJoint = s.gesture.pressed.index;  // a click
   } else if (s.gesture.kind == Gesture::Kind::Tool) {
     s.gesture.tool->released(sandbox);
-  } else if (s.gesture.kind == Gesture::Kind::Orbit && !s.gesture.tool && (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale) {
+  } else if (s.gesture.kind == Gesture::Kind::Orbit && !s.gesture.tool &&
+             (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale) {
     s.selectedJoint.reset();
     s.selectedGoal.reset();
   }
@@ -191,7 +194,8 @@ void frameSelection(Sandbox& sandbox) {
   const Vector3d at = sandbox.shownFrames()[*s.selectedJoint].translation();
   box.extend(at - Vector3d::Constant(0.08 * s.size));
   box.extend(at + Vector3d::Constant(0.08 * s.size));
-  for (const int child : s.session->skeleton().children(*s.selectedJoint)) box.extend(sandbox.shownFrames()[child].translation());
+  for (const int child : s.session->skeleton().children(*s.selectedJoint))
+    box.extend(sandbox.shownFrames()[child].translation());
   glideTo(s, frameBox(s.camera, s.viewport(), box));
 }
 
@@ -205,7 +209,8 @@ void guarded(Sandbox& sandbox, void (Session::*edit)()) {
 
 std::string nextScreenshotName() {
   for (int n = 1;; ++n)
-    if (const std::string name = fmt::format("gelenk-{:04}.png", n); !std::filesystem::exists(name)) return name;
+    if (const std::string name = fmt::format("gelenk-{:04}.png", n); !std::filesystem::exists(name))
+      return name;
 }
 
 void pinUnderMouse(Sandbox::State& s) {
@@ -219,7 +224,8 @@ void pinUnderMouse(Sandbox::State& s) {
 }
 
 void deleteGoal(Sandbox::State& s) {
-  const std::optional<int> goal = s.hover.kind == Hover::Kind::Goal ? std::optional(s.hover.index) : s.selectedGoal;
+  const std::optional<int> goal =
+      s.hover.kind == Hover::Kind::Goal ? std::optional(s.hover.index) : s.selectedGoal;
   if (!goal || s.session->dragged()) return;
   s.session->remember();
   s.session->removeGoal(*goal);
@@ -232,7 +238,8 @@ void undoOrRedo(Sandbox& sandbox, bool redo) {
   s.gesture = {};
   s.selectedGoal.reset();
   s.hover = {};
-  if (!(redo ? s.session->redo() : s.session->undo())) sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+  if (!(redo ? s.session->redo() : s.session->undo()))
+    sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
 }
 
 bool controlKey(Sandbox& sandbox, int key) {
@@ -273,11 +280,16 @@ bool plainKey(Sandbox& sandbox, int key) {
     case GLFW_KEY_DELETE: deleteGoal(s); return true;
     case GLFW_KEY_F: frameSelection(sandbox); return true;
     case GLFW_KEY_HOME: frameEverything(sandbox, true); return true;
-    case GLFW_KEY_1: case GLFW_KEY_KP_1: glideTo(s, lookFrom(s.camera, StandardView::Front)); return true;
-    case GLFW_KEY_3: case GLFW_KEY_KP_3: glideTo(s, lookFrom(s.camera, StandardView::Side)); return true;
-    case GLFW_KEY_7: case GLFW_KEY_KP_7: glideTo(s, lookFrom(s.camera, StandardView::Top)); return true;
-    case GLFW_KEY_5: case GLFW_KEY_KP_5: s.camera.orthographic = !s.camera.orthographic; return true;
-    case GLFW_KEY_H: case GLFW_KEY_SLASH: s.helpOpen = !s.helpOpen; return true;
+    case GLFW_KEY_1:
+    case GLFW_KEY_KP_1: glideTo(s, lookFrom(s.camera, StandardView::Front)); return true;
+    case GLFW_KEY_3:
+    case GLFW_KEY_KP_3: glideTo(s, lookFrom(s.camera, StandardView::Side)); return true;
+    case GLFW_KEY_7:
+    case GLFW_KEY_KP_7: glideTo(s, lookFrom(s.camera, StandardView::Top)); return true;
+    case GLFW_KEY_5:
+    case GLFW_KEY_KP_5: s.camera.orthographic = !s.camera.orthographic; return true;
+    case GLFW_KEY_H:
+    case GLFW_KEY_SLASH: s.helpOpen = !s.helpOpen; return true;
     case GLFW_KEY_F12: s.screenshotPath = nextScreenshotName(); return true;
     case GLFW_KEY_ESCAPE:
       if (s.gesture.kind == Gesture::Kind::Drag) {
@@ -293,7 +305,8 @@ bool plainKey(Sandbox& sandbox, int key) {
 
 void pressKey(Sandbox& sandbox, int key) {
   Sandbox::State& s = sandbox.state();
-  const int modifiers = (s.ctrl ? GLFW_MOD_CONTROL : 0) | (s.shift ? GLFW_MOD_SHIFT : 0) | (s.alt ? GLFW_MOD_ALT : 0);
+  const int modifiers =
+      (s.ctrl ? GLFW_MOD_CONTROL : 0) | (s.shift ? GLFW_MOD_SHIFT : 0) | (s.alt ? GLFW_MOD_ALT : 0);
   if (Panel* tool = toolOf(sandbox); tool && tool->keyPressed(sandbox, key, modifiers)) return;
   if (s.ctrl ? controlKey(sandbox, key) : plainKey(sandbox, key)) return;
   for (const auto& panel : s.panels)
@@ -302,9 +315,12 @@ void pressKey(Sandbox& sandbox, int key) {
 
 void trackModifiers(Sandbox::State& s, const InputEvent& event) {
   switch (event.code) {
-    case GLFW_KEY_LEFT_CONTROL: case GLFW_KEY_RIGHT_CONTROL: s.ctrl = event.down; break;
-    case GLFW_KEY_LEFT_SHIFT: case GLFW_KEY_RIGHT_SHIFT: s.shift = event.down; break;
-    case GLFW_KEY_LEFT_ALT: case GLFW_KEY_RIGHT_ALT: s.alt = event.down; break;
+    case GLFW_KEY_LEFT_CONTROL:
+    case GLFW_KEY_RIGHT_CONTROL: s.ctrl = event.down; break;
+    case GLFW_KEY_LEFT_SHIFT:
+    case GLFW_KEY_RIGHT_SHIFT: s.shift = event.down; break;
+    case GLFW_KEY_LEFT_ALT:
+    case GLFW_KEY_RIGHT_ALT: s.alt = event.down; break;
     default: break;
   }
 }
@@ -335,7 +351,8 @@ void frameEverything(Sandbox& sandbox, bool glide) {
   if (planar) {  // everything within reach of the base
     const Vector3d base = sandbox.shownFrames()[0].translation();
     double reach = 0.0;
-    for (int i = 0; i < s.session->skeleton().jointCount(); ++i) reach = std::max(reach, chainLength(s.session->skeleton(), i));
+    for (int i = 0; i < s.session->skeleton().jointCount(); ++i)
+      reach = std::max(reach, chainLength(s.session->skeleton(), i));
     box.extend(base + Vector3d(reach, reach, 0.0));
     box.extend(base - Vector3d(reach, reach, 0.0));
   }
@@ -375,8 +392,10 @@ void handleViewInput(Sandbox& sandbox, const Input& input) {
       case InputEvent::Kind::Character: break;
     }
   }
-  if (s.gesture.kind == Gesture::Kind::Drag && s.session->dragged()) continueDrag(s);  // modifiers may have changed
-  const bool free = s.gesture.kind == Gesture::Kind::None && !toolOf(sandbox) && s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse;
+  if (s.gesture.kind == Gesture::Kind::Drag && s.session->dragged())
+    continueDrag(s);  // modifiers may have changed
+  const bool free = s.gesture.kind == Gesture::Kind::None && !toolOf(sandbox) &&
+                    s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse;
   s.hover = free ? hoverAt(sandbox, s.mouse) : Hover{};
 }
 

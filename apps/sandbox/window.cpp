@@ -1,8 +1,7 @@
 #include "apps/sandbox/window.h"
 
-#include <epoxy/gl.h>
-
 #include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +13,8 @@
 namespace gelenk {
 namespace {
 
-constexpr const char* wayOut = "; without a window: gelenk sandbox --offscreen --screenshot picture.png --status status.json";
+constexpr const char* wayOut =
+    "; without a window: gelenk sandbox --offscreen --screenshot picture.png --status status.json";
 
 std::string lastError() {
   const char* description = nullptr;
@@ -22,9 +22,12 @@ std::string lastError() {
   return description ? description : "no reason given";
 }
 
-InputQueue& queueOf(GLFWwindow* window) { return *static_cast<InputQueue*>(glfwGetWindowUserPointer(window)); }
+InputQueue& queueOf(GLFWwindow* window) {
+  return *static_cast<InputQueue*>(glfwGetWindowUserPointer(window));
+}
 
-/// Mouse positions come in screen coordinates, pictures are made of framebuffer pixels; on some systems they differ.
+/// Mouse positions come in screen coordinates, pictures are made of framebuffer pixels; on some systems they
+/// differ.
 double pixelRatio(GLFWwindow* window) {
   int width = 1, height = 1, pixels = 1, pixelsHigh = 1;
   glfwGetWindowSize(window, &width, &height);
@@ -44,11 +47,16 @@ void connect(GLFWwindow* window) {
     queueOf(w).add({.kind = InputEvent::Kind::MouseMove, .x = ratio * x, .y = ratio * y});
     queueOf(w).add({.kind = InputEvent::Kind::MouseButton, .code = button, .down = action == GLFW_PRESS});
   });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) { queueOf(w).add({.kind = InputEvent::Kind::Wheel, .x = x, .y = y}); });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
-    if (action != GLFW_REPEAT) queueOf(w).add({.kind = InputEvent::Kind::Key, .code = key, .down = action == GLFW_PRESS});
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
+    queueOf(w).add({.kind = InputEvent::Kind::Wheel, .x = x, .y = y});
   });
-  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned c) { queueOf(w).add({.kind = InputEvent::Kind::Character, .code = static_cast<int>(c)}); });
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
+    if (action != GLFW_REPEAT)
+      queueOf(w).add({.kind = InputEvent::Kind::Key, .code = key, .down = action == GLFW_PRESS});
+  });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned c) {
+    queueOf(w).add({.kind = InputEvent::Kind::Character, .code = static_cast<int>(c)});
+  });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     for (int i = 0; i < count; ++i) queueOf(w).add({.kind = InputEvent::Kind::Drop, .path = paths[i]});
   });

@@ -47,7 +47,7 @@ struct AsfFile {
   Vector3d rootPosition = Vector3d::Zero();
   bool hasRoot = false, hasBones = false, hasHierarchy = false;
   std::vector<BoneBlock> bones;
-  std::map<std::string, int> boneByName;  ///< lower case; -1 is the root
+  std::map<std::string, int> boneByName;   ///< lower case; -1 is the root
   std::vector<std::vector<int>> children;  ///< of bone i at i + 1; of the root at 0
   std::vector<bool> hasParent;
 };
@@ -86,7 +86,8 @@ std::vector<DofName> dofList(WordStream& words) {
     const DofName dof = dofName(words);
     for (const DofName& other : dofs)
       if (other.rotation == dof.rotation && other.axis == dof.axis)
-        words.failTaken("each degree of freedom once", std::string("a second ") + (dof.rotation ? "r" : "t") + "xyz"[dof.axis]);
+        words.failTaken("each degree of freedom once",
+                        std::string("a second ") + (dof.rotation ? "r" : "t") + "xyz"[dof.axis]);
     dofs.push_back(dof);
   }
   return dofs;
@@ -159,15 +160,18 @@ BoneBlock parseBone(WordStream& words) {
       bone.axis = vector3(words);
       bone.order = rotationOrder(words);
     } else if (words.take("dof")) {
-      if (sameWord(words.peek(), "l")) words.fail("degrees of freedom among rx ry rz tx ty tz (changing lengths are not read)");
+      if (sameWord(words.peek(), "l"))
+        words.fail("degrees of freedom among rx ry rz tx ty tz (changing lengths are not read)");
       bone.dofs = dofList(words);
-      if (sameWord(words.peek(), "l")) words.fail("degrees of freedom among rx ry rz tx ty tz (changing lengths are not read)");
+      if (sameWord(words.peek(), "l"))
+        words.fail("degrees of freedom among rx ry rz tx ty tz (changing lengths are not read)");
       if (bone.dofs.empty()) words.fail("degrees of freedom after dof");
     } else if (words.take("limits")) {
       bone.hasLimits = true;
       for (std::size_t k = 0; k < bone.dofs.size(); ++k) {
         const double lower = limit(words), upper = limit(words);
-        if (lower > upper) words.failTaken("limits with lower <= upper", exactNumber(lower) + " and " + exactNumber(upper));
+        if (lower > upper)
+          words.failTaken("limits with lower <= upper", exactNumber(lower) + " and " + exactNumber(upper));
         bone.limits.emplace_back(lower, upper);
       }
     } else if (words.take("bodymass") || words.take("cofmass")) {
@@ -189,8 +193,10 @@ void parseBones(WordStream& words, AsfFile& file) {
   while (!words.atEnd() && words.peek().front() != ':') {
     words.expect("begin");
     BoneBlock bone = parseBone(words);
-    const auto [at, isNew] = file.boneByName.emplace(lowerCase(bone.name), static_cast<int>(file.bones.size()));
-    if (!isNew) throw ParseError(words.file(), bone.line, "a bone name that is used once", "'" + bone.name + "' again");
+    const auto [at, isNew] =
+        file.boneByName.emplace(lowerCase(bone.name), static_cast<int>(file.bones.size()));
+    if (!isNew)
+      throw ParseError(words.file(), bone.line, "a bone name that is used once", "'" + bone.name + "' again");
     file.bones.push_back(std::move(bone));
   }
   file.children.resize(file.bones.size() + 1);
@@ -210,9 +216,11 @@ void parseHierarchy(WordStream& words, AsfFile& file) {
     };
     const int parent = bone("the name of a bone, root or end");
     while (words.sameLine()) {
-      const int child = bone("the name of a bone that hangs on '" + (parent < 0 ? "root" : file.bones[parent].name) + "'");
+      const int child =
+          bone("the name of a bone that hangs on '" + (parent < 0 ? "root" : file.bones[parent].name) + "'");
       if (child < 0) words.failTaken("a bone as child", "the root");
-      if (file.hasParent[child]) words.failTaken("one parent a bone", "a second one for '" + file.bones[child].name + "'");
+      if (file.hasParent[child])
+        words.failTaken("one parent a bone", "a second one for '" + file.bones[child].name + "'");
       file.hasParent[child] = true;
       file.children[parent + 1].push_back(child);
     }
@@ -243,12 +251,14 @@ AsfFile parseSections(std::string_view text, const std::string& fileName) {
     }
   }
   if (!file.hasRoot) throw ParseError(fileName, 0, "a section :root", "none");
-  if (!file.hasBones || file.bones.empty()) throw ParseError(fileName, 0, "a section :bonedata with bones", "none");
+  if (!file.hasBones || file.bones.empty())
+    throw ParseError(fileName, 0, "a section :bonedata with bones", "none");
   if (!file.hasHierarchy) throw ParseError(fileName, 0, "a section :hierarchy", "none");
   return file;
 }
 
-/// Rotation by `angles` (radians) about x, y, z in the named order, the first letter innermost: for "xyz" Rz Ry Rx.
+/// Rotation by `angles` (radians) about x, y, z in the named order, the first letter innermost: for "xyz" Rz
+/// Ry Rx.
 Quaterniond eulerRotation(const Vector3d& angles, const std::string& order) {
   Quaterniond rotation = Quaterniond::Identity();
   for (const char letter : order)
@@ -256,16 +266,18 @@ Quaterniond eulerRotation(const Vector3d& angles, const std::string& order) {
   return rotation;
 }
 
-/// The joint's axes for a block's dofs: translations first, along the axes of the parent's world; then the rotations, those that `order`
-/// names last outermost. from[k]: which dof of the block axis k is.
-void addAxes(const BoneBlock& block, const Matrix3d& axesOfTranslation, double metresPerUnit, double radiansPerUnit, Joint& joint,
-             std::vector<int>& from) {
+/// The joint's axes for a block's dofs: translations first, along the axes of the parent's world; then the
+/// rotations, those that `order` names last outermost. from[k]: which dof of the block axis k is.
+void addAxes(const BoneBlock& block, const Matrix3d& axesOfTranslation, double metresPerUnit,
+             double radiansPerUnit, Joint& joint, std::vector<int>& from) {
   const auto add = [&](int d) {
     const DofName dof = block.dofs[d];
     const double scale = dof.rotation ? radiansPerUnit : metresPerUnit;
     AxisDof axis{.kind = dof.rotation ? AxisDof::Kind::Rotation : AxisDof::Kind::Translation,
-                 .axis = dof.rotation ? Vector3d(Vector3d::Unit(dof.axis)) : Vector3d(axesOfTranslation.col(dof.axis).normalized())};
-    if (!block.limits.empty()) axis.lower = scale * block.limits[d].first, axis.upper = scale * block.limits[d].second;
+                 .axis = dof.rotation ? Vector3d(Vector3d::Unit(dof.axis))
+                                      : Vector3d(axesOfTranslation.col(dof.axis).normalized())};
+    if (!block.limits.empty())
+      axis.lower = scale * block.limits[d].first, axis.upper = scale * block.limits[d].second;
     joint.axes.push_back(axis);
     from.push_back(d);
   };
@@ -278,7 +290,8 @@ void addAxes(const BoneBlock& block, const Matrix3d& axesOfTranslation, double m
 
 class Builder {
  public:
-  Builder(const AsfFile& file, const std::string& fileName, double metresPerUnit) : file_(file), fileName_(fileName) {
+  Builder(const AsfFile& file, const std::string& fileName, double metresPerUnit)
+      : file_(file), fileName_(fileName) {
     result_.metresPerUnit = metresPerUnit;
     result_.radiansPerUnit = file.radiansPerUnit;
     result_.name = file.name;
@@ -308,7 +321,8 @@ class Builder {
       for (std::size_t k = 0; k < dofOfAxis_[bone.joint].size(); ++k) {
         const int d = dofOfAxis_[bone.joint][k];
         bone.channels[d] = {result_.skeleton.qIndex(bone.joint) + static_cast<int>(k),
-                            block.dofs[d].rotation ? file_.radiansPerUnit : result_.metresPerUnit, block.dofs[d].rotation};
+                            block.dofs[d].rotation ? file_.radiansPerUnit : result_.metresPerUnit,
+                            block.dofs[d].rotation};
       }
     }
     return std::move(result_);
@@ -332,9 +346,11 @@ class Builder {
     }
     joint.parentFromZero.linear() = (parentFromWorld * bone.axis).normalized().toRotationMatrix();
     if (!joint.parentFromZero.matrix().allFinite())
-      throw ParseError(fileName_, block.line, "finite lengths and angles", "an overflow at bone '" + block.name + "'");
+      throw ParseError(fileName_, block.line, "finite lengths and angles",
+                       "an overflow at bone '" + block.name + "'");
     std::vector<int> from;
-    addAxes(block, bone.axis.toRotationMatrix().transpose(), result_.metresPerUnit, file_.radiansPerUnit, joint, from);
+    addAxes(block, bone.axis.toRotationMatrix().transpose(), result_.metresPerUnit, file_.radiansPerUnit,
+            joint, from);
     joints_.push_back(std::move(joint));
     result_.bones.push_back(std::move(bone));
     blocks_.push_back(&block);
@@ -356,7 +372,8 @@ class Builder {
       Joint end{.name = name, .parent = i};
       end.parentFromZero.translation() = bone.axis.conjugate() * (bone.length * bone.direction);
       if (!end.parentFromZero.matrix().allFinite())
-        throw ParseError(fileName_, blocks_[i]->line, "a finite length", "an overflow at bone '" + bone.name + "'");
+        throw ParseError(fileName_, blocks_[i]->line, "a finite length",
+                         "an overflow at bone '" + bone.name + "'");
       bone.endJoint = static_cast<int>(joints_.size());
       joints_.push_back(std::move(end));
     }
@@ -365,12 +382,14 @@ class Builder {
   [[noreturn]] void rejectUnconnected() const {
     for (std::size_t i = 0; i < file_.bones.size(); ++i)
       if (!file_.hasParent[i])
-        throw ParseError(fileName_, file_.bones[i].line, "a parent in :hierarchy for every bone", "none for '" + file_.bones[i].name + "'");
+        throw ParseError(fileName_, file_.bones[i].line, "a parent in :hierarchy for every bone",
+                         "none for '" + file_.bones[i].name + "'");
     std::vector<bool> reached(file_.bones.size(), false);
     for (const BoneBlock* block : blocks_)
       if (block != &file_.root) reached[block - file_.bones.data()] = true;
     const auto lost = std::find(reached.begin(), reached.end(), false) - reached.begin();
-    throw ParseError(fileName_, file_.bones[lost].line, "a bone that hangs on the root", "'" + file_.bones[lost].name + "' in a cycle of :hierarchy");
+    throw ParseError(fileName_, file_.bones[lost].line, "a bone that hangs on the root",
+                     "'" + file_.bones[lost].name + "' in a cycle of :hierarchy");
   }
 
   const AsfFile& file_;
@@ -393,7 +412,8 @@ std::optional<int> AsfSkeleton::findBone(std::string_view boneName) const {
 
 AsfSkeleton parseAsf(std::string_view text, const std::string& file, std::optional<double> metresPerUnit) {
   const AsfFile sections = parseSections(text, file);
-  return Builder(sections, file, metresPerUnit ? *metresPerUnit : asfMetresPerUnit(sections.lengthUnit)).build();
+  return Builder(sections, file, metresPerUnit ? *metresPerUnit : asfMetresPerUnit(sections.lengthUnit))
+      .build();
 }
 
 AsfSkeleton readAsf(const std::string& path, std::optional<double> metresPerUnit) {
@@ -405,7 +425,8 @@ namespace {
 /// Reads frames straight from the characters: an AMC is read at about the speed of from_chars.
 class AmcReader {
  public:
-  AmcReader(std::string_view text, const std::string& file, const AsfSkeleton& asf) : rest_(text), file_(file), asf_(asf) {
+  AmcReader(std::string_view text, const std::string& file, const AsfSkeleton& asf)
+      : rest_(text), file_(file), asf_(asf) {
     for (std::size_t b = 0; b < asf.bones.size(); ++b) {
       boneByName_[lowerCase(asf.bones[b].name)] = static_cast<int>(b);
       expectedBones_ += !asf.bones[b].channels.empty();
@@ -432,7 +453,9 @@ class AmcReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& expected, const std::string& found) const { throw ParseError(file_, line_, expected, found); }
+  [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
+    throw ParseError(file_, line_, expected, found);
+  }
 
   static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
 
@@ -477,7 +500,8 @@ class AmcReader {
   void beginFrame(int number) {
     if (frames_ > 0) {
       endFrame();
-      if (number != frameNumber_ + 1) fail("frame " + std::to_string(frameNumber_ + 1), std::to_string(number));
+      if (number != frameNumber_ + 1)
+        fail("frame " + std::to_string(frameNumber_ + 1), std::to_string(number));
     }
     frameNumber_ = number;
     ++frames_;
@@ -491,14 +515,16 @@ class AmcReader {
     if (bonesInFrame_ == expectedBones_) return;
     for (std::size_t b = 0; b < asf_.bones.size(); ++b)
       if (!asf_.bones[b].channels.empty() && lastFrameOfBone_[b] != frames_)
-        fail("a line for each bone with degrees of freedom", "no '" + asf_.bones[b].name + "' in frame " + std::to_string(frameNumber_));
+        fail("a line for each bone with degrees of freedom",
+             "no '" + asf_.bones[b].name + "' in frame " + std::to_string(frameNumber_));
   }
 
   /// Bones mostly come in the same order in every frame: the guess is the bone that followed last time.
   int boneIndex(std::string_view name) {
     if (guess_ < sequence_.size() && asf_.bones[sequence_[guess_]].name == name) return sequence_[guess_++];
     const auto found = boneByName_.find(lowerCase(name));
-    if (found == boneByName_.end()) fail("the name of a bone of the skeleton or a frame number", "'" + std::string(name) + "'");
+    if (found == boneByName_.end())
+      fail("the name of a bone of the skeleton or a frame number", "'" + std::string(name) + "'");
     if (frames_ == 1) sequence_.push_back(found->second), guess_ = sequence_.size();
     for (std::size_t k = 0; k < sequence_.size(); ++k)
       if (sequence_[k] == found->second) guess_ = k + 1;
@@ -518,13 +544,16 @@ class AmcReader {
     for (std::size_t k = 0;; ++k) {
       const std::string_view word = nextWord();
       if (word.empty() != (k == bone.channels.size()))
-        fail(std::to_string(bone.channels.size()) + " values for bone '" + bone.name + "'", word.empty() ? std::to_string(k) : "more");
+        fail(std::to_string(bone.channels.size()) + " values for bone '" + bone.name + "'",
+             word.empty() ? std::to_string(k) : "more");
       if (word.empty()) return;
       const auto value = parseNumber(word);
       if (!value) fail("a finite number", "'" + std::string(word) + "'");
       const AsfSkeleton::Channel& channel = bone.channels[k];
-      frame_[channel.qIndex] = (channel.rotation && radiansPerUnit_ ? *radiansPerUnit_ : channel.scale) * *value;
-      if (!std::isfinite(frame_[channel.qIndex])) fail("a value that is finite in metres", "'" + std::string(word) + "'");
+      frame_[channel.qIndex] =
+          (channel.rotation && radiansPerUnit_ ? *radiansPerUnit_ : channel.scale) * *value;
+      if (!std::isfinite(frame_[channel.qIndex]))
+        fail("a value that is finite in metres", "'" + std::string(word) + "'");
     }
   }
 
@@ -542,7 +571,8 @@ class AmcReader {
 
 }  // namespace
 
-MotionClip parseAmc(std::string_view text, const std::string& file, const AsfSkeleton& asf, double framesPerSecond) {
+MotionClip parseAmc(std::string_view text, const std::string& file, const AsfSkeleton& asf,
+                    double framesPerSecond) {
   return AmcReader(text, file, asf).read(framesPerSecond);
 }
 

@@ -21,7 +21,9 @@ struct PlannedBone {
   Vector3d offset = Vector3d::Zero();  ///< from its start to its end in the zero pose, world, metres
 };
 
-bool isEnd(const Skeleton& skeleton, int i) { return i > 0 && skeleton.vCount(i) == 0 && skeleton.children(i).empty(); }
+bool isEnd(const Skeleton& skeleton, int i) {
+  return i > 0 && skeleton.vCount(i) == 0 && skeleton.children(i).empty();
+}
 
 /// Names in an ASF are words, and '#' begins a comment.
 std::string word(std::string name) {
@@ -30,7 +32,8 @@ std::string word(std::string name) {
   return name;
 }
 
-/// All children start at one place: the end of the joint's bone. Else the bone has no length and connections lead to the children.
+/// All children start at one place: the end of the joint's bone. Else the bone has no length and connections
+/// lead to the children.
 std::optional<Vector3d> commonEnd(const Skeleton& skeleton, const Frames& zero, int joint) {
   std::optional<Vector3d> end;
   for (const int child : skeleton.children(joint)) {
@@ -54,24 +57,29 @@ std::vector<PlannedBone> planBones(const Skeleton& skeleton, const Frames& zero)
     const Joint& joint = skeleton.joint(i);
     for (const AxisDof& dof : joint.axes)
       if (dof.kind == AxisDof::Kind::Translation)
-        throw std::invalid_argument("joint '" + joint.name + "' moves along an axis; ASF keeps bones of constant length");
+        throw std::invalid_argument("joint '" + joint.name +
+                                    "' moves along an axis; ASF keeps bones of constant length");
     int parent = boneOfJoint[joint.parent];
     const Vector3d gap = zero[i].translation() - endOfBone[parent];
     const bool connected = gap.norm() <= 1e-12;
     if (isEnd(skeleton, i)) {
-      boneOfJoint[i] = connected ? parent : add({.name = word(joint.name), .joint = -1, .parent = parent, .offset = gap});
+      boneOfJoint[i] =
+          connected ? parent : add({.name = word(joint.name), .joint = -1, .parent = parent, .offset = gap});
       continue;
     }
-    if (!connected) parent = add({.name = word(joint.name) + "_base", .joint = -1, .parent = parent, .offset = gap});
+    if (!connected)
+      parent = add({.name = word(joint.name) + "_base", .joint = -1, .parent = parent, .offset = gap});
     const auto end = commonEnd(skeleton, zero, i);
-    boneOfJoint[i] = add({.name = word(joint.name), .joint = i, .parent = parent,
+    boneOfJoint[i] = add({.name = word(joint.name),
+                          .joint = i,
+                          .parent = parent,
                           .offset = end ? Vector3d(*end - zero[i].translation()) : Vector3d::Zero()});
   }
   return plan;
 }
 
-/// The joint's axes are coordinate axes in the order z, y, x with any of them missing: they can stay as they are. kept[a]: position of axis a in joint.axes,
-/// -1 where missing.
+/// The joint's axes are coordinate axes in the order z, y, x with any of them missing: they can stay as they
+/// are. kept[a]: position of axis a in joint.axes, -1 where missing.
 bool keepsAxes(const Joint& joint, int (&kept)[3]) {
   kept[0] = kept[1] = kept[2] = -1;
   if (joint.ball) return false;
@@ -89,13 +97,18 @@ bool keepsAxes(const Joint& joint, int (&kept)[3]) {
   return true;
 }
 
-std::string limitWord(double value) { return std::isinf(value) ? (value < 0 ? "-inf" : "inf") : exactNumber(value * degreesPerRadian); }
+std::string limitWord(double value) {
+  return std::isinf(value) ? (value < 0 ? "-inf" : "inf") : exactNumber(value * degreesPerRadian);
+}
 
-std::string triple(const Vector3d& v) { return exactNumber(v.x()) + ' ' + exactNumber(v.y()) + ' ' + exactNumber(v.z()); }
+std::string triple(const Vector3d& v) {
+  return exactNumber(v.x()) + ' ' + exactNumber(v.y()) + ' ' + exactNumber(v.z());
+}
 
 /// Rz Ry Rx as degrees about x, y, z.
 Vector3d xyzDegrees(const Eigen::Quaterniond& rotation) {
-  const Vector3d zyx = eulerAngles(rotation, Vector3d::UnitZ(), Vector3d::UnitY(), Vector3d::UnitX(), Vector3d::Zero());
+  const Vector3d zyx =
+      eulerAngles(rotation, Vector3d::UnitZ(), Vector3d::UnitY(), Vector3d::UnitX(), Vector3d::Zero());
   return degreesPerRadian * Vector3d(zyx[2], zyx[1], zyx[0]);
 }
 
@@ -107,7 +120,8 @@ std::string dofLines(const Joint& joint) {
     if (keeps && kept[a] < 0) continue;
     dofs += std::string(" r") + "xyz"[a];
     const AxisDof dof = keeps ? joint.axes[kept[a]] : AxisDof{};
-    limits += (limits.empty() ? "    limits (" : "           (") + limitWord(dof.lower) + ' ' + limitWord(dof.upper) + ")\n";
+    limits += (limits.empty() ? "    limits (" : "           (") + limitWord(dof.lower) + ' ' +
+              limitWord(dof.upper) + ")\n";
   }
   return dofs.empty() ? "" : "    dof" + dofs + "\n" + limits;
 }
@@ -117,18 +131,21 @@ std::string dofLines(const Joint& joint) {
 std::string formatAsf(const Skeleton& skeleton, double metresPerUnit) {
   const Frames zero = forwardKinematics(skeleton, neutral(skeleton));
   const std::vector<PlannedBone> plan = planBones(skeleton, zero);
-  std::string text = "# written by gelenk\n:version 1.10\n:name " + word(skeleton.joint(0).name) + "\n:units\n  mass 1.0\n  length " +
-                     exactNumber(asfMetresPerUnit(1.0) / metresPerUnit) + "\n  angle deg\n:root\n  order TX TY TZ RX RY RZ\n  axis XYZ\n  position " +
+  std::string text = "# written by gelenk\n:version 1.10\n:name " + word(skeleton.joint(0).name) +
+                     "\n:units\n  mass 1.0\n  length " + exactNumber(asfMetresPerUnit(1.0) / metresPerUnit) +
+                     "\n  angle deg\n:root\n  order TX TY TZ RX RY RZ\n  axis XYZ\n  position " +
                      triple(zero[0].translation() / metresPerUnit) + "\n  orientation " +
                      triple(xyzDegrees(Eigen::Quaterniond(zero[0].linear()))) + "\n:bonedata\n";
   for (std::size_t b = 1; b < plan.size(); ++b) {
     const PlannedBone& bone = plan[b];
     const double length = bone.offset.norm();
     const Vector3d direction = length > 0.0 ? Vector3d(bone.offset / length) : Vector3d::UnitY();
-    const Vector3d axis = bone.joint < 0 ? Vector3d::Zero() : xyzDegrees(Eigen::Quaterniond(zero[bone.joint].linear()));
-    text += "  begin\n    id " + std::to_string(b) + "\n    name " + bone.name + "\n    direction " + triple(direction) + "\n    length " +
-            exactNumber(length / metresPerUnit) + "\n    axis " + triple(axis) + " XYZ\n" +
-            (bone.joint < 0 ? "" : dofLines(skeleton.joint(bone.joint))) + "  end\n";
+    const Vector3d axis =
+        bone.joint < 0 ? Vector3d::Zero() : xyzDegrees(Eigen::Quaterniond(zero[bone.joint].linear()));
+    text += "  begin\n    id " + std::to_string(b) + "\n    name " + bone.name + "\n    direction " +
+            triple(direction) + "\n    length " + exactNumber(length / metresPerUnit) + "\n    axis " +
+            triple(axis) + " XYZ\n" + (bone.joint < 0 ? "" : dofLines(skeleton.joint(bone.joint))) +
+            "  end\n";
   }
   std::vector<std::string> childrenOf(plan.size());
   for (std::size_t b = 1; b < plan.size(); ++b) childrenOf[plan[b].parent] += ' ' + plan[b].name;
@@ -142,8 +159,10 @@ std::string formatAmc(const Skeleton& skeleton, const MotionClip& clip, double m
   validate(skeleton, clip);
   const Frames zero = forwardKinematics(skeleton, neutral(skeleton));
   const std::vector<PlannedBone> plan = planBones(skeleton, zero);
-  std::vector<Vector3d> lastAngles(plan.size(), Vector3d::Zero());  // z, y, x: the hint that keeps a bone's angles continuous
-  std::string text = "# written by gelenk\n:FULLY-SPECIFIED\n:DEGREES\n:SAMPLES-PER-SECOND " + exactNumber(clip.framesPerSecond) + '\n';
+  std::vector<Vector3d> lastAngles(
+      plan.size(), Vector3d::Zero());  // z, y, x: the hint that keeps a bone's angles continuous
+  std::string text = "# written by gelenk\n:FULLY-SPECIFIED\n:DEGREES\n:SAMPLES-PER-SECOND " +
+                     exactNumber(clip.framesPerSecond) + '\n';
   for (int f = 0; f < clip.frameCount(); ++f) {
     const Eigen::VectorXd q = clip.q.col(f);
     text += std::to_string(f + 1) + '\n';
@@ -161,8 +180,10 @@ std::string formatAmc(const Skeleton& skeleton, const MotionClip& clip, double m
         for (int a = 0; a < 3; ++a)
           if (kept[a] >= 0) line += ' ' + exactNumber(value[kept[a]] * degreesPerRadian);
       } else {
-        lastAngles[b] = eulerAngles(jointRotation(skeleton, q, plan[b].joint), Vector3d::UnitZ(), Vector3d::UnitY(), Vector3d::UnitX(), lastAngles[b]);
-        line += ' ' + triple(degreesPerRadian * Vector3d(lastAngles[b][2], lastAngles[b][1], lastAngles[b][0]));
+        lastAngles[b] = eulerAngles(jointRotation(skeleton, q, plan[b].joint), Vector3d::UnitZ(),
+                                    Vector3d::UnitY(), Vector3d::UnitX(), lastAngles[b]);
+        line +=
+            ' ' + triple(degreesPerRadian * Vector3d(lastAngles[b][2], lastAngles[b][1], lastAngles[b][0]));
       }
       if (!line.empty()) text += plan[b].name + line + '\n';
     }

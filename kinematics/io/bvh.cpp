@@ -53,7 +53,9 @@ void parseChannels(WordStream& words, Node& node) {
   for (int k = 0; k < count; ++k) {
     const Channel next = channel(words);
     for (const Channel& other : node.channels)
-      if (other == next) words.failTaken("each channel of a joint once", std::string("a second ") + "XYZ"[next.axis] + (next.rotation ? "rotation" : "position"));
+      if (other == next)
+        words.failTaken("each channel of a joint once", std::string("a second ") + "XYZ"[next.axis] +
+                                                            (next.rotation ? "rotation" : "position"));
     node.channels.push_back(next);
   }
 }
@@ -65,7 +67,8 @@ std::vector<Node> parseHierarchy(WordStream& words, int& channelCount) {
   std::vector<int> open;  // joints whose brace is open
   std::unordered_set<std::string> names;
   const auto begin = [&](const std::string& name) {
-    Node node{.name = name, .parent = open.empty() ? -1 : open.back(), .line = words.lineTaken(), .channels = {}};
+    Node node{
+        .name = name, .parent = open.empty() ? -1 : open.back(), .line = words.lineTaken(), .channels = {}};
     if (!names.insert(name).second) words.failTaken("a joint name that is used once", "'" + name + "' again");
     words.expect("{");
     words.expect("OFFSET");
@@ -115,20 +118,25 @@ std::vector<double> parseMotion(WordStream& words, int channelCount, int& frames
   words.expect("Frame");
   words.expect("Time:");
   frameTime = words.number("the time of a frame in seconds");
-  if (!(frameTime > 0.0) || !std::isfinite(1.0 / frameTime)) words.failTaken("a positive frame time", exactNumber(frameTime));
+  if (!(frameTime > 0.0) || !std::isfinite(1.0 / frameTime))
+    words.failTaken("a positive frame time", exactNumber(frameTime));
   std::vector<double> values;  // grows with what is there, not with what the header promises
   const std::size_t expected = static_cast<std::size_t>(frames) * channelCount;
   while (values.size() < expected) {
     if (words.atEnd())
-      throw ParseError(words.file(), words.line(), std::to_string(frames) + " frames of " + std::to_string(channelCount) + " values",
+      throw ParseError(words.file(), words.line(),
+                       std::to_string(frames) + " frames of " + std::to_string(channelCount) + " values",
                        std::to_string(values.size()) + " values");
     values.push_back(words.number());
   }
-  if (!words.atEnd()) words.fail("the end of the file after " + std::to_string(frames) + " frames of " + std::to_string(channelCount) + " values");
+  if (!words.atEnd())
+    words.fail("the end of the file after " + std::to_string(frames) + " frames of " +
+               std::to_string(channelCount) + " values");
   return values;
 }
 
-/// The offset that the position channels of a node give in one frame, before OFFSET is added; axes without a channel take OFFSET.
+/// The offset that the position channels of a node give in one frame, before OFFSET is added; axes without a
+/// channel take OFFSET.
 bool hasPositions(const Node& node) {
   for (const Channel& c : node.channels)
     if (!c.rotation) return true;
@@ -175,8 +183,9 @@ BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOpti
   for (std::size_t i = 1; i < nodes.size() && result.notes.empty(); ++i) {
     if (!hasPositions(nodes[i])) continue;
     if (options.positions == BvhPositions::Automatic) othersAdd = positionsAreDifferences(nodes, values);
-    result.notes.push_back(othersAdd ? "position channels of joints other than the root are taken as differences from OFFSET"
-                                     : "position channels of joints other than the root are taken in place of OFFSET");
+    result.notes.push_back(
+        othersAdd ? "position channels of joints other than the root are taken as differences from OFFSET"
+                  : "position channels of joints other than the root are taken in place of OFFSET");
   }
 
   std::vector<Joint> joints;
@@ -191,14 +200,17 @@ BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOpti
       for (std::size_t k = 0; k < node.channels.size(); ++k) {
         const Channel& c = node.channels[k];
         if (c.rotation != rotation) continue;
-        joint.axes.push_back({rotation ? AxisDof::Kind::Rotation : AxisDof::Kind::Translation, Vector3d::Unit(c.axis)});
-        targets[node.firstChannel + k] = {static_cast<int>(rest.size()), rotation ? radiansPerDegree : options.metresPerUnit};
+        joint.axes.push_back(
+            {rotation ? AxisDof::Kind::Rotation : AxisDof::Kind::Translation, Vector3d::Unit(c.axis)});
+        targets[node.firstChannel + k] = {static_cast<int>(rest.size()),
+                                          rotation ? radiansPerDegree : options.metresPerUnit};
         const bool replaces = !rotation && !adds;
         rest.push_back(replaces ? joint.parentFromZero.translation()[c.axis] : 0.0);
         if (replaces) joint.parentFromZero.translation()[c.axis] = 0.0;
       }
     if (!joint.parentFromZero.matrix().allFinite())
-      throw ParseError(file, node.line, "offsets that are finite in metres", "an overflow at joint '" + node.name + "'");
+      throw ParseError(file, node.line, "offsets that are finite in metres",
+                       "an overflow at joint '" + node.name + "'");
     joints.push_back(std::move(joint));
   }
   result.skeleton = Skeleton(std::move(joints), Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
@@ -206,12 +218,16 @@ BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOpti
   result.clip.q.resize(result.skeleton.nq(), frames);
   for (int f = 0; f < frames; ++f)
     for (int c = 0; c < channelCount; ++c)
-      result.clip.q(targets[c].qIndex, f) = targets[c].scale * values[static_cast<std::size_t>(f) * channelCount + c];
-  if (!result.clip.q.allFinite()) throw ParseError(file, 0, "values that are finite in metres", "an overflow");
+      result.clip.q(targets[c].qIndex, f) =
+          targets[c].scale * values[static_cast<std::size_t>(f) * channelCount + c];
+  if (!result.clip.q.allFinite())
+    throw ParseError(file, 0, "values that are finite in metres", "an overflow");
   return result;
 }
 
-BvhMotion readBvh(const std::string& path, const BvhOptions& options) { return parseBvh(readFile(path), path, options); }
+BvhMotion readBvh(const std::string& path, const BvhOptions& options) {
+  return parseBvh(readFile(path), path, options);
+}
 
 namespace {
 
@@ -219,8 +235,8 @@ namespace {
 struct Plan {
   bool end = false;
   bool positions = false;
-  bool keepsAngles = false;             ///< angles of q are written as they are
-  std::vector<int> axes = {2, 0, 1};    ///< of the rotation channels: 0, 1, 2 for x, y, z
+  bool keepsAngles = false;           ///< angles of q are written as they are
+  std::vector<int> axes = {2, 0, 1};  ///< of the rotation channels: 0, 1, 2 for x, y, z
   std::vector<int> qOfAngle;
 };
 
@@ -252,17 +268,21 @@ Plan planJoint(const Skeleton& skeleton, const Frames& rest, int i) {
   return plan;
 }
 
-std::string triple(const Vector3d& v) { return exactNumber(v.x()) + ' ' + exactNumber(v.y()) + ' ' + exactNumber(v.z()); }
+std::string triple(const Vector3d& v) {
+  return exactNumber(v.x()) + ' ' + exactNumber(v.y()) + ' ' + exactNumber(v.z());
+}
 
-/// The offset from the parent's place, in the parent's bind frame turned to the world: what OFFSET and position channels hold.
+/// The offset from the parent's place, in the parent's bind frame turned to the world: what OFFSET and
+/// position channels hold.
 Vector3d localPosition(const Skeleton& skeleton, const Frames& rest, const Frames& frames, int i) {
   const int parent = skeleton.parent(i);
   if (parent < 0) return frames[i].translation();
-  return rest[parent].linear() * (frames[parent].linear().transpose() * (frames[i].translation() - frames[parent].translation()));
+  return rest[parent].linear() *
+         (frames[parent].linear().transpose() * (frames[i].translation() - frames[parent].translation()));
 }
 
-void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<Plan>& plans, double metresPerUnit, std::string& text,
-               std::vector<int>& order) {
+void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<Plan>& plans,
+               double metresPerUnit, std::string& text, std::vector<int>& order) {
   struct Step {
     int joint;
     int depth;
@@ -279,9 +299,14 @@ void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<P
       continue;
     }
     const Plan& plan = plans[step.joint];
-    const Vector3d offset = step.joint == 0 ? Vector3d(Vector3d::Zero()) : localPosition(skeleton, rest, rest, step.joint);
-    text += indent + (step.joint == 0 ? "ROOT " : plan.end ? "End Site" : "JOINT ") + (plan.end ? "" : skeleton.joint(step.joint).name) + '\n' +
-            indent + "{\n" + indent + "\tOFFSET " + triple(offset / metresPerUnit) + '\n';
+    const Vector3d offset =
+        step.joint == 0 ? Vector3d(Vector3d::Zero()) : localPosition(skeleton, rest, rest, step.joint);
+    text += indent +
+            (step.joint == 0 ? "ROOT "
+             : plan.end      ? "End Site"
+                             : "JOINT ") +
+            (plan.end ? "" : skeleton.joint(step.joint).name) + '\n' + indent + "{\n" + indent + "\tOFFSET " +
+            triple(offset / metresPerUnit) + '\n';
     if (!plan.end) {
       order.push_back(step.joint);
       text += indent + "\tCHANNELS " + std::to_string(plan.axes.size() + (plan.positions ? 3 : 0));
@@ -291,7 +316,8 @@ void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<P
     }
     open.push_back({step.joint, step.depth, true});
     const auto& children = skeleton.children(step.joint);
-    for (auto child = children.rbegin(); child != children.rend(); ++child) open.push_back({*child, step.depth + 1, false});
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+      open.push_back({*child, step.depth + 1, false});
   }
 }
 
@@ -305,9 +331,11 @@ std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double m
   std::string text;
   std::vector<int> order;
   hierarchy(skeleton, rest, plans, metresPerUnit, text, order);
-  text += "MOTION\nFrames: " + std::to_string(clip.frameCount()) + "\nFrame Time: " + exactNumber(1.0 / clip.framesPerSecond) + '\n';
+  text += "MOTION\nFrames: " + std::to_string(clip.frameCount()) +
+          "\nFrame Time: " + exactNumber(1.0 / clip.framesPerSecond) + '\n';
 
-  std::vector<Vector3d> angles(skeleton.jointCount(), Vector3d::Zero());  // the hint that keeps angles continuous
+  std::vector<Vector3d> angles(skeleton.jointCount(),
+                               Vector3d::Zero());  // the hint that keeps angles continuous
   Frames frames;
   for (int f = 0; f < clip.frameCount(); ++f) {
     const Eigen::VectorXd q = clip.q.col(f);
@@ -320,11 +348,15 @@ std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double m
         for (const int at : plan.qOfAngle) line += ' ' + exactNumber(q[at] / radiansPerDegree);
         continue;
       }
-      // worldTurn = worldFromJoint restFromWorld: the turn from the bind pose, in the world; BVH wants it relative to the parent's.
+      // worldTurn = worldFromJoint restFromWorld: the turn from the bind pose, in the world; BVH wants it
+      // relative to the parent's.
       const Quaterniond turn(frames[i].linear() * rest[i].linear().transpose());
       const int parent = skeleton.parent(i);
-      const Quaterniond parentTurn = parent < 0 ? Quaterniond::Identity() : Quaterniond(frames[parent].linear() * rest[parent].linear().transpose());
-      angles[i] = eulerAngles(parentTurn.conjugate() * turn, Vector3d::Unit(plan.axes[0]), Vector3d::Unit(plan.axes[1]), Vector3d::Unit(plan.axes[2]), angles[i]);
+      const Quaterniond parentTurn =
+          parent < 0 ? Quaterniond::Identity()
+                     : Quaterniond(frames[parent].linear() * rest[parent].linear().transpose());
+      angles[i] = eulerAngles(parentTurn.conjugate() * turn, Vector3d::Unit(plan.axes[0]),
+                              Vector3d::Unit(plan.axes[1]), Vector3d::Unit(plan.axes[2]), angles[i]);
       line += ' ' + triple(angles[i] / radiansPerDegree);
     }
     text.append(line, 1).push_back('\n');

@@ -9,10 +9,12 @@
 
 namespace gelenk {
 
-/// What position channels mean. Programs disagree, the format has no word for it: for the root most write the position itself, for other
-/// joints some write the whole offset from the parent and some only the difference from OFFSET.
+/// What position channels mean. Programs disagree, the format has no word for it: for the root most write the
+/// position itself, for other joints some write the whole offset from the parent and some only the difference
+/// from OFFSET.
 enum class BvhPositions {
-  Automatic,  ///< root: the position itself; others: whichever keeps the bones of the first frame nearer to the lengths of their OFFSETs
+  Automatic,  ///< root: the position itself; others: whichever keeps the bones of the first frame nearer to
+              ///< the lengths of their OFFSETs
   Replace,    ///< channels stand in place of OFFSET
   Add,        ///< channels are added to OFFSET, at the root as well
 };
@@ -25,21 +27,24 @@ struct BvhOptions {
 struct BvhMotion {
   Skeleton skeleton;
   MotionClip clip;
-  std::vector<std::string> notes;  ///< how position channels were understood, where a joint other than the root has some
+  std::vector<std::string>
+      notes;  ///< how position channels were understood, where a joint other than the root has some
 };
 
-/// A skeleton and its motion from a BVH. Rotations keep the order of their channels, which may differ from joint to joint:
-/// R = R_first R_second R_third; translations come before the rotations whatever the order of the channels. End sites become fixed joints
-/// "PARENT_end". The bind pose has all angles zero and every joint at its OFFSET.
+/// A skeleton and its motion from a BVH. Rotations keep the order of their channels, which may differ from
+/// joint to joint: R = R_first R_second R_third; translations come before the rotations whatever the order of
+/// the channels. End sites become fixed joints "PARENT_end". The bind pose has all angles zero and every
+/// joint at its OFFSET.
 ///
-/// Throws ParseError: braces or keywords that do not fit, a channel twice, a name twice, numbers that are none, fewer or more values than frames times
-/// channels, a frame time that is not positive.
+/// Throws ParseError: braces or keywords that do not fit, a channel twice, a name twice, numbers that are
+/// none, fewer or more values than frames times channels, a frame time that is not positive.
 BvhMotion readBvh(const std::string& path, const BvhOptions& options = {});
 BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOptions& options = {});
 
-/// A motion of any skeleton as BVH: the bind pose becomes the pose of zero angles, whatever frames the joints have in it. Joints that turn about
-/// coordinate axes in frames parallel to the world's keep their angles and their order; all others get Zrotation Xrotation Yrotation. Joints that
-/// move along axes, and the root, get position channels, which stand in place of OFFSET.
+/// A motion of any skeleton as BVH: the bind pose becomes the pose of zero angles, whatever frames the joints
+/// have in it. Joints that turn about coordinate axes in frames parallel to the world's keep their angles and
+/// their order; all others get Zrotation Xrotation Yrotation. Joints that move along axes, and the root, get
+/// position channels, which stand in place of OFFSET.
 std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double metresPerUnit = 1.0);
 
 }  // namespace gelenk

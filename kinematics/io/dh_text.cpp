@@ -57,7 +57,8 @@ class DhReader {
 
   void readLine() {
     const std::string_view key = words_[0];
-    if (!sawConvention_ && key != "dh") fail(line_, "'dh modified' or 'dh standard' first", "'" + std::string(key) + "'");
+    if (!sawConvention_ && key != "dh")
+      fail(line_, "'dh modified' or 'dh standard' first", "'" + std::string(key) + "'");
     if (key == "dh")
       readConvention();
     else if (key == "name")
@@ -96,7 +97,8 @@ class DhReader {
 
   Eigen::Isometry3d readPlace() const {
     if (words_.size() != 4 && words_.size() != 8)
-      fail(line_, "'" + std::string(words_[0]) + " x y z' (metres), or with a quaternion 'x y z qw qx qy qz'", count());
+      fail(line_, "'" + std::string(words_[0]) + " x y z' (metres), or with a quaternion 'x y z qw qx qy qz'",
+           count());
     Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
     place.translation() = Eigen::Vector3d(number(1, "x"), number(2, "y"), number(3, "z"));
     if (words_.size() == 8) {
@@ -143,7 +145,9 @@ class DhReader {
       fail(line_, "'revolute', 'prismatic', 'fixed', 'name', 'angles', 'base', 'tool' or 'rest'", quoted(0));
     const bool mayHaveLimits = row.kind != DhJoint::Fixed;
     if (words_.size() != 5 && !(mayHaveLimits && words_.size() == 7))
-      fail(line_, mayHaveLimits ? "the four parameters a alpha d phi, and both limits or none" : "the four parameters a alpha d phi",
+      fail(line_,
+           mayHaveLimits ? "the four parameters a alpha d phi, and both limits or none"
+                         : "the four parameters a alpha d phi",
            count());
     row.a = number(1, "a");
     row.alpha = angle(2, "alpha");
@@ -171,7 +175,9 @@ class DhReader {
   }
 
   std::string quoted(std::size_t i) const { return "'" + std::string(words_[i]) + "'"; }
-  std::string count() const { return std::to_string(words_.size() - 1) + (words_.size() == 2 ? " value" : " values"); }
+  std::string count() const {
+    return std::to_string(words_.size() - 1) + (words_.size() == 2 ? " value" : " values");
+  }
   std::string found() const {
     std::string line;
     for (const std::string_view word : words_) line += (line.empty() ? "" : " ") + std::string(word);
@@ -214,7 +220,8 @@ std::string formatDhTable(const DhTable& table) {
     text += toString(row.kind);
     for (const double value : {row.a, row.alpha, row.d, row.phi}) text += " " + exactNumber(value);
     if (std::isfinite(row.lower) != std::isfinite(row.upper))
-      throw std::invalid_argument("a row of a DH table has both limits or none; one has " + exactNumber(row.lower) + " and " + exactNumber(row.upper));
+      throw std::invalid_argument("a row of a DH table has both limits or none; one has " +
+                                  exactNumber(row.lower) + " and " + exactNumber(row.upper));
     if (std::isfinite(row.lower) && std::isfinite(row.upper))
       text += " " + exactNumber(row.lower) + " " + exactNumber(row.upper);
     text += "\n";

@@ -26,8 +26,10 @@ std::vector<JointLine> splitJoints(std::string_view text, const std::string& fil
     const int line = static_cast<int>(n) + 1;
     const auto words = splitWords(lines[n]);
     if (words.empty()) continue;
-    if (words.size() != 5) throw ParseError(file, line, "five words: id x y z parent", std::to_string(words.size()));
-    JointLine joint{.line = line, .id = std::string(words[0]), .parent = std::string(words[4]), .position = {}};
+    if (words.size() != 5)
+      throw ParseError(file, line, "five words: id x y z parent", std::to_string(words.size()));
+    JointLine joint{
+        .line = line, .id = std::string(words[0]), .parent = std::string(words[4]), .position = {}};
     if (joint.id == "-1") throw ParseError(file, line, "an id other than -1, which means no parent", "'-1'");
     for (int k = 0; k < 3; ++k) {
       const auto value = parseNumber(words[k + 1]);
@@ -47,7 +49,8 @@ Index indexById(const std::vector<JointLine>& joints, const std::string& file) {
   for (std::size_t i = 0; i < joints.size(); ++i)
     if (!indexOf.emplace(joints[i].id, static_cast<int>(i)).second)
       throw ParseError(file, joints[i].line, "an id that is used once",
-                       quoted(joints[i].id) + " again (first on line " + std::to_string(joints[indexOf[joints[i].id]].line) + ")");
+                       quoted(joints[i].id) + " again (first on line " +
+                           std::to_string(joints[indexOf[joints[i].id]].line) + ")");
   return indexOf;
 }
 
@@ -66,16 +69,19 @@ int parentIndex(const std::vector<JointLine>& joints, const Index& indexOf, int 
   const JointLine& joint = joints[i];
   if (joint.parent == "-1") {
     if (i == 0) return -1;
-    throw ParseError(file, joint.line, "a parent (line " + std::to_string(joints[0].line) + " already is the root)",
+    throw ParseError(file, joint.line,
+                     "a parent (line " + std::to_string(joints[0].line) + " already is the root)",
                      "a second root, '-1'");
   }
   const auto found = indexOf.find(joint.parent);
-  if (found == indexOf.end()) throw ParseError(file, joint.line, "the id of an earlier joint as parent", quoted(joint.parent));
+  if (found == indexOf.end())
+    throw ParseError(file, joint.line, "the id of an earlier joint as parent", quoted(joint.parent));
   if (found->second < i) return found->second;
   throw ParseError(file, joint.line, "the id of an earlier joint as parent",
                    liesOnACycle(joints, indexOf, i)
                        ? quoted(joint.parent) + ", which makes a cycle of parents"
-                       : quoted(joint.parent) + ", which comes only on line " + std::to_string(joints[found->second].line));
+                       : quoted(joint.parent) + ", which comes only on line " +
+                             std::to_string(joints[found->second].line));
 }
 
 }  // namespace
@@ -92,7 +98,8 @@ Skeleton parsePinocchioSkeleton(std::string_view text, const std::string& file) 
       if (!joint.parentFromZero.translation().allFinite())
         throw ParseError(file, lines[i].line, "a bone of finite length", "an overflow");
       if (joint.parentFromZero.translation().norm() == 0.0)
-        throw ParseError(file, lines[i].line, "a bone of positive length", "the same position as its parent " + quoted(lines[i].parent));
+        throw ParseError(file, lines[i].line, "a bone of positive length",
+                         "the same position as its parent " + quoted(lines[i].parent));
       joints[joint.parent].ball = true;
     } else {
       for (int k = 0; k < 3; ++k) joint.axes.push_back({AxisDof::Kind::Translation, Vector3d::Unit(k)});
@@ -103,7 +110,9 @@ Skeleton parsePinocchioSkeleton(std::string_view text, const std::string& file) 
   return Skeleton(std::move(joints));
 }
 
-Skeleton readPinocchioSkeleton(const std::string& path) { return parsePinocchioSkeleton(readFile(path), path); }
+Skeleton readPinocchioSkeleton(const std::string& path) {
+  return parsePinocchioSkeleton(readFile(path), path);
+}
 
 std::string formatPinocchioSkeleton(const Skeleton& skeleton, PinocchioIds ids) {
   const Frames frames = restFrames(skeleton);
@@ -129,10 +138,12 @@ Skeleton namedAsHuman(const Skeleton& skeleton) {
     const char* name;
     int parent;
   };
-  static constexpr Named human[] = {
-      {"chest", -1},     {"spine", 0},       {"pelvis", 1},       {"head", 0},         {"hip_right", 2},  {"knee_right", 4},
-      {"ankle_right", 5}, {"toe_right", 6},  {"hip_left", 2},     {"knee_left", 8},    {"ankle_left", 9}, {"toe_left", 10},
-      {"shoulder_right", 0}, {"elbow_right", 12}, {"hand_right", 13}, {"shoulder_left", 0}, {"elbow_left", 15}, {"hand_left", 16}};
+  static constexpr Named human[] = {{"chest", -1},         {"spine", 0},        {"pelvis", 1},
+                                    {"head", 0},           {"hip_right", 2},    {"knee_right", 4},
+                                    {"ankle_right", 5},    {"toe_right", 6},    {"hip_left", 2},
+                                    {"knee_left", 8},      {"ankle_left", 9},   {"toe_left", 10},
+                                    {"shoulder_right", 0}, {"elbow_right", 12}, {"hand_right", 13},
+                                    {"shoulder_left", 0},  {"elbow_left", 15},  {"hand_left", 16}};
   if (skeleton.jointCount() != static_cast<int>(std::size(human))) return skeleton;
   std::vector<Joint> joints = skeleton.joints();
   for (int i = 0; i < skeleton.jointCount(); ++i) {

@@ -72,7 +72,8 @@ std::optional<double> parseNumber(std::string_view word) {
   if (end != word.data() + word.size()) return std::nullopt;
   if (error == std::errc::result_out_of_range) {  // an underflow reads as 0, an overflow is no number
     const std::size_t exponent = word.find_first_of("eE");
-    if (exponent != std::string_view::npos && exponent + 1 < word.size() && word[exponent + 1] == '-') return 0.0;
+    if (exponent != std::string_view::npos && exponent + 1 < word.size() && word[exponent + 1] == '-')
+      return 0.0;
     return std::nullopt;
   }
   if (error != std::errc() || !std::isfinite(value)) return std::nullopt;

@@ -10,8 +10,8 @@ namespace gelenk {
 /// The whole file. Throws std::runtime_error with the system's reason when it cannot be opened or read.
 std::string readFile(const std::string& path);
 
-/// Writes beside the target under a temporary name and renames, so that a failure leaves the old file untouched.
-/// Throws std::runtime_error with the system's reason.
+/// Writes beside the target under a temporary name and renames, so that a failure leaves the old file
+/// untouched. Throws std::runtime_error with the system's reason.
 void writeFile(const std::string& path, std::string_view content);
 
 /// Lines without their ends (LF, CRLF); a last line without an end counts.
@@ -20,8 +20,8 @@ std::vector<std::string_view> splitLines(std::string_view text);
 /// Words between blanks and tabs.
 std::vector<std::string_view> splitWords(std::string_view line);
 
-/// The whole word as a finite number / an integer; nullopt if it is anything else (locale-independent, "inf" and "nan" are no
-/// numbers here).
+/// The whole word as a finite number / an integer; nullopt if it is anything else (locale-independent, "inf"
+/// and "nan" are no numbers here).
 std::optional<double> parseNumber(std::string_view word);
 std::optional<int> parseInteger(std::string_view word);
 

@@ -19,7 +19,8 @@ using Eigen::Vector3d;
 constexpr std::string_view groupPrefix = "NumJoints-";
 
 bool isNumberStart(std::string_view word) {
-  return !word.empty() && (word[0] == '-' || word[0] == '+' || word[0] == '.' || (word[0] >= '0' && word[0] <= '9'));
+  return !word.empty() &&
+         (word[0] == '-' || word[0] == '+' || word[0] == '.' || (word[0] >= '0' && word[0] <= '9'));
 }
 
 /// Keywords end in a colon, which may stand apart from them.
@@ -61,7 +62,8 @@ struct Section {
   int line = 0;
   void set(WordStream& words, int lineOfSection, const std::string& name, T newValue) {
     if (value && *value != newValue)
-      throw ParseError(words.file(), lineOfSection, "the same " + name + " as in the section on line " + std::to_string(line), "others");
+      throw ParseError(words.file(), lineOfSection,
+                       "the same " + name + " as in the section on line " + std::to_string(line), "others");
     if (!value) line = lineOfSection;
     value = std::move(newValue);
   }
@@ -86,7 +88,8 @@ std::vector<BoneLine> parseBones(WordStream& words) {
     const int from = words.integer("the index of a joint");
     bones.push_back({{from, words.integer("the index of the bone's end joint")}, words.lineTaken()});
   }
-  if (static_cast<int>(bones.size()) != n) throw ParseError(words.file(), line, plural(n, "bones"), std::to_string(bones.size()));
+  if (static_cast<int>(bones.size()) != n)
+    throw ParseError(words.file(), line, plural(n, "bones"), std::to_string(bones.size()));
   return bones;
 }
 
@@ -96,7 +99,8 @@ std::vector<GroupLine> parseGroups(WordStream& words) {
   std::vector<GroupLine> groups;
   while (words.peek().starts_with(groupPrefix)) {
     std::string name(words.next(""));
-    while (name.back() != ':' && words.sameLine() && !isNumberStart(words.peek())) name += ' ' + std::string(words.next(""));
+    while (name.back() != ':' && words.sameLine() && !isNumberStart(words.peek()))
+      name += ' ' + std::string(words.next(""));
     if (name.back() != ':') words.fail("a colon after the group's name");
     name = name.substr(groupPrefix.size(), name.size() - groupPrefix.size() - 1);
     if (name.empty()) words.failTaken("a name after NumJoints-", "none");
@@ -104,32 +108,45 @@ std::vector<GroupLine> parseGroups(WordStream& words) {
     const int joints = count(words, "joints of the group");
     while (isNumberStart(words.peek())) group.group.joints.push_back(words.integer("the index of a joint"));
     if (static_cast<int>(group.group.joints.size()) != joints)
-      throw ParseError(words.file(), group.line, plural(joints, "joints in the group '" + name + "'"), std::to_string(group.group.joints.size()));
-    if (joints < 2) throw ParseError(words.file(), group.line, "at least two joints in a group", std::to_string(joints));
+      throw ParseError(words.file(), group.line, plural(joints, "joints in the group '" + name + "'"),
+                       std::to_string(group.group.joints.size()));
+    if (joints < 2)
+      throw ParseError(words.file(), group.line, "at least two joints in a group", std::to_string(joints));
     groups.push_back(std::move(group));
   }
-  if (static_cast<int>(groups.size()) != n) throw ParseError(words.file(), line, plural(n, "joint hierarchies"), std::to_string(groups.size()));
+  if (static_cast<int>(groups.size()) != n)
+    throw ParseError(words.file(), line, plural(n, "joint hierarchies"), std::to_string(groups.size()));
   return groups;
 }
 
 /// parents[j]: the joint that bends the bone to j, -1 for the root.
-std::vector<int> checkBones(const std::string& file, const std::vector<Vector3d>& positions, const std::vector<BoneLine>& bones, int bonesLine) {
+std::vector<int> checkBones(const std::string& file, const std::vector<Vector3d>& positions,
+                            const std::vector<BoneLine>& bones, int bonesLine) {
   const int joints = static_cast<int>(positions.size());
   std::vector<int> parents(joints, -1), lineOf(joints, 0);
   for (const BoneLine& bone : bones) {
     for (const int j : bone.joints)
-      if (j < 0 || j >= joints) throw ParseError(file, bone.line, "a joint from 0 to " + std::to_string(joints - 1), std::to_string(j));
+      if (j < 0 || j >= joints)
+        throw ParseError(file, bone.line, "a joint from 0 to " + std::to_string(joints - 1),
+                         std::to_string(j));
     const auto [from, to] = bone.joints;
     if (lineOf[to])
-      throw ParseError(file, bone.line, "one bone that ends at joint " + std::to_string(to) + " (line " + std::to_string(lineOf[to]) + ")", "a second one");
+      throw ParseError(
+          file, bone.line,
+          "one bone that ends at joint " + std::to_string(to) + " (line " + std::to_string(lineOf[to]) + ")",
+          "a second one");
     if (!((positions[from] - positions[to]).norm() > 0.0) || !(positions[from] - positions[to]).allFinite())
-      throw ParseError(file, bone.line, "a bone of positive, finite length", "joints " + std::to_string(from) + " and " + std::to_string(to) + " in one place");
+      throw ParseError(file, bone.line, "a bone of positive, finite length",
+                       "joints " + std::to_string(from) + " and " + std::to_string(to) + " in one place");
     parents[to] = from;
     lineOf[to] = bone.line;
   }
   if (static_cast<int>(bones.size()) != joints - 1)
-    throw ParseError(file, bonesLine, std::to_string(joints - 1) + " bones for " + std::to_string(joints) + " joints (a tree)", std::to_string(bones.size()));
-  // n - 1 bones with different ends: exactly one joint is no end. A joint that does not lead up to it lies on a cycle.
+    throw ParseError(file, bonesLine,
+                     std::to_string(joints - 1) + " bones for " + std::to_string(joints) + " joints (a tree)",
+                     std::to_string(bones.size()));
+  // n - 1 bones with different ends: exactly one joint is no end. A joint that does not lead up to it lies on
+  // a cycle.
   std::vector<char> reached(joints, 0);
   for (int j = 0; j < joints; ++j) {
     std::vector<int> path;
@@ -139,13 +156,16 @@ std::vector<int> checkBones(const std::string& file, const std::vector<Vector3d>
       path.push_back(at);
       at = parents[at];
     }
-    if (at >= 0 && reached[at] == 2) throw ParseError(file, lineOf[at], "bones without a cycle", "joint " + std::to_string(at) + " below itself");
+    if (at >= 0 && reached[at] == 2)
+      throw ParseError(file, lineOf[at], "bones without a cycle",
+                       "joint " + std::to_string(at) + " below itself");
     for (const int p : path) reached[p] = 1;
   }
   return parents;
 }
 
-void checkGroups(const std::string& file, const std::vector<int>& parents, const std::vector<GroupLine>& groups, int groupsLine) {
+void checkGroups(const std::string& file, const std::vector<int>& parents,
+                 const std::vector<GroupLine>& groups, int groupsLine) {
   const int joints = static_cast<int>(parents.size());
   std::vector<char> inGroup(joints, 0);
   int steps = 0;
@@ -153,21 +173,30 @@ void checkGroups(const std::string& file, const std::vector<int>& parents, const
     const auto& [group, line] = groups[g];
     for (std::size_t k = 0; k < group.joints.size(); ++k) {
       const int j = group.joints[k];
-      if (j < 0 || j >= joints) throw ParseError(file, line, "joints from 0 to " + std::to_string(joints - 1), std::to_string(j));
+      if (j < 0 || j >= joints)
+        throw ParseError(file, line, "joints from 0 to " + std::to_string(joints - 1), std::to_string(j));
       if (k == 0) {
-        if (g > 0 && !inGroup[j]) throw ParseError(file, line, "a group that hangs on a joint of an earlier group", "joint " + std::to_string(j));
-        if (g == 0 && parents[j] >= 0) throw ParseError(file, line, "the root at the top of the first group", "joint " + std::to_string(j));
+        if (g > 0 && !inGroup[j])
+          throw ParseError(file, line, "a group that hangs on a joint of an earlier group",
+                           "joint " + std::to_string(j));
+        if (g == 0 && parents[j] >= 0)
+          throw ParseError(file, line, "the root at the top of the first group",
+                           "joint " + std::to_string(j));
         inGroup[j] = 1;
         continue;
       }
       if (parents[j] != group.joints[k - 1])
-        throw ParseError(file, line, "a bone between joints that follow each other", std::to_string(group.joints[k - 1]) + ", " + std::to_string(j));
-      if (inGroup[j]) throw ParseError(file, line, "each bone in one group", "joint " + std::to_string(j) + " again");
+        throw ParseError(file, line, "a bone between joints that follow each other",
+                         std::to_string(group.joints[k - 1]) + ", " + std::to_string(j));
+      if (inGroup[j])
+        throw ParseError(file, line, "each bone in one group", "joint " + std::to_string(j) + " again");
       inGroup[j] = 1;
       ++steps;
     }
   }
-  if (steps != joints - 1) throw ParseError(file, groupsLine, "every one of the " + std::to_string(joints - 1) + " bones in a group", std::to_string(steps));
+  if (steps != joints - 1)
+    throw ParseError(file, groupsLine, "every one of the " + std::to_string(joints - 1) + " bones in a group",
+                     std::to_string(steps));
 }
 
 /// Six decimals if they say it all.
@@ -179,7 +208,9 @@ std::string number(double value) {
   return back && *back == value && std::signbit(*back) == std::signbit(value) ? text : exactNumber(value);
 }
 
-std::string lineOf(const Vector3d& v) { return number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + ",\n"; }
+std::string lineOf(const Vector3d& v) {
+  return number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + ",\n";
+}
 
 }  // namespace
 
@@ -207,7 +238,8 @@ TutorialSkeleton parseTutorialSkeleton(std::string_view text, const std::string&
   if (!bones.value) throw ParseError(file, 0, "a section NumBones:", "none");
   if (!groups.value) throw ParseError(file, 0, "a section NumJointHierarchies:", "none");
   if (static_cast<int>(positions.value->size()) != *jointCount.value)
-    throw ParseError(file, positions.line, plural(*jointCount.value, "positions, one a joint"), std::to_string(positions.value->size()));
+    throw ParseError(file, positions.line, plural(*jointCount.value, "positions, one a joint"),
+                     std::to_string(positions.value->size()));
   const std::vector<int> parents = checkBones(file, *positions.value, *bones.value, bones.line);
   checkGroups(file, parents, *groups.value, groups.line);
 
@@ -217,17 +249,22 @@ TutorialSkeleton parseTutorialSkeleton(std::string_view text, const std::string&
   return skeleton;
 }
 
-TutorialSkeleton readTutorialSkeleton(const std::string& path) { return parseTutorialSkeleton(readFile(path), path); }
+TutorialSkeleton readTutorialSkeleton(const std::string& path) {
+  return parseTutorialSkeleton(readFile(path), path);
+}
 
 std::string formatTutorialSkeleton(const TutorialSkeleton& skeleton) {
-  std::string text = "NumJoints: " + std::to_string(skeleton.positions.size()) + "\nNonAnimatedJointPositions:\n";
+  std::string text =
+      "NumJoints: " + std::to_string(skeleton.positions.size()) + "\nNonAnimatedJointPositions:\n";
   for (const Vector3d& p : skeleton.positions) text += lineOf(p);
   text += "NumBones: " + std::to_string(skeleton.bones.size()) + '\n';
-  for (const auto& [from, to] : skeleton.bones) text += std::to_string(from) + ", " + std::to_string(to) + ",\n";
+  for (const auto& [from, to] : skeleton.bones)
+    text += std::to_string(from) + ", " + std::to_string(to) + ",\n";
   text += "NumJointHierarchies: " + std::to_string(skeleton.groups.size()) + '\n';
   for (const TutorialSkeleton::Group& group : skeleton.groups) {
     text += std::string(groupPrefix) + group.name + ": " + std::to_string(group.joints.size()) + '\n';
-    for (std::size_t k = 0; k < group.joints.size(); ++k) text += (k ? " " : "") + std::to_string(group.joints[k]) + ',';
+    for (std::size_t k = 0; k < group.joints.size(); ++k)
+      text += (k ? " " : "") + std::to_string(group.joints[k]) + ',';
     text += '\n';
   }
   return text;
@@ -249,7 +286,8 @@ TutorialPose parseTutorialPose(std::string_view text, const std::string& file) {
   if (!jointCount.value) throw ParseError(file, 0, "a line NumJoints:", "none");
   if (!angles.value) throw ParseError(file, 0, "a section JointAngles:", "none");
   if (static_cast<int>(angles.value->size()) != *jointCount.value)
-    throw ParseError(file, angles.line, plural(*jointCount.value, "triples of angles, one a joint"), std::to_string(angles.value->size()));
+    throw ParseError(file, angles.line, plural(*jointCount.value, "triples of angles, one a joint"),
+                     std::to_string(angles.value->size()));
   return *angles.value;
 }
 
@@ -266,7 +304,8 @@ TutorialFigure toSkeleton(const TutorialSkeleton& tutorial) {
   std::vector<std::vector<int>> children(count);
   std::vector<char> isEnd(count, 0);
   for (const auto& [from, to] : tutorial.bones) {
-    if (from < 0 || to < 0 || from >= count || to >= count) throw std::invalid_argument("a bone refers to a joint that does not exist");
+    if (from < 0 || to < 0 || from >= count || to >= count)
+      throw std::invalid_argument("a bone refers to a joint that does not exist");
     children[from].push_back(to);
     isEnd[to] = 1;
   }
@@ -287,16 +326,19 @@ TutorialFigure toSkeleton(const TutorialSkeleton& tutorial) {
       if (to == index) joint.parentFromZero.translation() -= tutorial.positions[from];
     for (const int axis : {2, 1, 0}) joint.axes.push_back({AxisDof::Kind::Rotation, Vector3d::Unit(axis)});
     joints.push_back(std::move(joint));
-    for (auto child = children[index].rbegin(); child != children[index].rend(); ++child) open.emplace_back(*child, figure.jointOfIndex[index]);
+    for (auto child = children[index].rbegin(); child != children[index].rend(); ++child)
+      open.emplace_back(*child, figure.jointOfIndex[index]);
   }
-  if (static_cast<int>(joints.size()) != count) throw std::invalid_argument("the bones are no tree over all joints");
+  if (static_cast<int>(joints.size()) != count)
+    throw std::invalid_argument("the bones are no tree over all joints");
   figure.skeleton = Skeleton(std::move(joints));
   return figure;
 }
 
 Eigen::VectorXd configuration(const TutorialFigure& figure, const TutorialPose& pose) {
   if (pose.size() != figure.jointOfIndex.size())
-    throw std::invalid_argument("the pose has " + std::to_string(pose.size()) + " joints, the figure " + std::to_string(figure.jointOfIndex.size()));
+    throw std::invalid_argument("the pose has " + std::to_string(pose.size()) + " joints, the figure " +
+                                std::to_string(figure.jointOfIndex.size()));
   Eigen::VectorXd q = Eigen::VectorXd::Zero(figure.skeleton.nq());
   for (std::size_t j = 0; j < pose.size(); ++j)
     q.segment<3>(figure.skeleton.qIndex(figure.jointOfIndex[j])) = pose[j].reverse();
@@ -304,9 +346,11 @@ Eigen::VectorXd configuration(const TutorialFigure& figure, const TutorialPose& 
 }
 
 TutorialPose tutorialPose(const TutorialFigure& figure, const Eigen::VectorXd& q) {
-  if (q.size() != figure.skeleton.nq()) throw std::invalid_argument("the configuration does not fit the figure");
+  if (q.size() != figure.skeleton.nq())
+    throw std::invalid_argument("the configuration does not fit the figure");
   TutorialPose pose(figure.jointOfIndex.size());
-  for (std::size_t j = 0; j < pose.size(); ++j) pose[j] = q.segment<3>(figure.skeleton.qIndex(figure.jointOfIndex[j])).reverse();
+  for (std::size_t j = 0; j < pose.size(); ++j)
+    pose[j] = q.segment<3>(figure.skeleton.qIndex(figure.jointOfIndex[j])).reverse();
   return pose;
 }
 
@@ -321,7 +365,8 @@ TutorialSkeleton toTutorialSkeleton(const Skeleton& skeleton) {
     TutorialSkeleton::Group group{.name = skeleton.joint(next).name, .joints = {top}};
     for (int at = next; at >= 0; at = skeleton.children(at).empty() ? -1 : skeleton.children(at).front()) {
       group.joints.push_back(at);
-      for (std::size_t k = 1; k < skeleton.children(at).size(); ++k) open.push_back({at, skeleton.children(at)[k]});
+      for (std::size_t k = 1; k < skeleton.children(at).size(); ++k)
+        open.push_back({at, skeleton.children(at)[k]});
     }
     for (char& c : group.name)
       if (c == ' ' || c == ',' || c == ':') c = '_';

@@ -16,7 +16,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// The library reads elements by recursion: a limit before it begins. Comments and attributes may fool the count upwards only by what they hold.
+/// The library reads elements by recursion: a limit before it begins. Comments and attributes may fool the
+/// count upwards only by what they hold.
 void checkNesting(std::string_view text, const std::string& file) {
   constexpr int deepest = 200;
   int depth = 0, line = 1;
@@ -30,19 +31,26 @@ void checkNesting(std::string_view text, const std::string& file) {
       const std::size_t end = text.find('>', i);
       if (end != std::string_view::npos && text[end - 1] == '/') --depth;
     }
-    if (depth > deepest) throw ParseError(file, line, "elements nested at most " + std::to_string(deepest) + " deep", "more");
+    if (depth > deepest)
+      throw ParseError(file, line, "elements nested at most " + std::to_string(deepest) + " deep", "more");
   }
 }
 
-/// The library reads beyond the end of a text whose last character is cut off, so only whole characters get there.
+/// The library reads beyond the end of a text whose last character is cut off, so only whole characters get
+/// there.
 void checkUtf8(std::string_view text, const std::string& file) {
   int line = 1;
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = static_cast<unsigned char>(text[i]);
     line += byte == '\n';
-    const std::size_t length = byte < 0x80 ? 1 : byte >= 0xc2 && byte < 0xe0 ? 2 : byte >= 0xe0 && byte < 0xf0 ? 3 : byte >= 0xf0 && byte < 0xf5 ? 4 : 0;
+    const std::size_t length = byte < 0x80                   ? 1
+                               : byte >= 0xc2 && byte < 0xe0 ? 2
+                               : byte >= 0xe0 && byte < 0xf0 ? 3
+                               : byte >= 0xf0 && byte < 0xf5 ? 4
+                                                             : 0;
     bool whole = byte != 0 && length > 0 && text.size() - i >= length;
-    for (std::size_t k = 1; whole && k < length; ++k) whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    for (std::size_t k = 1; whole && k < length; ++k)
+      whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
     if (!whole) throw ParseError(file, line, "text in UTF-8", "byte " + std::to_string(byte));
     i += length;
   }
@@ -67,7 +75,9 @@ class Reader {
     checkNesting(text, file);
     checkUtf8(text, file);
     document_.Parse(std::string(text).c_str(), nullptr, TIXML_ENCODING_UTF8);
-    if (document_.Error()) throw ParseError(file, std::max(0, document_.ErrorRow()), "well-formed XML", lowerFirst(document_.ErrorDesc()));
+    if (document_.Error())
+      throw ParseError(file, std::max(0, document_.ErrorRow()), "well-formed XML",
+                       lowerFirst(document_.ErrorDesc()));
     if (!document_.RootElement()) throw ParseError(file, 0, "an element <robot>", "none");
   }
 
@@ -92,12 +102,14 @@ class Reader {
 
   std::string attribute(const TiXmlElement* element, const char* name) const {
     const char* value = element->Attribute(name);
-    if (!value || !*value) fail(element, std::string("an attribute ") + name + " in <" + element->ValueStr() + ">", "none");
+    if (!value || !*value)
+      fail(element, std::string("an attribute ") + name + " in <" + element->ValueStr() + ">", "none");
     return value;
   }
   const TiXmlElement* child(const TiXmlElement* element, const char* name) const {
     const TiXmlElement* found = element->FirstChildElement(name);
-    if (!found) fail(element, std::string("an element <") + name + "> in <" + element->ValueStr() + ">", "none");
+    if (!found)
+      fail(element, std::string("an element <") + name + "> in <" + element->ValueStr() + ">", "none");
     return found;
   }
   double number(const TiXmlElement* element, const char* name) const {
@@ -114,7 +126,8 @@ class Reader {
     Vector3d v;
     for (int k = 0; k < 3; ++k) {
       const auto value = words.size() == 3 ? parseNumber(words[k]) : std::nullopt;
-      if (!value) fail(element, std::string("three finite numbers as ") + name, "'" + std::string(text) + "'");
+      if (!value)
+        fail(element, std::string("three finite numbers as ") + name, "'" + std::string(text) + "'");
       v[k] = *value;
     }
     return v;
@@ -124,9 +137,10 @@ class Reader {
     const TiXmlElement* at = element->FirstChildElement("origin");
     if (!at) return frame;
     const Vector3d rpy = triple(at, "rpy", Vector3d::Zero());
-    frame.linear() = (Eigen::AngleAxisd(rpy.z(), Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3d::UnitY()) *
-                      Eigen::AngleAxisd(rpy.x(), Vector3d::UnitX()))
-                         .toRotationMatrix();
+    frame.linear() =
+        (Eigen::AngleAxisd(rpy.z(), Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3d::UnitY()) *
+         Eigen::AngleAxisd(rpy.x(), Vector3d::UnitX()))
+            .toRotationMatrix();
     frame.translation() = triple(at, "xyz", Vector3d::Zero());
     return frame;
   }
@@ -138,14 +152,19 @@ class Reader {
       if (!isNew) fail(e, "a link name that is used once", "'" + name + "' again");
       linkOrder_.push_back(name);
       for (const char* kind : {"visual", "collision"})
-        for (const TiXmlElement* v = e->FirstChildElement(kind); v; v = v->NextSiblingElement(kind)) at->second.visuals.push_back(v);
+        for (const TiXmlElement* v = e->FirstChildElement(kind); v; v = v->NextSiblingElement(kind))
+          at->second.visuals.push_back(v);
     }
     if (links_.empty()) fail(robot, "at least one <link>", "none");
     std::set<std::string> names;
     for (const TiXmlElement* e = robot->FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) {
-      JointElement joint{.element = e, .name = attribute(e, "name"), .type = attribute(e, "type"), .parent = attribute(child(e, "parent"), "link"),
+      JointElement joint{.element = e,
+                         .name = attribute(e, "name"),
+                         .type = attribute(e, "type"),
+                         .parent = attribute(child(e, "parent"), "link"),
                          .child = attribute(child(e, "child"), "link")};
-      if (!names.insert(joint.name).second) fail(e, "a joint name that is used once", "'" + joint.name + "' again");
+      if (!names.insert(joint.name).second)
+        fail(e, "a joint name that is used once", "'" + joint.name + "' again");
       for (const std::string& link : {joint.parent, joint.child})
         if (!links_.count(link)) fail(e, "a link that exists", "'" + link + "'");
       Link& below = links_[joint.child];
@@ -159,12 +178,16 @@ class Reader {
     std::string root;
     for (const std::string& link : linkOrder_) {
       if (links_[link].parentJoint >= 0) continue;
-      if (!root.empty()) throw ParseError(file_, links_[link].line, "one link without a parent ('" + root + "')", "a second one, '" + link + "'");
+      if (!root.empty())
+        throw ParseError(file_, links_[link].line, "one link without a parent ('" + root + "')",
+                         "a second one, '" + link + "'");
       root = link;
     }
-    if (root.empty()) throw ParseError(file_, links_[linkOrder_.front()].line, "a link without a parent", "a cycle of links");
+    if (root.empty())
+      throw ParseError(file_, links_[linkOrder_.front()].line, "a link without a parent", "a cycle of links");
     std::multimap<std::string, int> jointsOfLink;
-    for (std::size_t j = 0; j < joints_.size(); ++j) jointsOfLink.emplace(joints_[j].parent, static_cast<int>(j));
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      jointsOfLink.emplace(joints_[j].parent, static_cast<int>(j));
 
     std::vector<Joint> list{{.name = root}};
     std::vector<double> rest;
@@ -186,7 +209,9 @@ class Reader {
       }
     }
     for (const JointElement& joint : joints_)
-      if (!joint.placed) fail(joint.element, "a joint below the root link '" + root + "'", "'" + joint.name + "' on a cycle of links");
+      if (!joint.placed)
+        fail(joint.element, "a joint below the root link '" + root + "'",
+             "'" + joint.name + "' on a cycle of links");
     robot_.skeleton = Skeleton(list, Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
     couple();
     Eigen::VectorXd coupled = robot_.skeleton.rest();
@@ -208,28 +233,36 @@ class Reader {
       const TiXmlElement* element = source.element->FirstChildElement("mimic");
       if (!element) continue;
       const std::string name = attribute(element, "joint");
-      const auto known = std::find_if(joints_.begin(), joints_.end(), [&](const JointElement& joint) { return joint.name == name; });
+      const auto known = std::find_if(joints_.begin(), joints_.end(),
+                                      [&](const JointElement& joint) { return joint.name == name; });
       if (known == joints_.end()) fail(element, "a joint that exists", "'" + name + "'");
       UrdfMimic mimic{.joint = source.index, .source = known->index};
       for (const int joint : {mimic.joint, mimic.source})
-        if (skeleton.joint(joint).axes.size() != 1) fail(element, "a mimic between joints of one degree of freedom", "'" + skeleton.joint(joint).name + "' of " + std::to_string(skeleton.vCount(joint)));
+        if (skeleton.joint(joint).axes.size() != 1)
+          fail(element, "a mimic between joints of one degree of freedom",
+               "'" + skeleton.joint(joint).name + "' of " + std::to_string(skeleton.vCount(joint)));
       if (element->Attribute("multiplier")) mimic.multiplier = number(element, "multiplier");
       if (element->Attribute("offset")) mimic.offset = number(element, "offset");
-      robot_.notes.push_back("joint '" + source.name + "' mimics '" + name + "' (" + exactNumber(mimic.multiplier) + " times its value plus " + exactNumber(mimic.offset) +
+      robot_.notes.push_back("joint '" + source.name + "' mimics '" + name + "' (" +
+                             exactNumber(mimic.multiplier) + " times its value plus " +
+                             exactNumber(mimic.offset) +
                              "); the rest pose keeps this, in motion both are free");
       open.push_back({mimic, element});
       following.insert(mimic.joint);
     }
     while (!open.empty()) {
-      const auto ready = std::find_if(open.begin(), open.end(), [&](const Coupling& c) { return !following.count(c.mimic.source); });
-      if (ready == open.end()) fail(open.front().element, "mimics that lead to a joint of its own", "a circle of them");
+      const auto ready = std::find_if(open.begin(), open.end(),
+                                      [&](const Coupling& c) { return !following.count(c.mimic.source); });
+      if (ready == open.end())
+        fail(open.front().element, "mimics that lead to a joint of its own", "a circle of them");
       following.erase(ready->mimic.joint);
       robot_.mimics.push_back(ready->mimic);
       open.erase(ready);
     }
   }
 
-  Joint makeJoint(const JointElement& source, const std::string& name, int parent, std::vector<double>& rest) {
+  Joint makeJoint(const JointElement& source, const std::string& name, int parent,
+                  std::vector<double>& rest) {
     Joint joint{.name = name, .parent = parent};
     joint.parentFromZero = origin(source.element);
     const std::string& type = source.type;
@@ -243,23 +276,29 @@ class Reader {
     Vector3d axis = Vector3d::UnitX();
     if (const TiXmlElement* e = source.element->FirstChildElement("axis")) {
       axis = triple(e, "xyz", axis);
-      if (!(axis.norm() > 1e-9) || !std::isfinite(axis.norm())) fail(e, "an axis of positive length", "zero or an overflow");
+      if (!(axis.norm() > 1e-9) || !std::isfinite(axis.norm()))
+        fail(e, "an axis of positive length", "zero or an overflow");
       axis.normalize();
     }
     if (type == "planar") {
       const Vector3d u = axis.unitOrthogonal();
-      joint.axes = {{AxisDof::Kind::Translation, u}, {AxisDof::Kind::Translation, axis.cross(u).normalized()}, {AxisDof::Kind::Rotation, axis}};
+      joint.axes = {{AxisDof::Kind::Translation, u},
+                    {AxisDof::Kind::Translation, axis.cross(u).normalized()},
+                    {AxisDof::Kind::Rotation, axis}};
       rest.insert(rest.end(), {0.0, 0.0, 0.0});
       return joint;
     }
-    AxisDof dof{.kind = type == "prismatic" ? AxisDof::Kind::Translation : AxisDof::Kind::Rotation, .axis = axis};
+    AxisDof dof{.kind = type == "prismatic" ? AxisDof::Kind::Translation : AxisDof::Kind::Rotation,
+                .axis = axis};
     if (type == "revolute" || type == "prismatic") {
       const TiXmlElement* limit = child(source.element, "limit");
       dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
       dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
-      if (dof.lower > dof.upper) fail(limit, "lower <= upper", exactNumber(dof.lower) + " and " + exactNumber(dof.upper));
+      if (dof.lower > dof.upper)
+        fail(limit, "lower <= upper", exactNumber(dof.lower) + " and " + exactNumber(dof.upper));
     } else if (type != "continuous") {
-      fail(source.element, "a joint type revolute, continuous, prismatic, fixed, floating or planar", "'" + type + "'");
+      fail(source.element, "a joint type revolute, continuous, prismatic, fixed, floating or planar",
+           "'" + type + "'");
     }
     rest.push_back(std::clamp(0.0, dof.lower, dof.upper));
     joint.axes.push_back(dof);
@@ -268,7 +307,10 @@ class Reader {
 
   void addVisuals(const Link& link, int joint) {
     for (const TiXmlElement* visual : link.visuals) {
-      UrdfVisual result{.joint = joint, .jointFromVisual = origin(visual), .collision = visual->ValueStr() == "collision", .line = visual->Row()};
+      UrdfVisual result{.joint = joint,
+                        .jointFromVisual = origin(visual),
+                        .collision = visual->ValueStr() == "collision",
+                        .line = visual->Row()};
       const TiXmlElement* geometry = child(visual, "geometry");
       if (const TiXmlElement* mesh = geometry->FirstChildElement("mesh")) {
         result.fileName = attribute(mesh, "filename");
@@ -287,7 +329,8 @@ class Reader {
       } else {
         fail(geometry, "a mesh, box, cylinder or sphere", "another geometry");
       }
-      if (result.shape != UrdfVisual::Shape::Mesh && !(result.size.minCoeff() > 0.0)) fail(geometry, "sizes above 0", exactNumber(result.size.minCoeff()));
+      if (result.shape != UrdfVisual::Shape::Mesh && !(result.size.minCoeff() > 0.0))
+        fail(geometry, "sizes above 0", exactNumber(result.size.minCoeff()));
       robot_.visuals.push_back(std::move(result));
     }
   }

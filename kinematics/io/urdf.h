@@ -14,13 +14,15 @@ struct UrdfVisual {
   int joint = 0;  ///< of the skeleton: the one that carries the link
   Eigen::Isometry3d jointFromVisual = Eigen::Isometry3d::Identity();
   Shape shape = Shape::Mesh;
-  bool collision = false;  ///< the simpler geometry for collisions, to fall back on
-  std::string fileName = {};                             ///< Mesh: as written, perhaps package://...
-  Eigen::Vector3d size = Eigen::Vector3d::Ones();   ///< Mesh: scale; Box: edges; Cylinder: (radius, radius, length along z); Sphere: radius thrice
+  bool collision = false;                          ///< the simpler geometry for collisions, to fall back on
+  std::string fileName = {};                       ///< Mesh: as written, perhaps package://...
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< Mesh: scale; Box: edges; Cylinder: (radius, radius,
+                                                   ///< length along z); Sphere: radius thrice
   int line = 0;
 };
 
-/// A joint that a robot's mechanics couple to another one: q[joint] = multiplier q[source] + offset, both joints of one dof.
+/// A joint that a robot's mechanics couple to another one: q[joint] = multiplier q[source] + offset, both
+/// joints of one dof.
 struct UrdfMimic {
   int joint = 0, source = 0;
   double multiplier = 1.0, offset = 0.0;
@@ -37,14 +39,16 @@ struct UrdfRobot {
 /// Sets what mimics to what it mimics, chains of them too. q: nq.
 void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q);
 
-/// A robot description (ROS). Links are frames: the root link becomes the fixed root joint, named after the link, every URDF joint one joint of its
-/// name whose frame is its child link's. revolute and continuous turn about the axis, prismatic slides along it, planar slides along two axes and turns about
-/// its normal, floating moves freely, fixed has no dof. rpy = (r, p, y): R = Rz(y) Ry(p) Rx(r). Metres and radians, z mostly up. Zeros outside limits are allowed:
-/// the rest configuration is then the nearest end of the range.
+/// A robot description (ROS). Links are frames: the root link becomes the fixed root joint, named after the
+/// link, every URDF joint one joint of its name whose frame is its child link's. revolute and continuous turn
+/// about the axis, prismatic slides along it, planar slides along two axes and turns about its normal,
+/// floating moves freely, fixed has no dof. rpy = (r, p, y): R = Rz(y) Ry(p) Rx(r). Metres and radians, z
+/// mostly up. Zeros outside limits are allowed: the rest configuration is then the nearest end of the range.
 ///
-/// Throws ParseError: XML that is not well formed or nests deeper than 200, a root element other than robot, missing names, parents or children, unknown
-/// links or joint types, a link with two parents, no or two root links, a cycle, numbers that are none, an axis of length zero, reversed limits, a name
-/// used twice, a mimic of no joint, of itself, of a joint that mimics in a circle, or between joints without exactly one dof.
+/// Throws ParseError: XML that is not well formed or nests deeper than 200, a root element other than robot,
+/// missing names, parents or children, unknown links or joint types, a link with two parents, no or two root
+/// links, a cycle, numbers that are none, an axis of length zero, reversed limits, a name used twice, a mimic
+/// of no joint, of itself, of a joint that mimics in a circle, or between joints without exactly one dof.
 UrdfRobot readUrdf(const std::string& path);
 UrdfRobot parseUrdf(std::string_view text, const std::string& file);
 

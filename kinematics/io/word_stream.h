@@ -5,9 +5,10 @@
 
 namespace gelenk {
 
-/// The words of a text one after the other, with their lines, for formats that are read word by word. Words are separated by blanks,
-/// line ends and the characters of alsoBlank; a word that starts with `comment` begins a comment that runs to the end of its line ('\0': there are none).
-/// Every failure is a ParseError that names file and line.
+/// The words of a text one after the other, with their lines, for formats that are read word by word. Words
+/// are separated by blanks, line ends and the characters of alsoBlank; a word that starts with `comment`
+/// begins a comment that runs to the end of its line ('\0': there are none). Every failure is a ParseError
+/// that names file and line.
 class WordStream {
  public:
   WordStream(std::string_view text, std::string file, std::string_view alsoBlank = "", char comment = '\0');

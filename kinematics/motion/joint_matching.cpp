@@ -30,14 +30,17 @@ bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0;
 bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 
-/// Lower-case words: split at what is neither letter nor digit, before a capital after a small letter, and between letters and digits.
+/// Lower-case words: split at what is neither letter nor digit, before a capital after a small letter, and
+/// between letters and digits.
 std::vector<std::string> wordsOf(std::string_view name) {
-  if (const auto at = name.find_last_of(":|"); at != std::string_view::npos && at + 1 < name.size()) name.remove_prefix(at + 1);
+  if (const auto at = name.find_last_of(":|"); at != std::string_view::npos && at + 1 < name.size())
+    name.remove_prefix(at + 1);
   std::vector<std::string> words;
   char before = '\0';
   for (const char c : name) {
     const bool inWord = isLetter(c) || isDigit(c);
-    const bool begins = !(isLetter(before) || isDigit(before)) || isDigit(c) != isDigit(before) || (isUpper(c) && !isUpper(before));
+    const bool begins = !(isLetter(before) || isDigit(before)) || isDigit(c) != isDigit(before) ||
+                        (isUpper(c) && !isUpper(before));
     if (inWord && begins) words.emplace_back();
     if (inWord) words.back() += lower(c);
     before = c;
@@ -67,7 +70,8 @@ PlainName withoutSide(const std::vector<std::string>& words) {
   return name;
 }
 
-/// What all names but the root's begin with, up to a separator, if that is no side and leaves a part of the body in every name.
+/// What all names but the root's begin with, up to a separator, if that is no side and leaves a part of the
+/// body in every name.
 std::string_view sharedPrefix(const Skeleton& skeleton) {
   if (skeleton.jointCount() < 3) return {};
   const std::string_view first = skeleton.joint(1).name;
@@ -78,7 +82,9 @@ std::string_view sharedPrefix(const Skeleton& skeleton) {
     const std::string_view name = joint.name;
     return name.starts_with(prefix) && !withoutSide(wordsOf(name.substr(prefix.size()))).part.empty();
   };
-  return separator > 0 && std::all_of(skeleton.joints().begin() + 1, skeleton.joints().end(), has) ? prefix : std::string_view{};
+  return separator > 0 && std::all_of(skeleton.joints().begin() + 1, skeleton.joints().end(), has)
+             ? prefix
+             : std::string_view{};
 }
 
 /// "lfemur" and "rfemur" are the two sides of "femur".
@@ -87,9 +93,11 @@ void splitLeadingSides(std::vector<PlainName>& names) {
   for (const PlainName& name : names)
     if (name.side == Side::Middle) parts.insert(name.part);
   for (PlainName& name : names) {
-    if (name.side != Side::Middle || name.part.size() < 2 || (name.part[0] != 'l' && name.part[0] != 'r')) continue;
+    if (name.side != Side::Middle || name.part.size() < 2 || (name.part[0] != 'l' && name.part[0] != 'r'))
+      continue;
     const bool left = name.part[0] == 'l';
-    if (parts.count((left ? "r" : "l") + name.part.substr(1))) name = {name.part.substr(1), left ? Side::Left : Side::Right};
+    if (parts.count((left ? "r" : "l") + name.part.substr(1)))
+      name = {name.part.substr(1), left ? Side::Left : Side::Right};
   }
 }
 
@@ -99,9 +107,13 @@ void mergeSynonyms(std::vector<PlainName>& names) {
     for (const auto& row : synonyms)
       if (std::find(row.begin(), row.end(), name.part) != row.end()) name.part = row[0];
   }
-  // Some rigs call the collar bone shoulder, others the upper arm; a wrist is the hand where there is no hand.
-  const auto has = [&](std::string_view part) { return std::any_of(names.begin(), names.end(), [&](const PlainName& name) { return name.part == part; }); };
-  const std::string shoulder = has("upperarm") ? "clavicle" : "upperarm", wrist = has("hand") ? "wrist" : "hand";
+  // Some rigs call the collar bone shoulder, others the upper arm; a wrist is the hand where there is no
+  // hand.
+  const auto has = [&](std::string_view part) {
+    return std::any_of(names.begin(), names.end(), [&](const PlainName& name) { return name.part == part; });
+  };
+  const std::string shoulder = has("upperarm") ? "clavicle" : "upperarm",
+                    wrist = has("hand") ? "wrist" : "hand";
   for (PlainName& name : names)
     if (name.part == "shoulder")
       name.part = shoulder;
@@ -120,8 +132,10 @@ std::map<Key, int> jointsByName(const Skeleton& skeleton, const std::vector<bool
   std::map<Key, int> joints;
   for (const auto& [name, list] : candidates) {
     const auto length = [&](int i) { return skeleton.joint(i).name.size(); };
-    const int shortest = *std::min_element(list.begin(), list.end(), [&](int a, int b) { return length(a) < length(b); });
-    if (std::count_if(list.begin(), list.end(), [&](int i) { return length(i) == length(shortest); }) == 1) joints[name] = shortest;
+    const int shortest =
+        *std::min_element(list.begin(), list.end(), [&](int a, int b) { return length(a) < length(b); });
+    if (std::count_if(list.begin(), list.end(), [&](int i) { return length(i) == length(shortest); }) == 1)
+      joints[name] = shortest;
   }
   return joints;
 }
@@ -129,7 +143,8 @@ std::map<Key, int> jointsByName(const Skeleton& skeleton, const std::vector<bool
 std::vector<std::string> unmatched(const Skeleton& skeleton, const std::vector<bool>& taken) {
   std::vector<std::string> names;
   for (int i = 0; i < skeleton.jointCount(); ++i)
-    if (!taken[i] && (skeleton.vCount(i) > 0 || !skeleton.children(i).empty())) names.push_back(skeleton.joint(i).name);
+    if (!taken[i] && (skeleton.vCount(i) > 0 || !skeleton.children(i).empty()))
+      names.push_back(skeleton.joint(i).name);
   return names;
 }
 
@@ -152,7 +167,9 @@ JointMatching matchJoints(const Skeleton& source, const Skeleton& target) {
   std::vector<JointMatch> found;
   const auto pair = [&](int s, int t) {
     for (const JointMatch& other : found)
-      if ((source.isAncestor(s, other.source) && target.isAncestor(other.target, t)) || (source.isAncestor(other.source, s) && target.isAncestor(t, other.target))) return;
+      if ((source.isAncestor(s, other.source) && target.isAncestor(other.target, t)) ||
+          (source.isAncestor(other.source, s) && target.isAncestor(t, other.target)))
+        return;
     found.push_back({s, t});
     sourceTaken[s] = targetTaken[t] = true;
   };
@@ -161,7 +178,8 @@ JointMatching matchJoints(const Skeleton& source, const Skeleton& target) {
   const auto inSource = jointsByName(source, sourceTaken);
   for (const auto& [name, t] : jointsByName(target, targetTaken))
     if (const auto s = inSource.find(name); s != inSource.end()) pair(s->second, t);
-  std::sort(found.begin(), found.end(), [](const JointMatch& a, const JointMatch& b) { return a.target < b.target; });
+  std::sort(found.begin(), found.end(),
+            [](const JointMatch& a, const JointMatch& b) { return a.target < b.target; });
   return {found, unmatched(source, sourceTaken), unmatched(target, targetTaken)};
 }
 

@@ -31,16 +31,20 @@ RotationAxes rotationAxes(const Joint& joint) {
   return axes;
 }
 
-double nearestTurn(double angle, double hint) { return angle + 2.0 * M_PI * std::round((hint - angle) / (2.0 * M_PI)); }
+double nearestTurn(double angle, double hint) {
+  return angle + 2.0 * M_PI * std::round((hint - angle) / (2.0 * M_PI));
+}
 
 bool atRightAngles(const Vector3d& a, const Vector3d& b) { return std::abs(a.dot(b)) < rightAngleTolerance; }
 
-/// Angles (a, b) whose exp(a e1) exp(b e2), e1 at right angles to e2, is the nearest quaternion to q. In the basis
-/// (1, e1, e2, e1 x e2) that product is (cos cos, sin cos, cos sin, sin sin) of the half angles a and b; the inner product with q is to be
-/// the largest.
-Eigen::Vector2d nearestTwoAngles(const Quaterniond& q, const Vector3d& e1, const Vector3d& e2, const Eigen::Vector2d& hint) {
+/// Angles (a, b) whose exp(a e1) exp(b e2), e1 at right angles to e2, is the nearest quaternion to q. In the
+/// basis (1, e1, e2, e1 x e2) that product is (cos cos, sin cos, cos sin, sin sin) of the half angles a and
+/// b; the inner product with q is to be the largest.
+Eigen::Vector2d nearestTwoAngles(const Quaterniond& q, const Vector3d& e1, const Vector3d& e2,
+                                 const Eigen::Vector2d& hint) {
   const double w = q.w(), x = q.vec().dot(e1), y = q.vec().dot(e2), z = q.vec().dot(e1.cross(e2));
-  // cos a cos b = (cos(a - b) + cos(a + b)) / 2 and so on split it into one term of the sum and one of the difference.
+  // cos a cos b = (cos(a - b) + cos(a + b)) / 2 and so on split it into one term of the sum and one of the
+  // difference.
   const double sum = std::atan2(x + y, w - z), difference = std::atan2(x - y, w + z);
   const double a = sum + difference, b = sum - difference;  // whole angles: twice the half sum and difference
   return {nearestTurn(a, hint[0]), nearestTurn(b, hint[1])};
@@ -61,11 +65,12 @@ Quaterniond slerp(const Quaterniond& a, Quaterniond b, double s) {
 
 void validate(const Skeleton& skeleton, const MotionClip& clip) {
   if (clip.q.rows() != skeleton.nq())
-    throw std::invalid_argument("the clip has " + std::to_string(clip.q.rows()) + " values a frame, the skeleton needs nq = " +
-                                std::to_string(skeleton.nq()));
+    throw std::invalid_argument("the clip has " + std::to_string(clip.q.rows()) +
+                                " values a frame, the skeleton needs nq = " + std::to_string(skeleton.nq()));
   if (clip.q.cols() == 0) throw std::invalid_argument("the clip has no frame");
   if (!(clip.framesPerSecond > 0.0) || !std::isfinite(clip.framesPerSecond))
-    throw std::invalid_argument("the clip's frame rate must be positive, found " + std::to_string(clip.framesPerSecond));
+    throw std::invalid_argument("the clip's frame rate must be positive, found " +
+                                std::to_string(clip.framesPerSecond));
   if (!clip.q.allFinite()) throw std::invalid_argument("the clip has a value that is not finite");
 }
 
@@ -81,9 +86,10 @@ Quaterniond jointRotation(const Skeleton& skeleton, const Eigen::Ref<const Vecto
   return rotation;
 }
 
-Vector3d eulerAngles(const Quaterniond& rotation, const Vector3d& e1, const Vector3d& e2, const Vector3d& e3, const Vector3d& hint) {
-  // With h = (e1 x e2) . e3 = +-1 and R in the basis (e1, e2, e3):  R13 = h sin a2, R11 = cos a2 cos a3, R12 = -h cos a2 sin a3,
-  // R23 = -h sin a1 cos a2, R33 = cos a1 cos a2.
+Vector3d eulerAngles(const Quaterniond& rotation, const Vector3d& e1, const Vector3d& e2, const Vector3d& e3,
+                     const Vector3d& hint) {
+  // With h = (e1 x e2) . e3 = +-1 and R in the basis (e1, e2, e3):  R13 = h sin a2, R11 = cos a2 cos a3, R12
+  // = -h cos a2 sin a3, R23 = -h sin a1 cos a2, R33 = cos a1 cos a2.
   const double h = e1.cross(e2).dot(e3) > 0.0 ? 1.0 : -1.0;
   const Eigen::Matrix3d R = rotation.toRotationMatrix();
   const Vector3d r1 = R * e1, r2 = R * e2, r3 = R * e3;
@@ -106,7 +112,8 @@ Vector3d eulerAngles(const Quaterniond& rotation, const Vector3d& e1, const Vect
   return (first - hint).squaredNorm() <= (second - hint).squaredNorm() ? first : second;
 }
 
-bool setJointRotation(const Skeleton& skeleton, Eigen::Ref<VectorXd> q, int index, const Quaterniond& rotation) {
+bool setJointRotation(const Skeleton& skeleton, Eigen::Ref<VectorXd> q, int index,
+                      const Quaterniond& rotation) {
   const Joint& joint = skeleton.joint(index);
   double* value = q.data() + skeleton.qIndex(index);
   const RotationAxes axes = rotationAxes(joint);
@@ -143,8 +150,8 @@ bool setJointRotation(const Skeleton& skeleton, Eigen::Ref<VectorXd> q, int inde
   return true;
 }
 
-void interpolate(const Skeleton& skeleton, const Eigen::Ref<const VectorXd>& from, const Eigen::Ref<const VectorXd>& to, double s,
-                 VectorXd& out) {
+void interpolate(const Skeleton& skeleton, const Eigen::Ref<const VectorXd>& from,
+                 const Eigen::Ref<const VectorXd>& to, double s, VectorXd& out) {
   out = from;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
@@ -166,7 +173,8 @@ void interpolate(const Skeleton& skeleton, const Eigen::Ref<const VectorXd>& fro
   }
 }
 
-void sample(const Skeleton& skeleton, const MotionClip& clip, double seconds, BeyondEnd beyond, VectorXd& out) {
+void sample(const Skeleton& skeleton, const MotionClip& clip, double seconds, BeyondEnd beyond,
+            VectorXd& out) {
   const int last = clip.frameCount() - 1;
   double at = seconds * clip.framesPerSecond;
   if (beyond == BeyondEnd::Loop && last > 0) at -= (last + 1) * std::floor(at / (last + 1));

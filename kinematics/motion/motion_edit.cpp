@@ -25,7 +25,9 @@ double smoothStep(double t) {
 Quaterniond partOf(const Quaterniond& rotation, double s) { return expRotation(s * logRotation(rotation)); }
 
 int rotationCount(const Joint& joint) {
-  return static_cast<int>(std::count_if(joint.axes.begin(), joint.axes.end(), [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Rotation; }));
+  return static_cast<int>(std::count_if(joint.axes.begin(), joint.axes.end(), [](const AxisDof& dof) {
+    return dof.kind == AxisDof::Kind::Rotation;
+  }));
 }
 
 /// Second-order Butterworth low-pass, direct form.
@@ -75,7 +77,8 @@ void requireSame(const Skeleton& skeleton, const MotionClip& a, const MotionClip
 bool setRootFrame(const Skeleton& skeleton, Eigen::Ref<VectorXd> q, const Eigen::Isometry3d& worldFromRoot) {
   const Joint& root = skeleton.joint(0);
   const bool free = root.axes.size() >= 3 && (root.ball || rotationCount(root) == 3) &&
-                    std::all_of(root.axes.begin(), root.axes.begin() + 3, [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Translation; });
+                    std::all_of(root.axes.begin(), root.axes.begin() + 3,
+                                [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Translation; });
   if (!free) return false;
   Eigen::Matrix3d axes;
   for (int k = 0; k < 3; ++k) axes.col(k) = root.axes[k].axis;
@@ -90,7 +93,8 @@ bool setRootFrame(const Skeleton& skeleton, Eigen::Ref<VectorXd> q, const Eigen:
 MotionClip lowPassed(const Skeleton& skeleton, const MotionClip& clip, double cutoffHz) {
   validate(skeleton, clip);
   if (!(cutoffHz > 0.0) || !(cutoffHz < 0.5 * clip.framesPerSecond))
-    throw std::invalid_argument("the cut-off must lie between 0 and half the frame rate, " + std::to_string(0.5 * clip.framesPerSecond) + " Hz");
+    throw std::invalid_argument("the cut-off must lie between 0 and half the frame rate, " +
+                                std::to_string(0.5 * clip.framesPerSecond) + " Hz");
   MotionClip result = clip;
   const int frames = clip.frameCount();
   if (frames < 2) return result;
@@ -105,7 +109,8 @@ MotionClip lowPassed(const Skeleton& skeleton, const MotionClip& clip, double cu
       if (rotation && asQuaternion) continue;
       VectorXd values = clip.q.row(at + k);
       if (rotation)
-        for (int f = 1; f < frames; ++f) values[f] = values[f - 1] + std::remainder(values[f] - values[f - 1], 2.0 * M_PI);
+        for (int f = 1; f < frames; ++f)
+          values[f] = values[f - 1] + std::remainder(values[f] - values[f - 1], 2.0 * M_PI);
       result.q.row(at + k) = zeroPhase(values, filter, padding);
     }
     if (!asQuaternion) continue;
@@ -116,7 +121,8 @@ MotionClip lowPassed(const Skeleton& skeleton, const MotionClip& clip, double cu
     }
     for (int k = 0; k < 4; ++k) coefficients.row(k) = zeroPhase(coefficients.row(k), filter, padding);
     for (int f = 0; f < frames; ++f)
-      setJointRotation(skeleton, result.q.col(f), i, Quaterniond(Eigen::Vector4d(coefficients.col(f))).normalized());
+      setJointRotation(skeleton, result.q.col(f), i,
+                       Quaterniond(Eigen::Vector4d(coefficients.col(f))).normalized());
   }
   return result;
 }
@@ -125,14 +131,18 @@ MotionClip layered(const Skeleton& skeleton, const MotionClip& base, const Layer
   requireSame(skeleton, base, layer.clip);
   const bool additive = layer.kind == Layer::Kind::Additive;
   if (!std::isfinite(layer.weight) || layer.weight < 0.0 || (!additive && layer.weight > 1.0))
-    throw std::invalid_argument("the weight of a layer must lie between 0 and 1, or be 0 or more for an additive one, not " + std::to_string(layer.weight));
+    throw std::invalid_argument(
+        "the weight of a layer must lie between 0 and 1, or be 0 or more for an additive one, not " +
+        std::to_string(layer.weight));
   const VectorXd& reference = layer.reference.size() > 0 ? layer.reference : skeleton.rest();
-  if (reference.size() != skeleton.nq()) throw std::invalid_argument("the reference pose does not fit the skeleton");
+  if (reference.size() != skeleton.nq())
+    throw std::invalid_argument("the reference pose does not fit the skeleton");
   std::vector<int> joints = layer.joints;
   if (joints.empty())
     for (int i = 0; i < skeleton.jointCount(); ++i) joints.push_back(i);
   for (const int i : joints)
-    if (i < 0 || i >= skeleton.jointCount()) throw std::invalid_argument("a layer names joint " + std::to_string(i) + ", which does not exist");
+    if (i < 0 || i >= skeleton.jointCount())
+      throw std::invalid_argument("a layer names joint " + std::to_string(i) + ", which does not exist");
   MotionClip result = base;
   VectorXd mixed;
   for (int f = 0; f < base.frameCount(); ++f) {
@@ -145,10 +155,14 @@ MotionClip layered(const Skeleton& skeleton, const MotionClip& base, const Layer
         result.q.col(f).segment(at, skeleton.qCount(i)) = mixed.segment(at, skeleton.qCount(i));
         continue;
       }
-      const Quaterniond departure = jointRotation(skeleton, reference, i).conjugate() * jointRotation(skeleton, on, i);
-      const bool exact = setJointRotation(skeleton, result.q.col(f), i, (jointRotation(skeleton, under, i) * partOf(departure, layer.weight)).normalized());
+      const Quaterniond departure =
+          jointRotation(skeleton, reference, i).conjugate() * jointRotation(skeleton, on, i);
+      const bool exact = setJointRotation(
+          skeleton, result.q.col(f), i,
+          (jointRotation(skeleton, under, i) * partOf(departure, layer.weight)).normalized());
       for (std::size_t k = 0; k < joint.axes.size(); ++k)
-        if (!exact || joint.axes[k].kind == AxisDof::Kind::Translation) result.q(at + k, f) = under[at + k] + layer.weight * (on[at + k] - reference[at + k]);
+        if (!exact || joint.axes[k].kind == AxisDof::Kind::Translation)
+          result.q(at + k, f) = under[at + k] + layer.weight * (on[at + k] - reference[at + k]);
     }
   }
   return result;
@@ -161,28 +175,36 @@ std::vector<int> limbBelow(const Skeleton& skeleton, int joint) {
   return limb;
 }
 
-MotionClip crossFaded(const Skeleton& skeleton, const MotionClip& first, const MotionClip& second, double seconds, bool alignRoot) {
+MotionClip crossFaded(const Skeleton& skeleton, const MotionClip& first, const MotionClip& second,
+                      double seconds, bool alignRoot) {
   requireSame(skeleton, first, second);
   const int fade = static_cast<int>(std::lround(seconds * first.framesPerSecond));
   const int shorter = std::min(first.frameCount(), second.frameCount());
   if (fade < 0 || fade > shorter)
-    throw std::invalid_argument("a fade of " + std::to_string(fade) + " frames is longer than the shorter clip, which has " + std::to_string(shorter));
+    throw std::invalid_argument("a fade of " + std::to_string(fade) +
+                                " frames is longer than the shorter clip, which has " +
+                                std::to_string(shorter));
   MotionClip moved = second;
   if (alignRoot) {
     const int at = std::min(first.frameCount() - fade, first.frameCount() - 1);
-    const Eigen::Isometry3d a = forwardKinematics(skeleton, first.q.col(at))[0], b = forwardKinematics(skeleton, second.q.col(0))[0];
+    const Eigen::Isometry3d a = forwardKinematics(skeleton, first.q.col(at))[0],
+                            b = forwardKinematics(skeleton, second.q.col(0))[0];
     // The turn about y that brings one heading nearest to the other: the twist about y of a b^-1.
     const Quaterniond between(Eigen::Matrix3d(a.linear() * b.linear().transpose()));
-    const Quaterniond heading = std::hypot(between.w(), between.y()) < 1e-9 ? Quaterniond::Identity() : Quaterniond(between.w(), 0.0, between.y(), 0.0).normalized();
+    const Quaterniond heading = std::hypot(between.w(), between.y()) < 1e-9
+                                    ? Quaterniond::Identity()
+                                    : Quaterniond(between.w(), 0.0, between.y(), 0.0).normalized();
     Eigen::Isometry3d turn(heading);
     Vector3d shift = a.translation() - heading * b.translation();
     shift.y() = 0.0;
     turn.translation() = shift;
     for (int f = 0; f < moved.frameCount(); ++f)
-      if (!setRootFrame(skeleton, moved.q.col(f), turn * forwardKinematics(skeleton, second.q.col(f))[0])) break;
+      if (!setRootFrame(skeleton, moved.q.col(f), turn * forwardKinematics(skeleton, second.q.col(f))[0]))
+        break;
   }
   const int before = first.frameCount() - fade;
-  MotionClip result{.framesPerSecond = first.framesPerSecond, .q = Eigen::MatrixXd(skeleton.nq(), before + moved.frameCount())};
+  MotionClip result{.framesPerSecond = first.framesPerSecond,
+                    .q = Eigen::MatrixXd(skeleton.nq(), before + moved.frameCount())};
   result.q.leftCols(before) = first.q.leftCols(before);
   result.q.rightCols(moved.frameCount()) = moved.q;
   VectorXd q;
@@ -201,12 +223,15 @@ struct Departure {
   VectorXd values;                                 ///< axis by axis; angles by the shorter way
 };
 
-Departure departureOf(const Skeleton& skeleton, const Eigen::Ref<const VectorXd>& from, const VectorXd& to, int index) {
+Departure departureOf(const Skeleton& skeleton, const Eigen::Ref<const VectorXd>& from, const VectorXd& to,
+                      int index) {
   const Joint& joint = skeleton.joint(index);
   const int at = skeleton.qIndex(index), axes = static_cast<int>(joint.axes.size());
-  Departure departure{jointRotation(skeleton, to, index) * jointRotation(skeleton, from, index).conjugate(), to.segment(at, axes) - from.segment(at, axes)};
+  Departure departure{jointRotation(skeleton, to, index) * jointRotation(skeleton, from, index).conjugate(),
+                      to.segment(at, axes) - from.segment(at, axes)};
   for (int k = 0; k < axes; ++k)
-    if (joint.axes[k].kind == AxisDof::Kind::Rotation) departure.values[k] = std::remainder(departure.values[k], 2.0 * M_PI);
+    if (joint.axes[k].kind == AxisDof::Kind::Rotation)
+      departure.values[k] = std::remainder(departure.values[k], 2.0 * M_PI);
   return departure;
 }
 
@@ -216,13 +241,16 @@ Departure between(const Departure& a, const Departure& b, double s) {
 
 }  // namespace
 
-MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, std::span<const JointKey> keys, double falloff) {
+MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, std::span<const JointKey> keys,
+                 double falloff) {
   validate(skeleton, clip);
   std::vector<Departure> departures;
   for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (keys[k].frame < 0 || keys[k].frame >= clip.frameCount() || (k > 0 && keys[k].frame <= keys[k - 1].frame))
+    if (keys[k].frame < 0 || keys[k].frame >= clip.frameCount() ||
+        (k > 0 && keys[k].frame <= keys[k - 1].frame))
       throw std::invalid_argument("keys must lie within the clip, in ascending order");
-    if (keys[k].q.size() != skeleton.nq() || !keys[k].q.allFinite()) throw std::invalid_argument("a key's pose does not fit the skeleton");
+    if (keys[k].q.size() != skeleton.nq() || !keys[k].q.allFinite())
+      throw std::invalid_argument("a key's pose does not fit the skeleton");
     departures.push_back(departureOf(skeleton, clip.q.col(keys[k].frame), keys[k].q, joint));
   }
   MotionClip result = clip;
@@ -231,7 +259,8 @@ MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, st
   const double reach = std::max(1.0, falloff * clip.framesPerSecond);
   const int at = skeleton.qIndex(joint);
   for (int f = 0; f < clip.frameCount() && !keys.empty(); ++f) {
-    const auto next = std::find_if(keys.begin(), keys.end(), [f](const JointKey& key) { return key.frame >= f; });
+    const auto next =
+        std::find_if(keys.begin(), keys.end(), [f](const JointKey& key) { return key.frame >= f; });
     const std::size_t b = static_cast<std::size_t>(next - keys.begin());
     Departure departure;
     if (b == 0)
@@ -239,8 +268,12 @@ MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, st
     else if (b == keys.size())
       departure = between(none, departures[b - 1], smoothStep(1.0 - (f - keys[b - 1].frame) / reach));
     else
-      departure = between(departures[b - 1], departures[b], smoothStep(static_cast<double>(f - keys[b - 1].frame) / (keys[b].frame - keys[b - 1].frame)));
-    const bool exact = setJointRotation(skeleton, result.q.col(f), joint, (departure.rotation * jointRotation(skeleton, clip.q.col(f), joint)).normalized());
+      departure = between(
+          departures[b - 1], departures[b],
+          smoothStep(static_cast<double>(f - keys[b - 1].frame) / (keys[b].frame - keys[b - 1].frame)));
+    const bool exact =
+        setJointRotation(skeleton, result.q.col(f), joint,
+                         (departure.rotation * jointRotation(skeleton, clip.q.col(f), joint)).normalized());
     for (std::size_t k = 0; k < axes.size(); ++k)
       if (!exact || axes[k].kind == AxisDof::Kind::Translation) result.q(at + k, f) += departure.values[k];
   }
@@ -249,7 +282,8 @@ MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, st
   return result;
 }
 
-double reachWithLeastChange(const Skeleton& skeleton, VectorXd& q, int joint, const Vector3d& target, std::span<const int> movingJoints) {
+double reachWithLeastChange(const Skeleton& skeleton, VectorXd& q, int joint, const Vector3d& target,
+                            std::span<const int> movingJoints) {
   std::vector<int> columns;
   for (const int j : movingJoints)
     for (int k = 0; k < skeleton.vCount(j); ++k) columns.push_back(skeleton.vIndex(j) + k);
@@ -292,7 +326,8 @@ std::vector<Foot> cmuFeet(const Skeleton& skeleton) {
   return feet;
 }
 
-std::vector<Contact> footContacts(const Skeleton& skeleton, const MotionClip& clip, std::span<const Foot> feet, const FootPlantOptions& options) {
+std::vector<Contact> footContacts(const Skeleton& skeleton, const MotionClip& clip,
+                                  std::span<const Foot> feet, const FootPlantOptions& options) {
   validate(skeleton, clip);
   const int frames = clip.frameCount();
   std::vector<std::vector<Vector3d>> balls(feet.size(), std::vector<Vector3d>(frames));
@@ -306,7 +341,8 @@ std::vector<Contact> footContacts(const Skeleton& skeleton, const MotionClip& cl
   for (std::size_t k = 0; k < feet.size(); ++k) {
     const auto stands = [&](int f) {
       const int a = std::max(0, f - 1), b = std::min(frames - 1, f + 1);
-      return b > a && (balls[k][b] - balls[k][a]).norm() * clip.framesPerSecond / (b - a) < options.plantedBelow;
+      return b > a &&
+             (balls[k][b] - balls[k][a]).norm() * clip.framesPerSecond / (b - a) < options.plantedBelow;
     };
     for (int f = 0; f < frames; ++f) {
       if (!stands(f)) continue;
@@ -318,13 +354,15 @@ std::vector<Contact> footContacts(const Skeleton& skeleton, const MotionClip& cl
   return contacts;
 }
 
-FootFacts footFacts(const Skeleton& skeleton, const MotionClip& clip, std::span<const Foot> feet, std::span<const Contact> contacts, double floor) {
+FootFacts footFacts(const Skeleton& skeleton, const MotionClip& clip, std::span<const Foot> feet,
+                    std::span<const Contact> contacts, double floor) {
   FootFacts facts;
   std::vector<Frames> poses(clip.frameCount());
   for (int f = 0; f < clip.frameCount(); ++f) poses[f] = forwardKinematics(skeleton, clip.q.col(f));
   for (const Contact& contact : contacts)
     for (int f = contact.first; f < contact.last; ++f) {
-      Vector3d way = poses[f + 1][feet[contact.foot].ball].translation() - poses[f][feet[contact.foot].ball].translation();
+      Vector3d way = poses[f + 1][feet[contact.foot].ball].translation() -
+                     poses[f][feet[contact.foot].ball].translation();
       way.y() = 0.0;
       facts.meanSlide += way.norm();
       facts.largestSlide = std::max(facts.largestSlide, way.norm());
@@ -334,17 +372,21 @@ FootFacts footFacts(const Skeleton& skeleton, const MotionClip& clip, std::span<
   for (const Frames& pose : poses)
     for (const Foot& foot : feet)
       for (const int joint : {foot.ball, foot.tip})
-        if (joint >= 0) facts.deepestPenetration = std::max(facts.deepestPenetration, floor - pose[joint].translation().y());
+        if (joint >= 0)
+          facts.deepestPenetration =
+              std::max(facts.deepestPenetration, floor - pose[joint].translation().y());
   return facts;
 }
 
 namespace {
 
 /// Offsets of a ball in every frame: what holds it in its contacts, faded outside.
-std::vector<Vector3d> offsets(const std::vector<Vector3d>& ball, std::vector<Contact> contacts, double blendFrames) {
+std::vector<Vector3d> offsets(const std::vector<Vector3d>& ball, std::vector<Contact> contacts,
+                              double blendFrames) {
   const int frames = static_cast<int>(ball.size());
   std::vector<Vector3d> result(frames, Vector3d::Zero());
-  std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) { return a.first < b.first; });
+  std::sort(contacts.begin(), contacts.end(),
+            [](const Contact& a, const Contact& b) { return a.first < b.first; });
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     const Contact& contact = contacts[c];
     Eigen::AlignedBox3d slid;
@@ -358,14 +400,18 @@ std::vector<Vector3d> offsets(const std::vector<Vector3d>& ball, std::vector<Con
     // Fades to both sides, at most half-way to the neighbouring contact.
     const int from = c > 0 ? (contacts[c - 1].last + contact.first) / 2 + 1 : 0;
     const int to = c + 1 < contacts.size() ? (contact.last + contacts[c + 1].first) / 2 : frames - 1;
-    const double before = std::min<double>(blendFrames, contact.first - from + 1), after = std::min<double>(blendFrames, to - contact.last + 1);
-    for (int f = from; f < contact.first; ++f) result[f] = hold(contact.first) * smoothStep(1.0 - (contact.first - f) / before);
-    for (int f = contact.last + 1; f <= to; ++f) result[f] = hold(contact.last) * smoothStep(1.0 - (f - contact.last) / after);
+    const double before = std::min<double>(blendFrames, contact.first - from + 1),
+                 after = std::min<double>(blendFrames, to - contact.last + 1);
+    for (int f = from; f < contact.first; ++f)
+      result[f] = hold(contact.first) * smoothStep(1.0 - (contact.first - f) / before);
+    for (int f = contact.last + 1; f <= to; ++f)
+      result[f] = hold(contact.last) * smoothStep(1.0 - (f - contact.last) / after);
   }
   return result;
 }
 
-/// Turns the toes until their tip is above the floor; the least turn is found by reaching for the nearest point above.
+/// Turns the toes until their tip is above the floor; the least turn is found by reaching for the nearest
+/// point above.
 void liftTip(const Skeleton& skeleton, VectorXd& q, const Foot& foot, double floor) {
   if (foot.tip < 0) return;
   for (int attempt = 0; attempt < 8; ++attempt) {
@@ -378,15 +424,16 @@ void liftTip(const Skeleton& skeleton, VectorXd& q, const Foot& foot, double flo
 
 }  // namespace
 
-MotionClip footPlanted(const Skeleton& skeleton, const MotionClip& clip, std::span<const Foot> feet, std::span<const Contact> contacts,
-                       const FootPlantOptions& options) {
+MotionClip footPlanted(const Skeleton& skeleton, const MotionClip& clip, std::span<const Foot> feet,
+                       std::span<const Contact> contacts, const FootPlantOptions& options) {
   validate(skeleton, clip);
   MotionClip result = clip;
   const int frames = clip.frameCount();
   for (std::size_t k = 0; k < feet.size(); ++k) {
     const Foot& foot = feet[k];
     std::vector<Vector3d> ball(frames);
-    for (int f = 0; f < frames; ++f) ball[f] = forwardKinematics(skeleton, result.q.col(f))[foot.ball].translation();
+    for (int f = 0; f < frames; ++f)
+      ball[f] = forwardKinematics(skeleton, result.q.col(f))[foot.ball].translation();
     std::vector<Contact> own;
     for (const Contact& contact : contacts)
       if (contact.foot == static_cast<int>(k)) own.push_back(contact);

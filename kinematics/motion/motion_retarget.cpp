@@ -20,8 +20,10 @@ struct Directions {
   std::vector<Vector3d> source, target;  ///< unit vectors in the rest poses
 };
 
-/// The turn about y from where the target faces to where the source faces, told from matched pairs of left and right joints; identity where there are none.
-Matrix3d facing(const Frames& source, const Frames& target, const std::vector<PlainName>& targetNames, const std::vector<int>& sourceOf) {
+/// The turn about y from where the target faces to where the source faces, told from matched pairs of left
+/// and right joints; identity where there are none.
+Matrix3d facing(const Frames& source, const Frames& target, const std::vector<PlainName>& targetNames,
+                const std::vector<int>& sourceOf) {
   Vector3d inSource = Vector3d::Zero(), inTarget = Vector3d::Zero();
   for (std::size_t t = 0; t < sourceOf.size(); ++t) {
     if (sourceOf[t] < 0 || targetNames[t].side == Side::Middle) continue;
@@ -31,7 +33,9 @@ Matrix3d facing(const Frames& source, const Frames& target, const std::vector<Pl
   }
   inSource.y() = inTarget.y() = 0.0;
   if (!(inSource.norm() > 1e-6) || !(inTarget.norm() > 1e-6)) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(std::atan2(inTarget.cross(inSource).y(), inTarget.dot(inSource)), Vector3d::UnitY()).toRotationMatrix();
+  return Eigen::AngleAxisd(std::atan2(inTarget.cross(inSource).y(), inTarget.dot(inSource)),
+                           Vector3d::UnitY())
+      .toRotationMatrix();
 }
 
 double lowest(const Frames& frames) {
@@ -44,7 +48,10 @@ double lowest(const Frames& frames) {
 int movingJoint(const Skeleton& skeleton, int joint) {
   for (; joint >= 0; joint = skeleton.parent(joint)) {
     const auto& axes = skeleton.joint(joint).axes;
-    if (axes.size() < 3 || !std::all_of(axes.begin(), axes.begin() + 3, [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Translation; })) continue;
+    if (axes.size() < 3 || !std::all_of(axes.begin(), axes.begin() + 3, [](const AxisDof& dof) {
+          return dof.kind == AxisDof::Kind::Translation;
+        }))
+      continue;
     Matrix3d directions;
     for (int k = 0; k < 3; ++k) directions.col(k) = axes[k].axis;
     if ((directions.transpose() * directions).isIdentity(1e-9)) return joint;
@@ -56,7 +63,11 @@ int movingJoint(const Skeleton& skeleton, int joint) {
 class Retargeter {
  public:
   Retargeter(const Skeleton& source, const Skeleton& target, const JointMatching& matching)
-      : target_(target), sourceRest_(restFrames(source)), targetRest_(restFrames(target)), sourceOf_(target.jointCount(), -1), aligned_(target.jointCount()) {
+      : target_(target),
+        sourceRest_(restFrames(source)),
+        targetRest_(restFrames(target)),
+        sourceOf_(target.jointCount(), -1),
+        aligned_(target.jointCount()) {
     for (const JointMatch& match : matching.matches) sourceOf_[match.target] = match.source;
     std::vector<int> matchedAbove(target.jointCount(), -1);
     std::vector<Directions> directions(target.jointCount());
@@ -66,7 +77,8 @@ class Retargeter {
       if (sourceOf_[t] < 0) continue;
       if (top_ < 0) top_ = t;
       if (matchedAbove[t] < 0) continue;
-      const Vector3d inSource = sourceRest_[sourceOf_[t]].translation() - sourceRest_[sourceOf_[matchedAbove[t]]].translation();
+      const Vector3d inSource =
+          sourceRest_[sourceOf_[t]].translation() - sourceRest_[sourceOf_[matchedAbove[t]]].translation();
       const Vector3d inTarget = targetRest_[t].translation() - targetRest_[matchedAbove[t]].translation();
       if (!(inSource.norm() > 1e-9) || !(inTarget.norm() > 1e-9)) continue;
       directions[matchedAbove[t]].source.push_back(inSource.normalized());
@@ -88,7 +100,8 @@ class Retargeter {
     }
     moving_ = movingJoint(target, top_);
     sourceFloor_ = lowest(sourceRest_), targetFloor_ = lowest(targetRest_);
-    const double from = sourceRest_[sourceOf_[top_]].translation().y() - sourceFloor_, to = targetRest_[top_].translation().y() - targetFloor_;
+    const double from = sourceRest_[sourceOf_[top_]].translation().y() - sourceFloor_,
+                 to = targetRest_[top_].translation().y() - targetFloor_;
     if (from > 1e-6 && to > 1e-6) scale_ = to / from;
   }
 
@@ -100,11 +113,14 @@ class Retargeter {
     Frames frames(target_.jointCount());
     for (int t = 0; t < target_.jointCount(); ++t) {
       const Joint& joint = target_.joint(t);
-      const Eigen::Isometry3d zero = joint.parent < 0 ? joint.parentFromZero : frames[joint.parent] * joint.parentFromZero;
+      const Eigen::Isometry3d zero =
+          joint.parent < 0 ? joint.parentFromZero : frames[joint.parent] * joint.parentFromZero;
       if (sourceOf_[t] >= 0) {
         const int s = sourceOf_[t];
-        const Matrix3d wanted = source[s].linear() * sourceRest_[s].linear().transpose() * aligned_[t] * targetRest_[t].linear();
-        setJointRotation(target_, q, t, Quaterniond(Matrix3d(zero.linear().transpose() * wanted)).normalized());
+        const Matrix3d wanted =
+            source[s].linear() * sourceRest_[s].linear().transpose() * aligned_[t] * targetRest_[t].linear();
+        setJointRotation(target_, q, t,
+                         Quaterniond(Matrix3d(zero.linear().transpose() * wanted)).normalized());
       }
       frames[t] = zero * jointMotion(target_, q, t);
     }
@@ -114,7 +130,9 @@ class Retargeter {
     place *= scale_;
     place.y() += targetFloor_;
     const Joint& joint = target_.joint(moving_);
-    const Matrix3d zero = joint.parent < 0 ? Matrix3d(joint.parentFromZero.linear()) : Matrix3d(frames[joint.parent].linear() * joint.parentFromZero.linear());
+    const Matrix3d zero = joint.parent < 0
+                              ? Matrix3d(joint.parentFromZero.linear())
+                              : Matrix3d(frames[joint.parent].linear() * joint.parentFromZero.linear());
     const Vector3d way = zero.transpose() * (place - frames[top_].translation());
     for (int k = 0; k < 3; ++k) q[target_.qIndex(moving_) + k] += joint.axes[k].axis.dot(way);
   }
@@ -124,7 +142,7 @@ class Retargeter {
   Frames sourceRest_, targetRest_;
   std::vector<int> sourceOf_;      ///< of each target joint; -1: none
   std::vector<Matrix3d> aligned_;  ///< A, of matched joints
-  int top_ = -1, moving_ = -1;  ///< what carries the path, and the joint whose translations follow
+  int top_ = -1, moving_ = -1;     ///< what carries the path, and the joint whose translations follow
   double sourceFloor_ = 0.0, targetFloor_ = 0.0, scale_ = 1.0;
 };
 
@@ -132,9 +150,12 @@ class Retargeter {
 
 RetargetedClip retargeted(const Skeleton& source, const MotionClip& clip, const Skeleton& target) {
   validate(source, clip);
-  RetargetedClip result{.clip = {.framesPerSecond = clip.framesPerSecond, .q = Eigen::MatrixXd(target.nq(), clip.frameCount())}, .matching = matchJoints(source, target)};
+  RetargetedClip result{
+      .clip = {.framesPerSecond = clip.framesPerSecond, .q = Eigen::MatrixXd(target.nq(), clip.frameCount())},
+      .matching = matchJoints(source, target)};
   if (result.matching.matches.size() < 2)
-    throw std::invalid_argument("the motion's joints have other names than the model's: " + std::to_string(result.matching.matches.size()) + " of " +
+    throw std::invalid_argument("the motion's joints have other names than the model's: " +
+                                std::to_string(result.matching.matches.size()) + " of " +
                                 std::to_string(target.jointCount()) + " match, two are needed");
   const Retargeter retargeter(source, target, result.matching);
   result.scale = retargeter.scale();

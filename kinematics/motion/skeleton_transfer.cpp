@@ -27,7 +27,8 @@ std::vector<BonePath> parseBonePaths(std::string_view text, const std::string& f
     for (const auto word : splitWords(content.substr(0, colon))) path.bones.emplace_back(word);
     for (const auto word : splitWords(content.substr(colon + 1))) path.joints.emplace_back(word);
     if (path.bones.empty()) throw ParseError(file, line, "at least one bone before the colon", "none");
-    if (path.joints.size() < 2) throw ParseError(file, line, "at least two joints after the colon", std::to_string(path.joints.size()));
+    if (path.joints.size() < 2)
+      throw ParseError(file, line, "at least two joints after the colon", std::to_string(path.joints.size()));
     paths.push_back(std::move(path));
   }
   if (paths.empty()) throw ParseError(file, 0, "at least one line 'bones : joints'", "none");
@@ -67,13 +68,20 @@ std::string listed(const Items& items, NameOf nameOf) {
 
 int fittedJoint(const Skeleton& fitted, const BonePath& path, const std::string& name) {
   if (const auto found = fitted.findJoint(name)) return *found;
-  if (const auto index = parseInteger(name); index && *index >= 0 && *index < fitted.jointCount()) return *index;
-  refuse(path, "a joint of the fitted skeleton (" + listed(fitted.joints(), [](const Joint& joint) { return joint.name; }) + ")", "'" + name + "'");
+  if (const auto index = parseInteger(name); index && *index >= 0 && *index < fitted.jointCount())
+    return *index;
+  refuse(path,
+         "a joint of the fitted skeleton (" +
+             listed(fitted.joints(), [](const Joint& joint) { return joint.name; }) + ")",
+         "'" + name + "'");
 }
 
 int asfBone(const AsfSkeleton& asf, const BonePath& path, const std::string& name) {
   if (const auto found = asf.findBone(name)) return *found;
-  refuse(path, "a bone of the ASF skeleton (" + listed(asf.bones, [](const AsfSkeleton::Bone& bone) { return bone.name; }) + ")", "'" + name + "'");
+  refuse(path,
+         "a bone of the ASF skeleton (" +
+             listed(asf.bones, [](const AsfSkeleton::Bone& bone) { return bone.name; }) + ")",
+         "'" + name + "'");
 }
 
 /// A path with its names looked up and its geometry measured.
@@ -87,9 +95,11 @@ LaidPath lay(const AsfSkeleton& asf, const Skeleton& fitted, const Frames& rest,
   LaidPath laid;
   for (const std::string& name : path.bones) {
     const int bone = asfBone(asf, path, name);
-    if (bone == 0) refuse(path, "a bone (the root is none: it goes where the paths of its bones begin)", "'" + name + "'");
+    if (bone == 0)
+      refuse(path, "a bone (the root is none: it goes where the paths of its bones begin)", "'" + name + "'");
     if (!laid.bones.empty() && asf.skeleton.parent(bone) != laid.bones.back())
-      refuse(path, "a bone that hangs on '" + asf.bones[laid.bones.back()].name + "' before it", "'" + name + "'");
+      refuse(path, "a bone that hangs on '" + asf.bones[laid.bones.back()].name + "' before it",
+             "'" + name + "'");
     laid.bones.push_back(bone);
   }
   for (const std::string& name : path.joints) {
@@ -98,8 +108,10 @@ LaidPath lay(const AsfSkeleton& asf, const Skeleton& fitted, const Frames& rest,
     if (!laid.joints.empty()) {
       const int before = laid.joints.back();
       if (fitted.parent(joint) != before && fitted.parent(before) != joint)
-        refuse(path, "a joint that a bone joins to '" + fitted.joint(before).name + "'", "'" + fitted.joint(joint).name + "'");
-      laid.arc.back() = laid.arc[laid.arc.size() - 2] + (rest[joint].translation() - laid.corners.back()).norm();
+        refuse(path, "a joint that a bone joins to '" + fitted.joint(before).name + "'",
+               "'" + fitted.joint(joint).name + "'");
+      laid.arc.back() =
+          laid.arc[laid.arc.size() - 2] + (rest[joint].translation() - laid.corners.back()).norm();
     }
     laid.corners.push_back(rest[joint].translation());
     laid.joints.push_back(joint);
@@ -116,7 +128,8 @@ Vector3d pointAt(const LaidPath& path, double s) {
 }
 
 /// Pieces of the fitted bones between two lengths along the path.
-void addPieces(const LaidPath& path, const Skeleton& fitted, double from, double to, int joint, std::vector<BonePiece>& pieces) {
+void addPieces(const LaidPath& path, const Skeleton& fitted, double from, double to, int joint,
+               std::vector<BonePiece>& pieces) {
   for (std::size_t k = 1; k < path.arc.size(); ++k) {
     const double length = path.arc[k] - path.arc[k - 1];
     const double a = std::max(from, path.arc[k - 1]), b = std::min(to, path.arc[k]);
@@ -160,24 +173,28 @@ std::vector<BonePath> bonePathsByName(const AsfSkeleton& asf, const Skeleton& fi
   std::vector<BonePath> paths;
   for (int end = 1; end < bones.jointCount(); ++end) {
     if (fittedOf[end] < 0) continue;
-    // The bones above, up to a matched one or one at the root; a bone at the root begins where the root's match is.
+    // The bones above, up to a matched one or one at the root; a bone at the root begins where the root's
+    // match is.
     std::vector<int> chain;
     for (int bone = bones.parent(end); bone > 0; bone = bones.parent(bone)) {
       chain.insert(chain.begin(), bone);
       if (fittedOf[bone] >= 0) break;
     }
-    if (chain.empty() || std::any_of(chain.begin(), chain.end(), [&](int bone) { return taken[bone]; })) continue;
+    if (chain.empty() || std::any_of(chain.begin(), chain.end(), [&](int bone) { return taken[bone]; }))
+      continue;
     const int first = bones.parent(chain.front()) == 0 ? fittedOf[0] : fittedOf[chain.front()];
     if (first == fittedOf[end]) continue;
     BonePath path;
     for (const int bone : chain) path.bones.push_back(asf.bones[bone].name), taken[bone] = true;
-    for (const int joint : wayThrough(fitted, first, fittedOf[end])) path.joints.push_back(fitted.joint(joint).name);
+    for (const int joint : wayThrough(fitted, first, fittedOf[end]))
+      path.joints.push_back(fitted.joint(joint).name);
     paths.push_back(std::move(path));
   }
   return paths;
 }
 
-TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fitted, const std::vector<BonePath>& paths) {
+TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fitted,
+                                     const std::vector<BonePath>& paths) {
   const Frames rest = restFrames(fitted);
   const int boneCount = static_cast<int>(asf.bones.size());
   TransferredSkeleton result;
@@ -189,15 +206,18 @@ TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fit
     const LaidPath laid = lay(asf, fitted, rest, path);
     if (asf.skeleton.parent(laid.bones.front()) == 0) {
       if (rootJoint && *rootJoint != laid.joints.front())
-        refuse(path, "all bones at the root to begin at one joint, '" + fitted.joint(*rootJoint).name + "'", "'" + fitted.joint(laid.joints.front()).name + "'");
+        refuse(path, "all bones at the root to begin at one joint, '" + fitted.joint(*rootJoint).name + "'",
+               "'" + fitted.joint(laid.joints.front()).name + "'");
       rootJoint = laid.joints.front();
     }
     double total = 0.0;
     for (const int bone : laid.bones) total += asf.bones[bone].length;
     double done = 0.0;
     for (const int bone : laid.bones) {
-      if (wantedEnd[bone]) refuse(path, "every bone in one path only", "'" + asf.bones[bone].name + "' again");
-      const double share = total > 0.0 ? asf.bones[bone].length / total : 1.0 / static_cast<double>(laid.bones.size());
+      if (wantedEnd[bone])
+        refuse(path, "every bone in one path only", "'" + asf.bones[bone].name + "' again");
+      const double share =
+          total > 0.0 ? asf.bones[bone].length / total : 1.0 / static_cast<double>(laid.bones.size());
       const double next = bone == laid.bones.back() ? laid.arc.back() : done + share * laid.arc.back();
       wantedEnd[bone] = pointAt(laid, next);
       addPieces(laid, fitted, done, next, bone, result.pieces);
@@ -229,7 +249,8 @@ TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fit
     if (wantedEnd[b]) {
       const Vector3d along = *wantedEnd[b] - start;
       length[b] = along.norm();
-      if (length[b] > 0.0 && bone.direction.norm() > 0.0) result.turns[b] = rotationBetween(bone.direction, along);
+      if (length[b] > 0.0 && bone.direction.norm() > 0.0)
+        result.turns[b] = rotationBetween(bone.direction, along);
       end[b] = *wantedEnd[b];
     } else {
       length[b] = meanRatio * bone.length;
@@ -239,7 +260,8 @@ TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fit
     place(b, result.turns[b] * bone.axis, start);
   }
 
-  // The skeleton: frames as in the ASF, lengths as fitted. Directions in a bone's own frame are the same in both.
+  // The skeleton: frames as in the ASF, lengths as fitted. Directions in a bone's own frame are the same in
+  // both.
   std::vector<Joint> joints = asf.skeleton.joints();
   for (int i = 1; i < asf.skeleton.jointCount(); ++i) {
     const int parent = joints[i].parent;
@@ -254,7 +276,8 @@ TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fit
   Eigen::VectorXd atFittedPlace = zeroPose.rest();
   for (std::size_t k = 0; k < joints[0].axes.size(); ++k)
     if (joints[0].axes[k].kind == AxisDof::Kind::Translation)
-      atFittedPlace[k] = joints[0].axes[k].axis.dot(joints[0].parentFromZero.linear().transpose() * (end[0] - joints[0].parentFromZero.translation()));
+      atFittedPlace[k] = joints[0].axes[k].axis.dot(joints[0].parentFromZero.linear().transpose() *
+                                                    (end[0] - joints[0].parentFromZero.translation()));
   result.skeleton = Skeleton(std::move(joints), atFittedPlace);
 
   double lowestBound = std::numeric_limits<double>::infinity(), lowestZero = lowestBound;
@@ -265,7 +288,8 @@ TransferredSkeleton transferSkeleton(const AsfSkeleton& asf, const Skeleton& fit
   result.heightRatio = asfHeight > 1e-6 && fittedHeight > 1e-6 ? fittedHeight / asfHeight : meanRatio;
 
   for (int j = 1; j < fitted.jointCount(); ++j)
-    if (std::none_of(result.pieces.begin(), result.pieces.end(), [j](const BonePiece& piece) { return piece.child == j; }))
+    if (std::none_of(result.pieces.begin(), result.pieces.end(),
+                     [j](const BonePiece& piece) { return piece.child == j; }))
       result.unmatchedJoints.push_back(fitted.joint(j).name);
   return result;
 }

@@ -22,8 +22,8 @@ Isometry3d translation(double x, double y, double z) { return Isometry3d(Eigen::
 /// Variables in order of the rows; fixed rows get 0.
 std::vector<double> perRow(const DhTable& table, const VectorXd& q) {
   if (q.size() != table.variableCount())
-    throw std::invalid_argument("the DH table has " + std::to_string(table.variableCount()) + " variables, not " +
-                                std::to_string(q.size()));
+    throw std::invalid_argument("the DH table has " + std::to_string(table.variableCount()) +
+                                " variables, not " + std::to_string(q.size()));
   std::vector<double> values;
   Eigen::Index at = 0;
   for (const DhRow& row : table.rows) values.push_back(row.kind == DhJoint::Fixed ? 0.0 : q[at++]);
@@ -32,7 +32,9 @@ std::vector<double> perRow(const DhTable& table, const VectorXd& q) {
 
 }  // namespace
 
-const char* toString(DhConvention convention) { return convention == DhConvention::Modified ? "modified" : "standard"; }
+const char* toString(DhConvention convention) {
+  return convention == DhConvention::Modified ? "modified" : "standard";
+}
 
 const char* toString(DhJoint kind) {
   switch (kind) {
@@ -54,7 +56,8 @@ const char* toString(AxisPair kind) {
 }
 
 int DhTable::variableCount() const {
-  return static_cast<int>(std::count_if(rows.begin(), rows.end(), [](const DhRow& r) { return r.kind != DhJoint::Fixed; }));
+  return static_cast<int>(
+      std::count_if(rows.begin(), rows.end(), [](const DhRow& r) { return r.kind != DhJoint::Fixed; }));
 }
 
 void validate(const DhTable& table) {
@@ -62,13 +65,15 @@ void validate(const DhTable& table) {
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const DhRow& row = table.rows[i];
     const std::string which = "DH row " + std::to_string(i + 1);
-    if (!std::isfinite(row.a) || !std::isfinite(row.alpha) || !std::isfinite(row.d) || !std::isfinite(row.phi))
+    if (!std::isfinite(row.a) || !std::isfinite(row.alpha) || !std::isfinite(row.d) ||
+        !std::isfinite(row.phi))
       throw std::invalid_argument(which + ": a, alpha, d and phi must be finite");
-    if (!(row.lower <= row.upper)) throw std::invalid_argument(which + ": the lower limit lies above the upper one");
+    if (!(row.lower <= row.upper))
+      throw std::invalid_argument(which + ": the lower limit lies above the upper one");
   }
   if (table.rest && table.rest->size() != table.variableCount())
-    throw std::invalid_argument("the rest pose of the DH table has " + std::to_string(table.rest->size()) + " values for " +
-                                std::to_string(table.variableCount()) + " variables");
+    throw std::invalid_argument("the rest pose of the DH table has " + std::to_string(table.rest->size()) +
+                                " values for " + std::to_string(table.variableCount()) + " variables");
 }
 
 int parameterCount(const DhTable& table) { return 4 * static_cast<int>(table.rows.size()) + 3; }
@@ -76,7 +81,8 @@ int parameterCount(const DhTable& table) { return 4 * static_cast<int>(table.row
 Isometry3d dhTransform(const DhRow& row, DhConvention convention, double q) {
   const double phi = row.phi + (row.kind == DhJoint::Revolute ? q : 0.0);
   const double d = row.d + (row.kind == DhJoint::Prismatic ? q : 0.0);
-  if (convention == DhConvention::Modified) return rotationX(row.alpha) * translation(row.a, 0.0, d) * rotationZ(phi);
+  if (convention == DhConvention::Modified)
+    return rotationX(row.alpha) * translation(row.a, 0.0, d) * rotationZ(phi);
   return rotationZ(phi) * translation(0.0, 0.0, d) * translation(row.a, 0.0, 0.0) * rotationX(row.alpha);
 }
 
@@ -119,7 +125,9 @@ Skeleton toSkeleton(const DhTable& table) {
     }
     joints.push_back(joint);
   }
-  joints.push_back({.name = "tool", .parent = static_cast<int>(joints.size()) - 1, .parentFromZero = carried * table.tool});
+  joints.push_back({.name = "tool",
+                    .parent = static_cast<int>(joints.size()) - 1,
+                    .parentFromZero = carried * table.tool});
   return Skeleton(std::move(joints), rest);
 }
 
@@ -145,7 +153,8 @@ DhTable toConvention(const DhTable& table, DhConvention convention) {
   return out;
 }
 
-CommonNormal commonNormal(const AxisLine& first, const AxisLine& second, const Vector3d& near, const Vector3d& xHint) {
+CommonNormal commonNormal(const AxisLine& first, const AxisLine& second, const Vector3d& near,
+                          const Vector3d& xHint) {
   constexpr double parallelSine = 1e-9, meetingDistance = 1e-9;
   for (const AxisLine* line : {&first, &second})
     if (!line->point.allFinite() || !line->direction.allFinite() || line->direction.norm() == 0.0)
@@ -177,7 +186,8 @@ CommonNormal commonNormal(const AxisLine& first, const AxisLine& second, const V
     const double signedDistance = between.dot(cross.normalized());
     normal.kind = std::abs(signedDistance) < meetingDistance ? AxisPair::Crossing : AxisPair::Skew;
     normal.x = cross.normalized() * (normal.kind == AxisPair::Skew && signedDistance < 0.0 ? -1.0 : 1.0);
-    gap = normal.kind == AxisPair::Skew ? Vector3d(std::abs(signedDistance) * normal.x) : Vector3d(Vector3d::Zero());
+    gap = normal.kind == AxisPair::Skew ? Vector3d(std::abs(signedDistance) * normal.x)
+                                        : Vector3d(Vector3d::Zero());
   }
   normal.a = gap.norm();
   normal.alpha = std::atan2(cross.dot(normal.x), u.dot(v));
@@ -187,7 +197,8 @@ CommonNormal commonNormal(const AxisLine& first, const AxisLine& second, const V
 DhTable dhFromAxes(std::span<const AxisLine> axes, std::span<const DhJoint> kinds) {
   if (axes.empty()) throw std::invalid_argument("at least one joint axis is needed");
   if (!kinds.empty() && kinds.size() != axes.size())
-    throw std::invalid_argument(std::to_string(kinds.size()) + " joint kinds are given for " + std::to_string(axes.size()) + " axes");
+    throw std::invalid_argument(std::to_string(kinds.size()) + " joint kinds are given for " +
+                                std::to_string(axes.size()) + " axes");
   const auto kind = [&](std::size_t i) { return kinds.empty() ? DhJoint::Revolute : kinds[i]; };
 
   // The chain of normals. A lone axis is paired with itself.
@@ -227,22 +238,26 @@ std::vector<int> movingChain(const Skeleton& skeleton, int& end) {
     if (skeleton.vCount(i) > 0) moving.push_back(i);
     if (skeleton.children(i).empty()) leaves.push_back(i);
   }
-  if (moving.empty()) throw std::invalid_argument("a Denavit-Hartenberg table needs a joint that moves; there is none");
+  if (moving.empty())
+    throw std::invalid_argument("a Denavit-Hartenberg table needs a joint that moves; there is none");
   const bool chosen = end >= 0;
   if (!chosen) end = leaves.size() == 1 ? leaves[0] : moving.back();
   std::vector<int> chain;
   for (const int i : moving) {
     if (!skeleton.isAncestor(i, end)) {
       if (chosen) continue;
-      throw std::invalid_argument("a Denavit-Hartenberg table is one chain; joint '" + skeleton.joint(i).name + "' is not on the way to '" + skeleton.joint(end).name +
-                                  "'. Name the end of the chain to be written");
+      throw std::invalid_argument("a Denavit-Hartenberg table is one chain; joint '" +
+                                  skeleton.joint(i).name + "' is not on the way to '" +
+                                  skeleton.joint(end).name + "'. Name the end of the chain to be written");
     }
     if (skeleton.joint(i).ball || skeleton.vCount(i) != 1)
-      throw std::invalid_argument("a Denavit-Hartenberg row has one degree of freedom, turning or sliding; joint '" + skeleton.joint(i).name + "' has " +
-                                  std::to_string(skeleton.vCount(i)));
+      throw std::invalid_argument(
+          "a Denavit-Hartenberg row has one degree of freedom, turning or sliding; joint '" +
+          skeleton.joint(i).name + "' has " + std::to_string(skeleton.vCount(i)));
     chain.push_back(i);
   }
-  if (chain.empty()) throw std::invalid_argument("no joint moves on the way to '" + skeleton.joint(end).name + "'");
+  if (chain.empty())
+    throw std::invalid_argument("no joint moves on the way to '" + skeleton.joint(end).name + "'");
   return chain;
 }
 
@@ -254,7 +269,10 @@ double disagreement(const DhChain& chain, const Skeleton& skeleton, int end) {
     const VectorXd q = randomWithinLimits(skeleton, random);
     VectorXd variables(chain.joints.size());
     for (std::size_t k = 0; k < chain.joints.size(); ++k) variables[k] = q[skeleton.qIndex(chain.joints[k])];
-    worst = std::max(worst, (dhFrames(chain.table, variables).back().matrix() - forwardKinematics(skeleton, q)[end].matrix()).cwiseAbs().maxCoeff());
+    worst = std::max(worst, (dhFrames(chain.table, variables).back().matrix() -
+                             forwardKinematics(skeleton, q)[end].matrix())
+                                .cwiseAbs()
+                                .maxCoeff());
   }
   return worst;
 }
@@ -285,7 +303,9 @@ DhChain dhFromSkeleton(const Skeleton& skeleton, int end) {
   const VectorXd none = VectorXd::Zero(chain.joints.size());
   chain.table.tool = dhFrames(chain.table, none).back().inverse() * frames[end];
   if (const double difference = disagreement(chain, skeleton, end); !(difference <= 1e-9))
-    throw std::invalid_argument("two neighbouring axes are so nearly parallel that the table would be off by " + std::to_string(difference) + " m or rad");
+    throw std::invalid_argument(
+        "two neighbouring axes are so nearly parallel that the table would be off by " +
+        std::to_string(difference) + " m or rad");
   return chain;
 }
 

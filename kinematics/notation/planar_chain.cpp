@@ -12,8 +12,8 @@ namespace {
 
 void requireAngles(const PlanarChain& chain, const VectorXd& phi) {
   if (phi.size() != chain.linkCount())
-    throw std::invalid_argument("a planar chain of " + std::to_string(chain.linkCount()) + " links needs as many angles, not " +
-                                std::to_string(phi.size()));
+    throw std::invalid_argument("a planar chain of " + std::to_string(chain.linkCount()) +
+                                " links needs as many angles, not " + std::to_string(phi.size()));
 }
 
 }  // namespace

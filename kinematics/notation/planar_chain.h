@@ -27,8 +27,8 @@ PlanarChain lecturePlanarChain();
 /// n + 2: the two coordinates of P_1 and n angles. Lecture 10.1.
 int degreesOfFreedom(const PlanarChain& chain);
 
-/// P_1 ... P_{n+1}: P_{i+1} = P_i + l_i (cos, sin)(phi_1 + ... + phi_i). phi: n angles, radians. Lecture 10.1.
-/// Throws std::invalid_argument when phi has another length.
+/// P_1 ... P_{n+1}: P_{i+1} = P_i + l_i (cos, sin)(phi_1 + ... + phi_i). phi: n angles, radians.
+/// Lecture 10.1. Throws std::invalid_argument when phi has another length.
 std::vector<Eigen::Vector2d> linkPoints(const PlanarChain& chain, const Eigen::VectorXd& phi);
 
 /// X = f(phi) = P_{n+1}. Lecture 10.1, forward kinematics.

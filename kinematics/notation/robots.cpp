@@ -35,8 +35,8 @@ DhTable ur5() {
   };
   return {.name = "ur5",
           .convention = DhConvention::Standard,
-          .rows = {row(0.0, 0.089159, pi / 2), row(-0.425, 0.0, 0.0), row(-0.39225, 0.0, 0.0), row(0.0, 0.10915, pi / 2),
-                   row(0.0, 0.09465, -pi / 2), row(0.0, 0.0823, 0.0)},
+          .rows = {row(0.0, 0.089159, pi / 2), row(-0.425, 0.0, 0.0), row(-0.39225, 0.0, 0.0),
+                   row(0.0, 0.10915, pi / 2), row(0.0, 0.09465, -pi / 2), row(0.0, 0.0823, 0.0)},
           .rest = pose({0.0, -pi / 3, pi / 2, -2 * pi / 3, -pi / 2, 0.0})};
 }
 
@@ -59,11 +59,12 @@ DhTable iiwa14() {
   const auto row = [](double d, double alpha, double limit) {
     return DhRow{.alpha = alpha, .d = d, .lower = -limit * degree, .upper = limit * degree};
   };
-  return {.name = "iiwa14",
-          .convention = DhConvention::Standard,
-          .rows = {row(0.36, -pi / 2, 170), row(0.0, pi / 2, 120), row(0.42, pi / 2, 170), row(0.0, -pi / 2, 120),
-                   row(0.40, -pi / 2, 170), row(0.0, pi / 2, 120), row(0.126, 0.0, 175)},
-          .rest = pose({0.0, pi / 6, 0.0, -pi / 2, 0.0, pi / 3, 0.0})};
+  return {
+      .name = "iiwa14",
+      .convention = DhConvention::Standard,
+      .rows = {row(0.36, -pi / 2, 170), row(0.0, pi / 2, 120), row(0.42, pi / 2, 170), row(0.0, -pi / 2, 120),
+               row(0.40, -pi / 2, 170), row(0.0, pi / 2, 120), row(0.126, 0.0, 175)},
+      .rest = pose({0.0, pi / 6, 0.0, -pi / 2, 0.0, pi / 3, 0.0})};
 }
 
 /// A SCARA arm with the measures of the Adept Cobra s600 (reach 0.6 m, stroke 0.21 m), modified convention:
@@ -79,8 +80,8 @@ DhTable scara() {
 }
 
 constexpr std::array table{
-    Robot{"puma560", "Unimation PUMA 560", &puma560},     Robot{"ur5", "Universal Robots UR5", &ur5},
-    Robot{"panda", "Franka Emika Panda", &panda},         Robot{"iiwa14", "KUKA LBR iiwa 14", &iiwa14},
+    Robot{"puma560", "Unimation PUMA 560", &puma560},   Robot{"ur5", "Universal Robots UR5", &ur5},
+    Robot{"panda", "Franka Emika Panda", &panda},       Robot{"iiwa14", "KUKA LBR iiwa 14", &iiwa14},
     Robot{"scara", "SCARA (Adept Cobra s600)", &scara},
 };
 

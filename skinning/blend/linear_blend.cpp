@@ -2,10 +2,12 @@
 
 #include <cmath>
 
-// GCC compiles the loop twice and the loader takes the better one for the processor at hand. (Not under sanitizers, which start
-// later than such a choice is made, and clang 14 has another way.) Without errno, square roots are taken four at a time.
+// GCC compiles the loop twice and the loader takes the better one for the processor at hand. (Not under
+// sanitizers, which start later than such a choice is made, and clang 14 has another way.) Without errno,
+// square roots are taken four at a time.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define GELENK_FOR_EACH_PROCESSOR __attribute__((target_clones("arch=x86-64-v3", "default"), optimize("no-math-errno")))
+#define GELENK_FOR_EACH_PROCESSOR \
+  __attribute__((target_clones("arch=x86-64-v3", "default"), optimize("no-math-errno")))
 #else
 #define GELENK_FOR_EACH_PROCESSOR
 #endif
@@ -40,8 +42,8 @@ void setColumns(const Eigen::Isometry3d& worldFromRest, Columns& out) {
 constexpr std::size_t blockSize = 64;  ///< vertices between two rounds of square roots
 
 /// count vertices; the arrays hold three numbers a vertex. The blended matrix is kept as columns (a b c | t):
-/// x' = x a + y b + z c + t, and the normal goes with the cofactors: n' = nx b x c + ny c x a + nz a x b, which is
-/// b x (nx c - nz a) + c x (ny a).
+/// x' = x a + y b + z c + t, and the normal goes with the cofactors: n' = nx b x c + ny c x a + nz a x b,
+/// which is b x (nx c - nz a) + c x (ny a).
 GELENK_FOR_EACH_PROCESSOR
 void blendVertices(const Columns* matrices, const Influences* influences, const double* restPositions,
                    const double* restNormals, std::size_t count, double* positions, double* normals) {
@@ -64,7 +66,8 @@ void blendVertices(const Columns* matrices, const Influences* influences, const 
       const double *p = restPositions + 3 * v, *n = restNormals + 3 * v;
       const Column position = (p[0] * a + t) + (p[1] * b + p[2] * c);
       const Column u = n[0] * c - n[2] * a, w = n[1] * a;
-      const Column crossed = (b * GELENK_TURNED(u) - GELENK_TURNED(b) * u) + (c * GELENK_TURNED(w) - GELENK_TURNED(c) * w);
+      const Column crossed =
+          (b * GELENK_TURNED(u) - GELENK_TURNED(b) * u) + (c * GELENK_TURNED(w) - GELENK_TURNED(c) * w);
       const Column normal = GELENK_TURNED(crossed);
       for (int k = 0; k < 3; ++k) positions[3 * v + k] = position[k];
       for (int k = 0; k < 3; ++k) normals[3 * v + k] = normal[k];
@@ -88,8 +91,8 @@ void linearBlendSkin(const Skin& skin, const Frames& worldFromJoint, SkinnedVert
   out.positions.resize(count);
   out.normals.resize(count);
   if (count == 0) return;
-  blendVertices(matrices.data(), skin.influences.data(), skin.mesh.positions[0].data(), skin.mesh.normals[0].data(), count,
-                out.positions[0].data(), out.normals[0].data());
+  blendVertices(matrices.data(), skin.influences.data(), skin.mesh.positions[0].data(),
+                skin.mesh.normals[0].data(), count, out.positions[0].data(), out.normals[0].data());
 }
 
 SkinnedVertices linearBlendSkin(const Skin& skin, const Frames& worldFromJoint) {

@@ -5,8 +5,9 @@
 namespace gelenk {
 
 /// Skinned positions and unit normals on the CPU, in double precision: the reference for the shader.
-/// Normals go with the cofactors of the blended matrix (det M M^-T): a blend of rotations shrinks across the bend, and only so
-/// does the normal stay perpendicular to the surface that the same matrix gives. Zero where the blend is singular.
+/// Normals go with the cofactors of the blended matrix (det M M^-T): a blend of rotations shrinks across the
+/// bend, and only so does the normal stay perpendicular to the surface that the same matrix gives. Zero where
+/// the blend is singular.
 struct SkinnedVertices {
   std::vector<Eigen::Vector3d> positions;
   std::vector<Eigen::Vector3d> normals;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "skinning/rigging/bone_heat.h"
 #include "skinning/io/skin_cache.h"
+#include "skinning/rigging/bone_heat.h"
 
 namespace gelenk {
 
@@ -26,7 +26,8 @@ double longest(const std::vector<Bone>& bones) {
   return length;
 }
 
-/// Index of the bone that ends where each bone begins: the nearest one on the way to the root, else the first bone.
+/// Index of the bone that ends where each bone begins: the nearest one on the way to the root, else the first
+/// bone.
 std::vector<int> bonesBefore(const Skeleton& skeleton, const Frames& frames, const std::vector<Bone>& bones) {
   std::vector<std::vector<int>> of(skeleton.jointCount());
   for (int b = 0; b < static_cast<int>(bones.size()); ++b) of[bones[b].joint].push_back(b);
@@ -52,7 +53,8 @@ std::vector<Link> linksOf(const Skeleton& skeleton, double thickness) {
   std::vector<Link> links(bones.size());
   std::vector<double> carried(bones.size(), 0.0);  // sum of radius^power of the bones after it
   for (int b = static_cast<int>(bones.size()) - 1; b >= 0; --b) {
-    const double own = thickness * 0.13 * std::pow(std::max(bones[b].length(), 0.02 * L), 0.7) * std::pow(L, 0.3);
+    const double own =
+        thickness * 0.13 * std::pow(std::max(bones[b].length(), 0.02 * L), 0.7) * std::pow(L, 0.3);
     const double fromChildren = std::min(std::pow(carried[b], 1.0 / power), thickness * 0.19 * L);
     links[b] = {bones[b], before[b], std::max(own, fromChildren), 0.0};
     if (before[b] >= 0) carried[before[b]] += std::pow(links[b].radius, power);
@@ -60,11 +62,13 @@ std::vector<Link> linksOf(const Skeleton& skeleton, double thickness) {
   for (Link& link : links) link.endRadius = 0.0;
   for (const Link& link : links)
     if (link.before >= 0) links[link.before].endRadius = std::max(links[link.before].endRadius, link.radius);
-  for (Link& link : links) link.endRadius = link.endRadius > 0.0 ? std::min(link.endRadius, link.radius) : 0.75 * link.radius;
+  for (Link& link : links)
+    link.endRadius = link.endRadius > 0.0 ? std::min(link.endRadius, link.radius) : 0.75 * link.radius;
   return links;
 }
 
-/// The normal of the plane in which the mechanism moves, where there is one: every axis turns about it and every bone lies across it.
+/// The normal of the plane in which the mechanism moves, where there is one: every axis turns about it and
+/// every bone lies across it.
 std::optional<Vector3d> planeOfMotion(const Skeleton& skeleton, const std::vector<Link>& links) {
   const Frames frames = restFrames(skeleton);
   std::optional<Vector3d> normal;
@@ -78,7 +82,8 @@ std::optional<Vector3d> planeOfMotion(const Skeleton& skeleton, const std::vecto
     }
   }
   for (const Link& link : links)
-    if (normal && std::abs(normal->dot(link.bone.to - link.bone.from)) > 1e-6 * link.bone.length()) return std::nullopt;
+    if (normal && std::abs(normal->dot(link.bone.to - link.bone.from)) > 1e-6 * link.bone.length())
+      return std::nullopt;
   return normal;
 }
 
@@ -102,7 +107,8 @@ BodyShape shapeOf(const Skeleton& skeleton, const std::vector<Link>& links) {
   return BodyShape(std::move(parts));
 }
 
-/// Lenses where thin links gather, such as at hands: each draws the grid together so that the thinnest spans a cell and a half.
+/// Lenses where thin links gather, such as at hands: each draws the grid together so that the thinnest spans
+/// a cell and a half.
 std::vector<GridLens> lensesFor(const std::vector<Link>& links, double cell, double size) {
   struct Cluster {
     Vector3d sum = Vector3d::Zero();

@@ -13,17 +13,19 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int columns = 11;       // u, v, radius, then cosine and sine of n = 2..5
-constexpr double far = 1e9;       // value of a part that is too far away to matter
-constexpr int maxParts = 2048;     // of one region, so that evaluation needs no heap
+constexpr int columns = 11;     // u, v, radius, then cosine and sine of n = 2..5
+constexpr double far = 1e9;     // value of a part that is too far away to matter
+constexpr int maxParts = 2048;  // of one region, so that evaluation needs no heap
 
 std::array<double, columns> columnsOf(const Section& s) {
-  return {s.u, s.v, s.radius, s.cosine[0], s.sine[0], s.cosine[1], s.sine[1], s.cosine[2], s.sine[2], s.cosine[3], s.sine[3]};
+  return {s.u,       s.v,         s.radius,  s.cosine[0], s.sine[0], s.cosine[1],
+          s.sine[1], s.cosine[2], s.sine[2], s.cosine[3], s.sine[3]};
 }
 
 /// min(a, b) rounded over the width k where both are near.
 template <bool withGradient>
-FieldSample smoothMin(const FieldSample& a, const FieldSample& b, double k, const Vector3d* kGradient = nullptr) {
+FieldSample smoothMin(const FieldSample& a, const FieldSample& b, double k,
+                      const Vector3d* kGradient = nullptr) {
   const bool aFirst = a.value <= b.value;
   const FieldSample &low = aFirst ? a : b, &high = aFirst ? b : a;
   const double overlap = k - (high.value - low.value);
@@ -42,11 +44,12 @@ FieldSample smoothMin(const FieldSample& a, const FieldSample& b, double k, cons
 struct BodyShape::Prepared {
   Matrix3d axes;  // rows u, v, axis: local = axes (p - a)
   double length = 1.0;
-  double bound = 0.0;          // radius of a capsule around the axis (with caps) that holds the part
+  double bound = 0.0;           // radius of a capsule around the axis (with caps) that holds the part
   double from = 0.0, to = 0.0;  // ends of that capsule's axis, metres from a
-  std::vector<double> at;      // section positions, metres from a
-  std::vector<std::array<std::array<double, 4>, columns>> cubic;  // one a gap between sections, in the fraction of the gap
-  int harmonics = 0;           // highest n that occurs
+  std::vector<double> at;       // section positions, metres from a
+  std::vector<std::array<std::array<double, 4>, columns>>
+      cubic;          // one a gap between sections, in the fraction of the gap
+  int harmonics = 0;  // highest n that occurs
 
   template <bool withGradient>
   FieldSample cylinder(const BodyPart& part, const Vector3d& p) const;
@@ -55,7 +58,8 @@ struct BodyShape::Prepared {
   template <bool withGradient>
   FieldSample sample(const BodyPart& part, Vector3d p) const {
     if (part.mirrored) p.x() = -p.x();
-    FieldSample s = part.form == BodyPart::Form::RoundCone ? roundCone<withGradient>(part, p) : cylinder<withGradient>(part, p);
+    FieldSample s = part.form == BodyPart::Form::RoundCone ? roundCone<withGradient>(part, p)
+                                                           : cylinder<withGradient>(part, p);
     if (withGradient && part.mirrored) s.gradient.x() = -s.gradient.x();
     return s;
   }
@@ -68,7 +72,8 @@ struct BodyShape::Prepared {
   }
 };
 
-/// F = (sqrt(g^2 + e^2) - 1) R with g = rho / R(theta, s) and e the distance beyond the end section over the cap's length.
+/// F = (sqrt(g^2 + e^2) - 1) R with g = rho / R(theta, s) and e the distance beyond the end section over the
+/// cap's length.
 template <bool withGradient>
 FieldSample BodyShape::Prepared::cylinder(const BodyPart& part, const Vector3d& p) const {
   const Vector3d local = axes * (p - part.a);
@@ -119,7 +124,7 @@ FieldSample BodyShape::Prepared::cylinder(const BodyPart& part, const Vector3d& 
   if constexpr (withGradient) {
     const double F_R = e * e / G - 1.0, F_theta = F_R * R_theta;
     double F_s = onSide ? F_R * R_s : (local.z() < s ? -tip : tip);
-    F_s -= side * (slope[0] * sine + slope[1] * cosine);                // the centre moves along the axis
+    F_s -= side * (slope[0] * sine + slope[1] * cosine);  // the centre moves along the axis
     F_s -= F_theta * (slope[0] * cosine - slope[1] * sine) / rho;
     const Vector3d gradient(side * sine + F_theta / rho * cosine, side * cosine - F_theta / rho * sine, F_s);
     out.gradient = axes.transpose() * gradient / N;
@@ -133,7 +138,8 @@ FieldSample BodyShape::Prepared::roundCone(const BodyPart& part, const Vector3d&
   const Vector3d fromA = p - part.a;
   const Vector3d local = axes * (fromA + stretch * part.flat.dot(fromA) * part.flat);
   const double rho = std::hypot(local.x(), local.y()), z = local.z();
-  const double sine = std::clamp((part.radiusA - part.radiusB) / length, -1.0, 1.0), cosine = std::sqrt(1.0 - sine * sine);
+  const double sine = std::clamp((part.radiusA - part.radiusB) / length, -1.0, 1.0),
+               cosine = std::sqrt(1.0 - sine * sine);
   // Which of the three pieces is nearest: the two balls, or the cone that touches both.
   const double along = cosine * z - sine * rho;
   double value, radial, axial;
@@ -162,7 +168,8 @@ void check(const BodyPart& part, int index) {
   if (part.parent >= index || (part.parent < 0) != (index == 0)) reject("its parent does not come before it");
   if (!part.a.allFinite() || !part.b.allFinite()) reject("an end that is not finite");
   if (part.form == BodyPart::Form::RoundCone) {
-    if (!(part.radiusA > 0.0 && part.radiusB > 0.0 && part.flatness > 0.0)) reject("a radius that is not positive");
+    if (!(part.radiusA > 0.0 && part.radiusB > 0.0 && part.flatness > 0.0))
+      reject("a radius that is not positive");
     return;
   }
   if (part.sections.size() < 2) reject("fewer than two sections");
@@ -188,7 +195,8 @@ BodyShape::BodyShape(std::vector<BodyPart> parts) : parts_(std::move(parts)) {
     const bool cone = part.form == BodyPart::Form::RoundCone;
     Vector3d z = ready.length > 0.0 ? Vector3d(axis / ready.length) : Vector3d::UnitZ();
     if (ready.length == 0.0) ready.length = 1e-9 * part.radiusA;
-    Vector3d v = cone ? z.unitOrthogonal() : Vector3d((part.sectionUp - part.sectionUp.dot(z) * z).normalized());
+    Vector3d v =
+        cone ? z.unitOrthogonal() : Vector3d((part.sectionUp - part.sectionUp.dot(z) * z).normalized());
     ready.axes << z.cross(v).transpose(), v.transpose(), z.transpose();
     if (cone) {
       ready.bound = std::max(part.radiusA, part.radiusB) * std::max(1.0, part.flatness);
@@ -199,9 +207,11 @@ BodyShape::BodyShape(std::vector<BodyPart> parts) : parts_(std::move(parts)) {
         double swing = 0.0;
         for (int n = 0; n < 4; ++n) {
           swing += std::hypot(section.cosine[n], section.sine[n]);
-          if (section.cosine[n] != 0.0 || section.sine[n] != 0.0) ready.harmonics = std::max(ready.harmonics, n + 2);
+          if (section.cosine[n] != 0.0 || section.sine[n] != 0.0)
+            ready.harmonics = std::max(ready.harmonics, n + 2);
         }
-        const double grow = part.form == BodyPart::Form::Polar ? 1.0 + swing : 1.0 / std::sqrt(std::max(1.0 - swing, 0.06));
+        const double grow =
+            part.form == BodyPart::Form::Polar ? 1.0 + swing : 1.0 / std::sqrt(std::max(1.0 - swing, 0.06));
         ready.bound = std::max(ready.bound, std::hypot(section.u, section.v) + section.radius * grow);
       }
       ready.from = ready.at.front() - part.capA;
@@ -213,14 +223,16 @@ BodyShape::BodyShape(std::vector<BodyPart> parts) : parts_(std::move(parts)) {
       for (std::size_t k = 1; k + 1 < count; ++k)  // derivative at k of the parabola through three sections
         for (int c = 0; c < columns; ++c) {
           const double before = ready.at[k] - ready.at[k - 1], after = ready.at[k + 1] - ready.at[k];
-          const double left = (value[k][c] - value[k - 1][c]) / before, right = (value[k + 1][c] - value[k][c]) / after;
+          const double left = (value[k][c] - value[k - 1][c]) / before,
+                       right = (value[k + 1][c] - value[k][c]) / after;
           tangent[k][c] = (left * after + right * before) / (before + after);
         }
       for (std::size_t k = 0; k + 1 < count; ++k) {
         const double width = ready.at[k + 1] - ready.at[k];
         ready.cubic.emplace_back();
         for (int c = 0; c < columns; ++c) {
-          const double y0 = value[k][c], y1 = value[k + 1][c], m0 = tangent[k][c] * width, m1 = tangent[k + 1][c] * width;
+          const double y0 = value[k][c], y1 = value[k + 1][c], m0 = tangent[k][c] * width,
+                       m1 = tangent[k + 1][c] * width;
           ready.cubic.back()[c] = {y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1};
         }
       }
@@ -251,8 +263,10 @@ BodyShape::Region BodyShape::regionOf(const std::vector<char>& evaluated) const 
     nodeOf[i] = static_cast<int>(region.nodes_.size());
     region.nodes_.push_back({i, evaluated[i] != 0, 0, 0});
   }
-  if (region.nodes_.size() > maxParts) throw std::invalid_argument("a body with more than 2048 parts in one place");
-  for (std::size_t n = 1; n < region.nodes_.size(); ++n) ++region.nodes_[nodeOf[parts_[region.nodes_[n].part].parent]].childCount;
+  if (region.nodes_.size() > maxParts)
+    throw std::invalid_argument("a body with more than 2048 parts in one place");
+  for (std::size_t n = 1; n < region.nodes_.size(); ++n)
+    ++region.nodes_[nodeOf[parts_[region.nodes_[n].part].parent]].childCount;
   int next = 0;
   for (Region::Node& node : region.nodes_) {
     node.firstChild = next;
@@ -285,14 +299,17 @@ FieldSample BodyShape::evaluate(const Vector3d& p, const Region& region) const {
   std::array<int, maxParts> order;
   for (int n = static_cast<int>(region.nodes_.size()) - 1; n >= 0; --n) {
     const Region::Node& node = region.nodes_[n];
-    const FieldSample own = node.evaluated ? (*prepared_)[node.part].sample<withGradient>(parts_[node.part], p) : FieldSample{far, Vector3d::Zero()};
+    const FieldSample own = node.evaluated
+                                ? (*prepared_)[node.part].sample<withGradient>(parts_[node.part], p)
+                                : FieldSample{far, Vector3d::Zero()};
     int count = 0;
     for (int k = 0; k < node.childCount; ++k) {
       const int child = region.children_[node.firstChild + k];
       value[child] = smoothMin<withGradient>(own, value[child], parts_[region.nodes_[child].part].blend);
       if (value[child].value < own.value) order[count++] = child;
     }
-    std::sort(order.begin(), order.begin() + count, [&](int a, int b) { return value[a].value < value[b].value; });
+    std::sort(order.begin(), order.begin() + count,
+              [&](int a, int b) { return value[a].value < value[b].value; });
     if (count == 0) {
       value[n] = own;
       continue;
@@ -305,14 +322,19 @@ FieldSample BodyShape::evaluate(const Vector3d& p, const Region& region) const {
       const double fading = 1.5 * (own.value - next.value);
       Vector3d fadingGradient;
       if constexpr (withGradient) fadingGradient = 1.5 * (own.gradient - next.gradient);
-      total = smoothMin<withGradient>(total, next, std::min(fixed, fading), fading < fixed ? &fadingGradient : nullptr);
+      total = smoothMin<withGradient>(total, next, std::min(fixed, fading),
+                                      fading < fixed ? &fadingGradient : nullptr);
     }
     value[n] = total;
   }
   return value[0];
 }
 
-double BodyShape::value(const Vector3d& p, const Region& region) const { return evaluate<false>(p, region).value; }
-FieldSample BodyShape::sample(const Vector3d& p, const Region& region) const { return evaluate<true>(p, region); }
+double BodyShape::value(const Vector3d& p, const Region& region) const {
+  return evaluate<false>(p, region).value;
+}
+FieldSample BodyShape::sample(const Vector3d& p, const Region& region) const {
+  return evaluate<true>(p, region);
+}
 
 }  // namespace gelenk

@@ -28,7 +28,8 @@ void parallelFor(int count, int threads, const Body& body) {
   for (std::thread& worker : workers) worker.join();
 }
 
-// ---------------------------------------------------------------------------------------------------------------- Warp
+// ----------------------------------------------------------------------------------------------------------------
+// Warp
 
 Vector3d pull(const Vector3d& q, const Vector3d& centre, double strength, double reach) {
   const Vector3d d = q - centre;
@@ -40,7 +41,8 @@ Vector3d pull(const Vector3d& q, const Vector3d& centre, double strength, double
 class Warp {
  public:
   explicit Warp(const std::vector<GridLens>& lenses) {
-    for (auto lens = lenses.rbegin(); lens != lenses.rend(); ++lens) {  // the last one's output is the body's space
+    for (auto lens = lenses.rbegin(); lens != lenses.rend();
+         ++lens) {  // the last one's output is the body's space
       Stage stage{{}, 1.0 - 1.0 / lens->magnification, lens->reach};
       std::vector<Vector3d> wanted;
       for (const Vector3d& c : lens->centres) wanted.push_back(back(c));
@@ -87,13 +89,16 @@ class Warp {
   std::vector<Stage> stages_;
 };
 
-// -------------------------------------------------------------------------------------------------------- Cells and loops
+// --------------------------------------------------------------------------------------------------------
+// Cells and loops
 
-// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2 & 1); edge 4 d + k runs along axis d from its k-th low corner.
+// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2 & 1); edge 4 d + k runs along axis d from its k-th
+// low corner.
 constexpr std::array<std::array<int, 2>, 12> cellEdges = {
     {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
-/// For each pattern of inside corners: to which loop each crossed edge belongs (-1: not crossed), and how many loops there are.
+/// For each pattern of inside corners: to which loop each crossed edge belongs (-1: not crossed), and how
+/// many loops there are.
 struct LoopTable {
   std::array<std::array<std::int8_t, 12>, 256> loop;
   std::array<std::int8_t, 256> count;
@@ -101,7 +106,8 @@ struct LoopTable {
 
 int edgeBetween(int a, int b) {
   for (int e = 0; e < 12; ++e)
-    if ((cellEdges[e][0] == a && cellEdges[e][1] == b) || (cellEdges[e][0] == b && cellEdges[e][1] == a)) return e;
+    if ((cellEdges[e][0] == a && cellEdges[e][1] == b) || (cellEdges[e][0] == b && cellEdges[e][1] == a))
+      return e;
   return -1;
 }
 
@@ -116,11 +122,13 @@ LoopTable makeLoopTable() {
     for (const auto& face : faces) {
       std::vector<int> crossed;
       for (int k = 0; k < 4; ++k)
-        if (inside(face[k]) != inside(face[(k + 1) % 4])) crossed.push_back(edgeBetween(face[k], face[(k + 1) % 4]));
+        if (inside(face[k]) != inside(face[(k + 1) % 4]))
+          crossed.push_back(edgeBetween(face[k], face[(k + 1) % 4]));
       if (crossed.size() == 2) join(crossed[0], crossed[1]);
       if (crossed.size() == 4)  // two inside corners at a diagonal: cut each off
         for (int k = 0; k < 4; ++k)
-          if (inside(face[k])) join(edgeBetween(face[(k + 3) % 4], face[k]), edgeBetween(face[k], face[(k + 1) % 4]));
+          if (inside(face[k]))
+            join(edgeBetween(face[(k + 3) % 4], face[k]), edgeBetween(face[k], face[(k + 1) % 4]));
     }
     table.loop[pattern].fill(-1);
     for (int e = 0; e < 12; ++e) {
@@ -139,7 +147,8 @@ LoopTable makeLoopTable() {
   return table;
 }
 
-// ---------------------------------------------------------------------------------------------------------------- Grid
+// ----------------------------------------------------------------------------------------------------------------
+// Grid
 
 constexpr int side = 8;  // samples of a block along each axis
 constexpr int volume = side * side * side;
@@ -152,11 +161,12 @@ struct Block {
   std::vector<int> firstVertex;  ///< of the cell whose low corner is the sample
 };
 
-/// Samples of F on the warped grid. In the symmetric case sample x = 8 lies half a cell right of the plane of symmetry and
-/// the block layer x = 0 is the image of layer 1.
+/// Samples of F on the warped grid. In the symmetric case sample x = 8 lies half a cell right of the plane of
+/// symmetry and the block layer x = 0 is the image of layer 1.
 class Grid {
  public:
-  Grid(const BodyShape& shape, const PolygoniseOptions& options) : shape_(shape), options_(options), warp_(options.lenses) {
+  Grid(const BodyShape& shape, const PolygoniseOptions& options)
+      : shape_(shape), options_(options), warp_(options.lenses) {
     if (!(options.cell > 0.0)) throw std::invalid_argument("the cell of a grid must be positive");
     Eigen::AlignedBox3d box;
     const Eigen::AlignedBox3d body = shape.bounds();
@@ -199,7 +209,9 @@ class Grid {
     if ((s.array() < 0).any() || (s.array() >= side * blocks_.array()).any()) return -1;
     return s.x() / side + blocks_.x() * (s.y() / side + blocks_.y() * (s.z() / side));
   }
-  static int offset(const Vector3i& s) { return s.x() % side + side * (s.y() % side + side * (s.z() % side)); }
+  static int offset(const Vector3i& s) {
+    return s.x() % side + side * (s.y() % side + side * (s.z() % side));
+  }
   double value(const Vector3i& s) const {
     const int b = blockOf(s);
     if (b < 0) return 1e9;
@@ -217,7 +229,8 @@ class Grid {
       const Vector3d p = warp_(middle);
       double inBody = 0.0;  // radius of the warped block
       for (int c = 0; c < 8; ++c) {
-        const Vector3d corner = middle + 0.5 * side * options_.cell * Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
+        const Vector3d corner =
+            middle + 0.5 * side * options_.cell * Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
         inBody = std::max(inBody, 1.15 * (warp_(corner) - p).norm());
       }
       Block& block = block_[b];
@@ -237,7 +250,8 @@ class Grid {
       if (firstSample(b).x() != 0) continue;
       const Block& right = block_[b + 1];
       block_[b] = right;
-      for (int k = 0; right.active && k < volume; ++k) block_[b].values[k] = right.values[k - k % side + (side - 1 - k % side)];
+      for (int k = 0; right.active && k < volume; ++k)
+        block_[b].values[k] = right.values[k - k % side + (side - 1 - k % side)];
     }
   }
 
@@ -249,7 +263,8 @@ class Grid {
   std::vector<Block> block_;
 };
 
-// ------------------------------------------------------------------------------------------------------------- Surface
+// -------------------------------------------------------------------------------------------------------------
+// Surface
 
 /// The surface while it is being made; in the symmetric case its half with x >= 0, open along x = 0.
 struct Surface {
@@ -318,7 +333,8 @@ Surface contour(Grid& grid, bool symmetric) {
       const bool inside = grid.value(s) < 0.0;
       for (int d = 0; d < 3; ++d) {
         if ((grid.value(s + Vector3i::Unit(d)) < 0.0) == inside) continue;
-        // The four cells around the edge, counter-clockwise seen from its far end; within each, the edge's number.
+        // The four cells around the edge, counter-clockwise seen from its far end; within each, the edge's
+        // number.
         const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
         std::array<int, 4> quad;
         constexpr std::array<std::array<int, 2>, 4> around = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
@@ -329,7 +345,8 @@ Surface contour(Grid& grid, bool symmetric) {
         }
         if (!inside) std::swap(quad[1], quad[3]);
         const auto& p = surface.positions;
-        const bool along02 = (p[quad[0]] - p[quad[2]]).squaredNorm() <= (p[quad[1]] - p[quad[3]]).squaredNorm();
+        const bool along02 =
+            (p[quad[0]] - p[quad[2]]).squaredNorm() <= (p[quad[1]] - p[quad[3]]).squaredNorm();
         const int r = along02 ? 0 : 1;
         surface.triangles.push_back({quad[r], quad[r + 1], quad[r + 2]});
         surface.triangles.push_back({quad[r], quad[r + 2], quad[(r + 3) % 4]});
@@ -339,12 +356,14 @@ Surface contour(Grid& grid, bool symmetric) {
   return surface;
 }
 
-// ---------------------------------------------------------------------------------------------------------- Relaxation
+// ----------------------------------------------------------------------------------------------------------
+// Relaxation
 
 /// Triangles around each vertex, as one list with offsets.
 struct Fans {
   std::vector<int> start, triangles;
-  explicit Fans(const Surface& surface) : start(surface.positions.size() + 1, 0), triangles(3 * surface.triangles.size()) {
+  explicit Fans(const Surface& surface)
+      : start(surface.positions.size() + 1, 0), triangles(3 * surface.triangles.size()) {
     for (const auto& t : surface.triangles)
       for (const int v : t) ++start[v + 1];
     for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
@@ -370,29 +389,35 @@ Vector3d areaNormal(const std::vector<Vector3d>& p, const std::array<int, 3>& t)
   return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
 }
 
-/// Flips edges whose opposite angles sum to more than pi, none near another in the same round, so that the fans stay true.
+/// Flips edges whose opposite angles sum to more than pi, none near another in the same round, so that the
+/// fans stay true.
 void flipEdges(Surface& surface) {
   const Fans fans(surface);
   const auto& p = surface.positions;
   std::vector<char> touched(p.size(), false);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const int a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3], c = surface.triangles[t][(k + 2) % 3];
+      const int a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3],
+                c = surface.triangles[t][(k + 2) % 3];
       if (touched[a] || touched[b] || touched[c]) break;
       int other = -1;
       for (int f = fans.start[a]; f < fans.start[a + 1]; ++f)
-        if (fans.triangles[f] != static_cast<int>(t) && holds(surface.triangles[fans.triangles[f]], b)) other = fans.triangles[f];
+        if (fans.triangles[f] != static_cast<int>(t) && holds(surface.triangles[fans.triangles[f]], b))
+          other = fans.triangles[f];
       if (other < static_cast<int>(t)) continue;  // seen from the other side, or on the border
       const int d = opposite(surface.triangles[other], a, b);
       if (touched[d] || (surface.onPlane[c] && surface.onPlane[d])) continue;
       if (angleAt(p[c], p[a], p[b]) + angleAt(p[d], p[a], p[b]) <= M_PI + 1e-6) continue;
       bool exists = false;
-      for (int f = fans.start[c]; f < fans.start[c + 1]; ++f) exists |= holds(surface.triangles[fans.triangles[f]], d);
+      for (int f = fans.start[c]; f < fans.start[c + 1]; ++f)
+        exists |= holds(surface.triangles[fans.triangles[f]], d);
       if (exists) continue;
       const std::array<int, 3> first{a, d, c}, second{d, b, c};
       const Vector3d before = areaNormal(p, surface.triangles[t]) + areaNormal(p, surface.triangles[other]);
       const Vector3d n1 = areaNormal(p, first), n2 = areaNormal(p, second);
-      if (n1.dot(before) <= 0.5 * n1.norm() * before.norm() || n2.dot(before) <= 0.5 * n2.norm() * before.norm()) continue;
+      if (n1.dot(before) <= 0.5 * n1.norm() * before.norm() ||
+          n2.dot(before) <= 0.5 * n2.norm() * before.norm())
+        continue;
       surface.triangles[t] = first;
       surface.triangles[other] = second;
       for (const int v : {a, b, c, d}) touched[v] = true;
@@ -401,8 +426,10 @@ void flipEdges(Surface& surface) {
   }
 }
 
-/// Moves every vertex within the tangent plane towards the mean of its triangles weighted by area, then onto F = 0.
-void smooth(Surface& surface, const BodyShape& shape, const Grid& grid, const PolygoniseOptions& options, double tangential) {
+/// Moves every vertex within the tangent plane towards the mean of its triangles weighted by area, then onto
+/// F = 0.
+void smooth(Surface& surface, const BodyShape& shape, const Grid& grid, const PolygoniseOptions& options,
+            double tangential) {
   const Fans fans(surface);
   const auto& p = surface.positions;
   std::vector<Vector3d> moved(p.size());
@@ -436,7 +463,8 @@ void smooth(Surface& surface, const BodyShape& shape, const Grid& grid, const Po
 }
 
 Mesh wholeMesh(Surface surface, bool symmetric, std::vector<int>* partner) {
-  Mesh mesh{.positions = std::move(surface.positions), .triangles = std::move(surface.triangles), .normals = {}};
+  Mesh mesh{
+      .positions = std::move(surface.positions), .triangles = std::move(surface.triangles), .normals = {}};
   const int half = static_cast<int>(mesh.positions.size());
   std::vector<int> image(half);
   for (int v = 0; v < half; ++v) image[v] = v;
@@ -457,25 +485,29 @@ Mesh wholeMesh(Surface surface, bool symmetric, std::vector<int>* partner) {
   computeNormals(mesh);
   if (symmetric)  // sums in another order differ in the last bit
     for (int v = 0; v < half; ++v) {
-      if (image[v] == v) mesh.normals[v].x() = 0.0, mesh.normals[v].normalize();
-      else mesh.normals[image[v]] = Vector3d(-mesh.normals[v].x(), mesh.normals[v].y(), mesh.normals[v].z());
+      if (image[v] == v)
+        mesh.normals[v].x() = 0.0, mesh.normals[v].normalize();
+      else
+        mesh.normals[image[v]] = Vector3d(-mesh.normals[v].x(), mesh.normals[v].y(), mesh.normals[v].z());
     }
   if (partner) *partner = std::move(image);
   return mesh;
 }
 
-/// No edge runs twice in one direction. Two cells that share an ambiguous face can be joined by two edges of the dual: four
-/// triangles would meet there.
+/// No edge runs twice in one direction. Two cells that share an ambiguous face can be joined by two edges of
+/// the dual: four triangles would meet there.
 bool edgesAreManifold(const Surface& surface) {
   std::vector<std::uint64_t> edges;
   edges.reserve(3 * surface.triangles.size());
   for (const auto& t : surface.triangles)
-    for (int k = 0; k < 3; ++k) edges.push_back(static_cast<std::uint64_t>(t[k]) << 32 | static_cast<std::uint32_t>(t[(k + 1) % 3]));
+    for (int k = 0; k < 3; ++k)
+      edges.push_back(static_cast<std::uint64_t>(t[k]) << 32 | static_cast<std::uint32_t>(t[(k + 1) % 3]));
   std::sort(edges.begin(), edges.end());
   return std::adjacent_find(edges.begin(), edges.end()) == edges.end();
 }
 
-Mesh relaxed(const BodyShape& shape, const Grid& grid, Surface surface, const PolygoniseOptions& options, std::vector<int>* partner) {
+Mesh relaxed(const BodyShape& shape, const Grid& grid, Surface surface, const PolygoniseOptions& options,
+             std::vector<int>* partner) {
   for (int round = 0; round < options.relaxationRounds; ++round) {
     flipEdges(surface);
     smooth(surface, shape, grid, options, 0.8);

@@ -14,7 +14,8 @@ double orientation(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
   return (b - a).cross(c - a).dot(d - a);
 }
 
-bool segmentCrosses(const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+bool segmentCrosses(const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vector3d& b,
+                    const Vector3d& c) {
   const double below = orientation(a, b, c, p), above = orientation(a, b, c, q);
   if ((below > 0.0) == (above > 0.0) || below == 0.0 || above == 0.0) return false;
   const double ab = orientation(p, q, a, b), bc = orientation(p, q, b, c), ca = orientation(p, q, c, a);
@@ -36,7 +37,8 @@ std::vector<std::pair<int, int>> selfIntersections(const std::vector<Vector3d>& 
 
   std::vector<int> order(count);
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return boxes[a].min()[axis] < boxes[b].min()[axis]; });
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return boxes[a].min()[axis] < boxes[b].min()[axis]; });
 
   std::vector<std::pair<int, int>> pairs;
   for (int i = 0; i < count; ++i) {
@@ -45,11 +47,14 @@ std::vector<std::pair<int, int>> selfIntersections(const std::vector<Vector3d>& 
       const int t = order[k];
       if (!boxes[s].intersects(boxes[t])) continue;
       const auto &S = triangles[s], &T = triangles[t];
-      if (std::any_of(S.begin(), S.end(), [&](int v) { return v == T[0] || v == T[1] || v == T[2]; })) continue;
+      if (std::any_of(S.begin(), S.end(), [&](int v) { return v == T[0] || v == T[1] || v == T[2]; }))
+        continue;
       bool crosses = false;
       for (int e = 0; e < 3 && !crosses; ++e)
-        crosses = segmentCrosses(positions[S[e]], positions[S[(e + 1) % 3]], positions[T[0]], positions[T[1]], positions[T[2]]) ||
-                  segmentCrosses(positions[T[e]], positions[T[(e + 1) % 3]], positions[S[0]], positions[S[1]], positions[S[2]]);
+        crosses = segmentCrosses(positions[S[e]], positions[S[(e + 1) % 3]], positions[T[0]], positions[T[1]],
+                                 positions[T[2]]) ||
+                  segmentCrosses(positions[T[e]], positions[T[(e + 1) % 3]], positions[S[0]], positions[S[1]],
+                                 positions[S[2]]);
       if (crosses) pairs.emplace_back(std::min(s, t), std::max(s, t));
     }
   }

@@ -6,7 +6,8 @@
 
 namespace gelenk {
 
-/// Owns one OpenGL object name; the deleter runs while its context is current. 0: nothing owned. Movable, not copyable.
+/// Owns one OpenGL object name; the deleter runs while its context is current. 0: nothing owned. Movable, not
+/// copyable.
 template <class Traits>
 class GlHandle {
  public:
@@ -28,27 +29,51 @@ class GlHandle {
 };
 
 struct BufferTraits {
-  static GLuint create() { GLuint n = 0; glGenBuffers(1, &n); return n; }
+  static GLuint create() {
+    GLuint n = 0;
+    glGenBuffers(1, &n);
+    return n;
+  }
   static void destroy(GLuint n) { glDeleteBuffers(1, &n); }
 };
 struct VertexArrayTraits {
-  static GLuint create() { GLuint n = 0; glGenVertexArrays(1, &n); return n; }
+  static GLuint create() {
+    GLuint n = 0;
+    glGenVertexArrays(1, &n);
+    return n;
+  }
   static void destroy(GLuint n) { glDeleteVertexArrays(1, &n); }
 };
 struct TextureTraits {
-  static GLuint create() { GLuint n = 0; glGenTextures(1, &n); return n; }
+  static GLuint create() {
+    GLuint n = 0;
+    glGenTextures(1, &n);
+    return n;
+  }
   static void destroy(GLuint n) { glDeleteTextures(1, &n); }
 };
 struct FramebufferTraits {
-  static GLuint create() { GLuint n = 0; glGenFramebuffers(1, &n); return n; }
+  static GLuint create() {
+    GLuint n = 0;
+    glGenFramebuffers(1, &n);
+    return n;
+  }
   static void destroy(GLuint n) { glDeleteFramebuffers(1, &n); }
 };
 struct RenderbufferTraits {
-  static GLuint create() { GLuint n = 0; glGenRenderbuffers(1, &n); return n; }
+  static GLuint create() {
+    GLuint n = 0;
+    glGenRenderbuffers(1, &n);
+    return n;
+  }
   static void destroy(GLuint n) { glDeleteRenderbuffers(1, &n); }
 };
 struct QueryTraits {
-  static GLuint create() { GLuint n = 0; glGenQueries(1, &n); return n; }
+  static GLuint create() {
+    GLuint n = 0;
+    glGenQueries(1, &n);
+    return n;
+  }
   static void destroy(GLuint n) { glDeleteQueries(1, &n); }
 };
 struct ProgramTraits {

@@ -24,7 +24,8 @@ std::vector<EGLDisplay> candidateDisplays() {
   std::vector<EGLDisplay> displays;
   const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   if (!contains(client, "EGL_EXT_platform_base")) return {eglGetDisplay(EGL_DEFAULT_DISPLAY)};
-  if (contains(client, "EGL_EXT_device_enumeration") && contains(client, "EGL_EXT_platform_device") && !softwareWanted()) {
+  if (contains(client, "EGL_EXT_device_enumeration") && contains(client, "EGL_EXT_platform_device") &&
+      !softwareWanted()) {
     EGLDeviceEXT devices[16];
     EGLint count = 0;
     if (eglQueryDevicesEXT(16, devices, &count))
@@ -38,13 +39,21 @@ std::vector<EGLDisplay> candidateDisplays() {
 }
 
 EGLContext createContext(EGLDisplay display, bool version33) {
-  const EGLint configAttributes[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+  const EGLint configAttributes[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                     EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
-  if (!eglChooseConfig(display, configAttributes, &config, 1, &count) || count == 0) config = EGL_NO_CONFIG_KHR;
-  const EGLint core33[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
-                           EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                           EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_NONE};
+  if (!eglChooseConfig(display, configAttributes, &config, 1, &count) || count == 0)
+    config = EGL_NO_CONFIG_KHR;
+  const EGLint core33[] = {EGL_CONTEXT_MAJOR_VERSION,
+                           3,
+                           EGL_CONTEXT_MINOR_VERSION,
+                           3,
+                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                           EGL_CONTEXT_OPENGL_DEBUG,
+                           EGL_TRUE,
+                           EGL_NONE};
   const EGLint any[] = {EGL_NONE};
   return eglCreateContext(display, config, EGL_NO_CONTEXT, version33 ? core33 : any);
 }
@@ -62,7 +71,8 @@ OffscreenContext::OffscreenContext() {
   bool anyDisplay = false;
   for (EGLDisplay display : candidateDisplays()) {
     EGLint major = 0, minor = 0;
-    if (display == EGL_NO_DISPLAY || !eglInitialize(display, &major, &minor) || !eglBindAPI(EGL_OPENGL_API)) continue;
+    if (display == EGL_NO_DISPLAY || !eglInitialize(display, &major, &minor) || !eglBindAPI(EGL_OPENGL_API))
+      continue;
     anyDisplay = true;
     for (const bool version33 : {true, false}) {
       EGLContext context = createContext(display, version33);
@@ -77,19 +87,24 @@ OffscreenContext::OffscreenContext() {
       eglDestroyContext(display, context);
     }
   }
-  throw std::runtime_error(
-      std::string(anyDisplay ? "EGL is there but gives no OpenGL context" : "there is no EGL display to draw with") +
-      " (tried: EGL devices, then Mesa's surfaceless platform); install a driver, or Mesa's software renderer: "
-      "apt install libgl1-mesa-dri libegl1");
+  throw std::runtime_error(std::string(anyDisplay ? "EGL is there but gives no OpenGL context"
+                                                  : "there is no EGL display to draw with") +
+                           " (tried: EGL devices, then Mesa's surfaceless platform); install a driver, or "
+                           "Mesa's software renderer: "
+                           "apt install libgl1-mesa-dri libegl1");
 }
 
 OffscreenContext::~OffscreenContext() {
-  // The display is one for the whole process (EGL hands out the same one again), so it is not terminated here.
-  if (eglGetCurrentContext() == context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  // The display is one for the whole process (EGL hands out the same one again), so it is not terminated
+  // here.
+  if (eglGetCurrentContext() == context_)
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
 }
 
-void OffscreenContext::makeCurrent() const { eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_); }
+void OffscreenContext::makeCurrent() const {
+  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
+}
 
 std::string glRenderer() {
   const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -105,8 +120,8 @@ bool isSoftwareRenderer() {
 
 void requireOpenGl33(int major, int minor, const std::string& renderer) {
   if (10 * major + minor >= 33) return;
-  throw std::runtime_error("OpenGL 3.3 is needed, but " + renderer + " offers " + std::to_string(major) + "." +
-                           std::to_string(minor) +
+  throw std::runtime_error("OpenGL 3.3 is needed, but " + renderer + " offers " + std::to_string(major) +
+                           "." + std::to_string(minor) +
                            "; a newer driver, or the software renderer (LIBGL_ALWAYS_SOFTWARE=1), would do");
 }
 
@@ -122,7 +137,8 @@ GlDebugLog::GlDebugLog() {
       [](GLenum, GLenum, GLuint, GLenum severity, GLsizei length, const GLchar* text, const void* log) {
         if (severity != GL_DEBUG_SEVERITY_NOTIFICATION)
           const_cast<GlDebugLog*>(static_cast<const GlDebugLog*>(log))
-              ->messages_.emplace_back(text, length < 0 ? std::strlen(text) : static_cast<std::size_t>(length));
+              ->messages_.emplace_back(text,
+                                       length < 0 ? std::strlen(text) : static_cast<std::size_t>(length));
       },
       this);
 }

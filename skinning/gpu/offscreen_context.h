@@ -5,12 +5,13 @@
 
 namespace gelenk {
 
-/// An OpenGL 3.3 core context without a window, through EGL: first the machine's EGL devices (a software device not among
-/// them), then Mesa's surfaceless platform. It has no framebuffer of its own: draw into a RenderTarget.
-/// Current on the thread that made it, until it is destroyed.
+/// An OpenGL 3.3 core context without a window, through EGL: first the machine's EGL devices (a software
+/// device not among them), then Mesa's surfaceless platform. It has no framebuffer of its own: draw into a
+/// RenderTarget. Current on the thread that made it, until it is destroyed.
 class OffscreenContext {
  public:
-  /// Throws std::runtime_error that says what was tried, and the way out, where there is no context or it is too old.
+  /// Throws std::runtime_error that says what was tried, and the way out, where there is no context or it is
+  /// too old.
   OffscreenContext();
   ~OffscreenContext();
   OffscreenContext(const OffscreenContext&) = delete;
@@ -23,18 +24,22 @@ class OffscreenContext {
   void* context_ = nullptr;
 };
 
-/// GL_RENDERER of the current context, such as "llvmpipe (LLVM 15.0.6, 256 bits)". Belongs beside every timing.
+/// GL_RENDERER of the current context, such as "llvmpipe (LLVM 15.0.6, 256 bits)". Belongs beside every
+/// timing.
 std::string glRenderer();
-/// True for llvmpipe, softpipe, SwiftShader: then no multisampling by default, and no claim that "the GPU" is fast.
+/// True for llvmpipe, softpipe, SwiftShader: then no multisampling by default, and no claim that "the GPU" is
+/// fast.
 bool isSoftwareRenderer();
 
-/// Throws std::runtime_error with a sentence unless the version is at least 3.3, e.g. requireOpenGl33(3, 1, "Old GPU").
+/// Throws std::runtime_error with a sentence unless the version is at least 3.3, e.g. requireOpenGl33(3, 1,
+/// "Old GPU").
 void requireOpenGl33(int major, int minor, const std::string& renderer);
 /// The same for the current context (a window's).
 void requireOpenGl33();
 
-/// Collects the messages of KHR_debug while it lives (errors, undefined behaviour, performance; not the driver's chatter of
-/// severity "notification"). Needs a current context; collects nothing where the extension is missing.
+/// Collects the messages of KHR_debug while it lives (errors, undefined behaviour, performance; not the
+/// driver's chatter of severity "notification"). Needs a current context; collects nothing where the
+/// extension is missing.
 class GlDebugLog {
  public:
   GlDebugLog();

@@ -14,12 +14,17 @@ void requireCompleteFramebuffer(const char* what) {
 }
 
 RenderTarget::RenderTarget(int width, int height, Colour format, int samples)
-    : width_(width), height_(height), samples_(samples), framebuffer_(GlFramebuffer::create()), depth_(GlRenderbuffer::create()) {
+    : width_(width),
+      height_(height),
+      samples_(samples),
+      framebuffer_(GlFramebuffer::create()),
+      depth_(GlRenderbuffer::create()) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   if (width < 1 || height < 1 || width > largest || height > largest)
     throw std::runtime_error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                             " pixels is not possible; this renderer's largest is " + std::to_string(largest));
+                             " pixels is not possible; this renderer's largest is " +
+                             std::to_string(largest));
   const GLenum internal = format == Colour::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA8;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   if (samples > 0) {
@@ -45,7 +50,9 @@ RenderTarget::RenderTarget(int width, int height, Colour format, int samples)
   requireCompleteFramebuffer("the picture");
 }
 
-std::vector<std::uint8_t> RenderTarget::readPixels() const { return gelenk::readPixels(framebuffer_, width_, height_); }
+std::vector<std::uint8_t> RenderTarget::readPixels() const {
+  return gelenk::readPixels(framebuffer_, width_, height_);
+}
 
 std::vector<std::uint8_t> readPixels(GLuint framebuffer, int width, int height) {
   const std::size_t row = 4 * static_cast<std::size_t>(width);

@@ -54,8 +54,9 @@ void attach(GLuint program, GLenum stage, const ProgramText& text, std::string_v
   GLint compiled = GL_FALSE;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
   if (!compiled)
-    throw std::runtime_error("the shader " + std::string(name) + " does not compile: " +
-                             logOf(shader, [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetShaderInfoLog(o, n, l, t); }));
+    throw std::runtime_error(
+        "the shader " + std::string(name) + " does not compile: " +
+        logOf(shader, [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetShaderInfoLog(o, n, l, t); }));
 }
 
 }  // namespace
@@ -71,10 +72,9 @@ ShaderProgram::ShaderProgram(const ProgramText& text) : program_(GlProgram::crea
   GLint linked = GL_FALSE;
   glGetProgramiv(program_, GL_LINK_STATUS, &linked);
   if (!linked)
-    throw std::runtime_error("the shaders " + std::string(text.vertex) + " and " + std::string(text.fragment) +
-                             " do not link: " + logOf(program_, [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) {
-                               glGetProgramInfoLog(o, n, l, t);
-                             }));
+    throw std::runtime_error(
+        "the shaders " + std::string(text.vertex) + " and " + std::string(text.fragment) + " do not link: " +
+        logOf(program_, [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetProgramInfoLog(o, n, l, t); }));
 }
 
 void ShaderProgram::bindBlock(const char* block, GLuint binding) const {

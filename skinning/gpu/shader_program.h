@@ -17,15 +17,15 @@ using ShaderFolder = std::span<const ShaderText>;
 
 ShaderFolder skinningShaders();  ///< skinning/gpu/shaders
 
-/// What a program is made of. Sources are written without a #version line; `#include "name"` is replaced by the text of that
-/// file, looked up in the folder and then in skinningShaders().
+/// What a program is made of. Sources are written without a #version line; `#include "name"` is replaced by
+/// the text of that file, looked up in the folder and then in skinningShaders().
 struct ProgramText {
   ShaderFolder folder;
   std::string_view vertex;
-  std::string_view geometry = "";           ///< file name, or empty
-  std::string_view fragment = "";           ///< file name, or empty where nothing is drawn
-  std::string_view defines = "";            ///< words to define, separated by blanks
-  std::vector<const char*> captured = {};   ///< outputs of transform feedback, interleaved
+  std::string_view geometry = "";          ///< file name, or empty
+  std::string_view fragment = "";          ///< file name, or empty where nothing is drawn
+  std::string_view defines = "";           ///< words to define, separated by blanks
+  std::vector<const char*> captured = {};  ///< outputs of transform feedback, interleaved
 };
 
 /// A linked GLSL 3.30 program.
@@ -39,7 +39,8 @@ class ShaderProgram {
   GLuint name() const { return program_; }
   /// -1 where the program does not use it (GL ignores writes to -1).
   GLint uniform(const char* name) const { return glGetUniformLocation(program_, name); }
-  /// Ties a uniform block / a sampler to its binding point / texture unit; no effect where the program has none of that name.
+  /// Ties a uniform block / a sampler to its binding point / texture unit; no effect where the program has
+  /// none of that name.
   void bindBlock(const char* block, GLuint binding) const;
   void bindSampler(const char* sampler, GLint unit) const;  ///< makes the program current
 

@@ -7,8 +7,8 @@ namespace gelenk {
 
 void poseSkin(const Skin& skin, const Frames& worldFromJoint, SkinPose& out) {
   if (worldFromJoint.size() != skin.jointFromRestWorld.size())
-    throw std::invalid_argument("the skin has " + std::to_string(skin.jointFromRestWorld.size()) + " joints, the pose has " +
-                                std::to_string(worldFromJoint.size()) + " frames");
+    throw std::invalid_argument("the skin has " + std::to_string(skin.jointFromRestWorld.size()) +
+                                " joints, the pose has " + std::to_string(worldFromJoint.size()) + " frames");
   out.layers.clear();
   out.rows.resize(12 * worldFromJoint.size());
   for (std::size_t i = 0; i < worldFromJoint.size(); ++i) {
@@ -37,7 +37,8 @@ void append(std::vector<float>& rows, const FfdPlane& plane) {
   append(rows, plane.axes.col(1));
 }
 
-/// Four planes a third of a metre apart that move with the frame: the tri-cubic is then the rigid map of (u, v, w) in metres.
+/// Four planes a third of a metre apart that move with the frame: the tri-cubic is then the rigid map of (u,
+/// v, w) in metres.
 void appendRigid(std::vector<float>& rows, const Eigen::Isometry3d& end) {
   for (int k = 0; k < 4; ++k)
     append(rows, FfdPlane{end.translation() + k / 3.0 * end.linear().col(2), end.linear().leftCols<2>()});
@@ -53,9 +54,12 @@ int firstLayerRow(const MuscleSkin& body, int limb) {
   return row;
 }
 
-int firstLinkRow(const MuscleSkin& body, int limb) { return firstLayerRow(body, limb) + 3 * (6 * links(body.limbs[limb]) + 9); }
+int firstLinkRow(const MuscleSkin& body, int limb) {
+  return firstLayerRow(body, limb) + 3 * (6 * links(body.limbs[limb]) + 9);
+}
 
-void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs, SkinPose& out) {
+void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs,
+              SkinPose& out) {
   poseSkin(body.skin, worldFromJoint, out);
   for (const LimbPose& limb : limbs) {
     for (const FfdPlane& plane : limb.planes) append(out.layers, plane);
@@ -64,7 +68,8 @@ void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::v
     for (const Eigen::Matrix3d& matrix : limb.worldFromDisplacement)
       for (int k = 0; k < 3; ++k) append(out.layers, matrix.col(k));
   }
-  out.sculpted = std::any_of(limbs.begin(), limbs.end(), [](const LimbPose& limb) { return !limb.displacement.empty(); });
+  out.sculpted = std::any_of(limbs.begin(), limbs.end(),
+                             [](const LimbPose& limb) { return !limb.displacement.empty(); });
 }
 
 std::string layerDefines(const SkinPose& pose) {
@@ -73,7 +78,8 @@ std::string layerDefines(const SkinPose& pose) {
 
 SkinPose unposed(int jointCount) {
   SkinPose pose;
-  for (int i = 0; i < jointCount; ++i) pose.rows.insert(pose.rows.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+  for (int i = 0; i < jointCount; ++i)
+    pose.rows.insert(pose.rows.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
   return pose;
 }
 

@@ -26,7 +26,8 @@ struct LayerVertex {
 struct SculptureVertex {
   float columns[4][3];  ///< displacement, d/du, d/dv, d/dw
 };
-static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 32 && sizeof(SculptureVertex) == 48);
+static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 32 &&
+              sizeof(SculptureVertex) == 48);
 
 template <class T>
 void fill(GLenum target, const GlBuffer& buffer, const std::vector<T>& data, GLenum usage = GL_STATIC_DRAW) {
@@ -94,7 +95,8 @@ std::vector<FfdLattice> displacementLattices(const MuscleRig& rig) {
   return any ? lattices : std::vector<FfdLattice>{};
 }
 
-std::vector<SculptureVertex> sculptureVertices(const MuscleSkin& body, const std::vector<FfdLattice>& lattices) {
+std::vector<SculptureVertex> sculptureVertices(const MuscleSkin& body,
+                                               const std::vector<FfdLattice>& lattices) {
   std::vector<std::size_t> firstOfLimb{0};
   for (const Limb& limb : body.limbs) firstOfLimb.push_back(firstOfLimb.back() + 2 * limb.shape.links.size());
   std::vector<SculptureVertex> vertices(body.vertices.size(), SculptureVertex{});
@@ -143,7 +145,8 @@ void PoseGl::upload(const SkinPose& pose) {
       glBufferData(GL_UNIFORM_BUFFER, whole, nullptr, GL_STREAM_DRAW);
     }
     glBindBuffer(GL_UNIFORM_BUFFER, layers_);
-    glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(pose.layers.size() * sizeof(float)), pose.layers.data());
+    glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(pose.layers.size() * sizeof(float)),
+                    pose.layers.data());
     glBindBuffer(GL_UNIFORM_BUFFER, 0);
   }
   if (inBlock || texture_ != 0) return;
@@ -151,8 +154,8 @@ void PoseGl::upload(const SkinPose& pose) {
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
   if (bytes / 16 > limit)
-    throw std::runtime_error("this renderer's texture buffers hold " + std::to_string(limit / 3) + " joints, the skeleton has " +
-                             std::to_string(pose.jointCount()));
+    throw std::runtime_error("this renderer's texture buffers hold " + std::to_string(limit / 3) +
+                             " joints, the skeleton has " + std::to_string(pose.jointCount()));
   texture_ = GlTexture::create();
   glBindTexture(GL_TEXTURE_BUFFER, texture_);
   glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, buffer_);
@@ -179,11 +182,13 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
       vertexCount_(static_cast<int>(skin.mesh.positions.size())),
       triangleCount_(static_cast<int>(skin.mesh.triangles.size())),
       jointCount_(skin.jointCount()) {
-  if (skin.influences.size() != skin.mesh.positions.size() || skin.mesh.normals.size() != skin.mesh.positions.size())
+  if (skin.influences.size() != skin.mesh.positions.size() ||
+      skin.mesh.normals.size() != skin.mesh.positions.size())
     throw std::invalid_argument("a skin needs one normal and one row of influences a vertex");
   fill(GL_ARRAY_BUFFER, shape_, shapeVertices(skin.mesh.positions, skin.mesh.normals));
   fill(GL_ARRAY_BUFFER, influences_, influenceVertices(skin.influences));
-  fill(GL_ARRAY_BUFFER, colours_, std::vector<Eigen::Vector3f>(vertexCount_, Eigen::Vector3f::Constant(0.5f)));
+  fill(GL_ARRAY_BUFFER, colours_,
+       std::vector<Eigen::Vector3f>(vertexCount_, Eigen::Vector3f::Constant(0.5f)));
   glBindVertexArray(triangleArray_);
   attachShape(influences_);
   fill(GL_ELEMENT_ARRAY_BUFFER, indices_, skin.mesh.triangles);
@@ -194,8 +199,9 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
 SkinnedMeshGl::SkinnedMeshGl(const MuscleSkin& body) : SkinnedMeshGl(body.skin) {
   const int limbs = static_cast<int>(body.limbs.size());
   if (const int rows = firstLayerRow(body, limbs); rows > maxLayerRows)
-    throw std::invalid_argument("the muscle layers of " + std::to_string(limbs) + " limbs need " + std::to_string(rows) +
-                                " rows, the shader holds " + std::to_string(maxLayerRows));
+    throw std::invalid_argument("the muscle layers of " + std::to_string(limbs) + " limbs need " +
+                                std::to_string(rows) + " rows, the shader holds " +
+                                std::to_string(maxLayerRows));
   layeredArray_ = GlVertexArray::create();
   outside_ = GlBuffer::create();
   layers_ = GlBuffer::create();
@@ -207,7 +213,8 @@ SkinnedMeshGl::SkinnedMeshGl(const MuscleSkin& body) : SkinnedMeshGl(body.skin) 
   floatAttribute(5, 4, sizeof(LayerVertex), offsetof(LayerVertex, uvw));
   floatAttribute(6, 3, sizeof(LayerVertex), offsetof(LayerVertex, normal));
   glEnableVertexAttribArray(7);
-  glVertexAttribIPointer(7, 2, GL_UNSIGNED_SHORT, sizeof(LayerVertex), offset(offsetof(LayerVertex, planeRow)));
+  glVertexAttribIPointer(7, 2, GL_UNSIGNED_SHORT, sizeof(LayerVertex),
+                         offset(offsetof(LayerVertex, planeRow)));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
@@ -235,7 +242,8 @@ void SkinnedMeshGl::attachShape(const GlBuffer& influences) const {
   floatAttribute(1, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, normal));
   glBindBuffer(GL_ARRAY_BUFFER, influences);
   glEnableVertexAttribArray(2);
-  glVertexAttribIPointer(2, 4, GL_UNSIGNED_SHORT, sizeof(InfluenceVertex), offset(offsetof(InfluenceVertex, joints)));
+  glVertexAttribIPointer(2, 4, GL_UNSIGNED_SHORT, sizeof(InfluenceVertex),
+                         offset(offsetof(InfluenceVertex, joints)));
   floatAttribute(3, 4, sizeof(InfluenceVertex), offsetof(InfluenceVertex, weights));
   glBindBuffer(GL_ARRAY_BUFFER, colours_);
   floatAttribute(4, 3, sizeof(Eigen::Vector3f), 0);
@@ -243,8 +251,8 @@ void SkinnedMeshGl::attachShape(const GlBuffer& influences) const {
 
 void SkinnedMeshGl::requireOnePerVertex(std::size_t count) const {
   if (count != static_cast<std::size_t>(vertexCount_))
-    throw std::invalid_argument("the mesh has " + std::to_string(vertexCount_) + " vertices, but values are given for " +
-                                std::to_string(count));
+    throw std::invalid_argument("the mesh has " + std::to_string(vertexCount_) +
+                                " vertices, but values are given for " + std::to_string(count));
 }
 
 void SkinnedMeshGl::setColours(const std::vector<Eigen::Vector3f>& colours) {
@@ -273,9 +281,13 @@ void SkinnedMeshGl::drawPoints(bool layered) const {
 }
 
 FeedbackSkinning::FeedbackSkinning(const SkinnedMeshGl& mesh, const SkinPose& kind)
-    : mesh_(&mesh), layered_(mesh.hasLayers() && !kind.layers.empty()), captured_(GlBuffer::create()), unseen_(1, 1) {
+    : mesh_(&mesh),
+      layered_(mesh.hasLayers() && !kind.layers.empty()),
+      captured_(GlBuffer::create()),
+      unseen_(1, 1) {
   const std::string defines =
-      std::string(mesh.storage() == PoseStorage::TextureBuffer ? "POSE_IN_TEXTURE " : "") + (layered_ ? layerDefines(kind) : "");
+      std::string(mesh.storage() == PoseStorage::TextureBuffer ? "POSE_IN_TEXTURE " : "") +
+      (layered_ ? layerDefines(kind) : "");
   program_ = ShaderProgram({.folder = skinningShaders(),
                             .vertex = "read_back.vert",
                             .defines = defines,
@@ -284,8 +296,8 @@ FeedbackSkinning::FeedbackSkinning(const SkinnedMeshGl& mesh, const SkinPose& ki
   program_.bindBlock("Layers", SkinnedMeshGl::layerBinding);
   program_.bindSampler("poseRows", PoseGl::textureUnit);
   glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, captured_);
-  glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, 6 * static_cast<GLsizeiptr>(sizeof(float)) * mesh.vertexCount(), nullptr,
-               GL_STREAM_READ);
+  glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, 6 * static_cast<GLsizeiptr>(sizeof(float)) * mesh.vertexCount(),
+               nullptr, GL_STREAM_READ);
   glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, 0);
   glUseProgram(0);
 }
@@ -312,7 +324,8 @@ ReadBackVertices FeedbackSkinning::read() const {
   const std::size_t count = mesh_->vertexCount();
   std::vector<float> numbers(6 * count);
   glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, captured_);
-  glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(numbers.size() * sizeof(float)), numbers.data());
+  glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(numbers.size() * sizeof(float)),
+                     numbers.data());
   glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, 0);
   ReadBackVertices result;
   for (std::size_t v = 0; v < count; ++v) {
@@ -333,7 +346,8 @@ std::vector<float> jointWeights(const Skin& skin, int joint) {
   std::vector<float> weights(skin.influences.size(), 0.0f);
   for (std::size_t v = 0; v < weights.size(); ++v)
     for (int k = 0; k < 4; ++k)
-      if (skin.influences[v].joints[k] == joint) weights[v] += static_cast<float>(skin.influences[v].weights[k]);
+      if (skin.influences[v].joints[k] == joint)
+        weights[v] += static_cast<float>(skin.influences[v].weights[k]);
   return weights;
 }
 

@@ -3,16 +3,17 @@
 #include <array>
 #include <vector>
 
+#include "skinning/blend/linear_blend.h"
 #include "skinning/gpu/gl_handle.h"
 #include "skinning/gpu/render_target.h"
-#include "skinning/gpu/skin_pose.h"
 #include "skinning/gpu/shader_program.h"
-#include "skinning/blend/linear_blend.h"
+#include "skinning/gpu/skin_pose.h"
 #include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
 
-/// How the vertex shader gets the matrices: the block of 341 matrices that every GL 3.3 offers, or a texture of any length.
+/// How the vertex shader gets the matrices: the block of 341 matrices that every GL 3.3 offers, or a texture
+/// of any length.
 enum class PoseStorage { UniformBlock, TextureBuffer };
 inline constexpr int maxBlockJoints = 341;  ///< 16,384 bytes / 48
 PoseStorage poseStorage(int jointCount);
@@ -22,7 +23,8 @@ class PoseGl {
  public:
   /// Throws std::runtime_error if the joints are more than a texture buffer holds.
   void upload(const SkinPose& pose);
-  /// Binds for the skinning programs: uniform block "Pose" at blockBinding, or sampler "poseRows" at textureUnit.
+  /// Binds for the skinning programs: uniform block "Pose" at blockBinding, or sampler "poseRows" at
+  /// textureUnit.
   void bind() const;
 
   static constexpr GLuint blockBinding = 0;
@@ -35,17 +37,17 @@ class PoseGl {
   GlTexture texture_;
 };
 
-/// A skin's constant part in GPU memory: rest positions, normals, four joints and weights a vertex, triangles.
-/// Vertex attributes: 0 position, 1 normal, 2 joints (uvec4), 3 weights, 4 colour (linear).
-/// Vertex shaders include "skinning.glsl", whose skinVertex() gives posed position and normal. With LAYERS defined, muscle layers
-/// join the skinning sum: attributes 5 (u, v, w, W), 6 (m), 7 (rows of its planes and link), 2 and 3 then hold what is left of the influences. With SCULPTED,
-/// 8 to 11 hold what setSculpture() found.
+/// A skin's constant part in GPU memory: rest positions, normals, four joints and weights a vertex,
+/// triangles. Vertex attributes: 0 position, 1 normal, 2 joints (uvec4), 3 weights, 4 colour (linear). Vertex
+/// shaders include "skinning.glsl", whose skinVertex() gives posed position and normal. With LAYERS defined,
+/// muscle layers join the skinning sum: attributes 5 (u, v, w, W), 6 (m), 7 (rows of its planes and link), 2
+/// and 3 then hold what is left of the influences. With SCULPTED, 8 to 11 hold what setSculpture() found.
 class SkinnedMeshGl {
  public:
   /// Throws std::invalid_argument on a skin whose influences or normals do not match its vertices.
   explicit SkinnedMeshGl(const Skin& skin);
-  /// The same, ready to be drawn with and without its muscle layers. Throws std::invalid_argument where the limbs need more
-  /// rows than the shader holds (14 limbs of two links).
+  /// The same, ready to be drawn with and without its muscle layers. Throws std::invalid_argument where the
+  /// limbs need more rows than the shader holds (14 limbs of two links).
   explicit SkinnedMeshGl(const MuscleSkin& body);
 
   bool hasLayers() const { return layeredArray_ != 0; }
@@ -57,16 +59,17 @@ class SkinnedMeshGl {
   /// One colour a vertex, linear light in [0, 1]: weights of a joint, an error, a volume. Grey until set.
   /// Throws std::invalid_argument on another length.
   void setColours(const std::vector<Eigen::Vector3f>& colours);
-  /// Replaces positions and normals by vertices that were deformed on the CPU, in world coordinates: draw with unposed(). Throws
-  /// std::invalid_argument on another length.
+  /// Replaces positions and normals by vertices that were deformed on the CPU, in world coordinates: draw
+  /// with unposed(). Throws std::invalid_argument on another length.
   void setShape(const SkinnedVertices& deformed);
 
-  /// Control points displaced by hand: what they do to each vertex in its link's own frame, position and three derivatives. Computed
-  /// and uploaded only where they changed since the last call. rig: of the body this mesh was made from.
+  /// Control points displaced by hand: what they do to each vertex in its link's own frame, position and
+  /// three derivatives. Computed and uploaded only where they changed since the last call. rig: of the body
+  /// this mesh was made from.
   void setSculpture(const MuscleRig& rig);
 
-  /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array bound.
-  /// layered: the program has LAYERS defined.
+  /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array
+  /// bound. layered: the program has LAYERS defined.
   void drawTriangles(bool layered = false) const;
   /// Every vertex once, as a point.
   void drawPoints(bool layered = false) const;

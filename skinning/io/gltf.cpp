@@ -28,7 +28,10 @@ using Eigen::Vector3d;
   throw ParseError(file, 0, expected, found);
 }
 
-bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }
+bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
+               void*) {
+  return true;
+}
 
 tinygltf::Model load(std::string_view bytes, const std::string& file, const std::string& folder) {
   tinygltf::TinyGLTF loader;
@@ -40,7 +43,9 @@ tinygltf::Model load(std::string_view bytes, const std::string& file, const std:
   bool loaded = false;
   try {
     const auto size = static_cast<unsigned>(bytes.size());
-    loaded = binary ? loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
+    loaded = binary ? loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                                  reinterpret_cast<const unsigned char*>(bytes.data()), size,
+                                                  folder)
                     : loader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size, folder);
   } catch (const std::exception& exception) {  // of the JSON library
     error = exception.what();
@@ -52,24 +57,34 @@ tinygltf::Model load(std::string_view bytes, const std::string& file, const std:
   return model;
 }
 
-/// The numbers of an accessor, element after element; normalised integers become fractions. Every index and size is checked here, because the
-/// library does not.
-std::vector<double> numbers(const tinygltf::Model& model, int index, int components, const std::string& what, const std::string& file) {
-  const auto wrong = [&](const std::string& found) { fail(file, what + " within the file's buffers", found); };
-  if (index < 0 || index >= static_cast<int>(model.accessors.size())) wrong("accessor " + std::to_string(index));
+/// The numbers of an accessor, element after element; normalised integers become fractions. Every index and
+/// size is checked here, because the library does not.
+std::vector<double> numbers(const tinygltf::Model& model, int index, int components, const std::string& what,
+                            const std::string& file) {
+  const auto wrong = [&](const std::string& found) {
+    fail(file, what + " within the file's buffers", found);
+  };
+  if (index < 0 || index >= static_cast<int>(model.accessors.size()))
+    wrong("accessor " + std::to_string(index));
   const tinygltf::Accessor& accessor = model.accessors[index];
   if (accessor.sparse.isSparse) wrong("a sparse accessor");
-  const int found = tinygltf::GetNumComponentsInType(accessor.type), size = tinygltf::GetComponentSizeInBytes(accessor.componentType);
-  if (found != components) wrong(std::to_string(found) + " components instead of " + std::to_string(components));
+  const int found = tinygltf::GetNumComponentsInType(accessor.type),
+            size = tinygltf::GetComponentSizeInBytes(accessor.componentType);
+  if (found != components)
+    wrong(std::to_string(found) + " components instead of " + std::to_string(components));
   if (size <= 0) wrong("an unknown type of numbers");
-  if (accessor.bufferView < 0 || accessor.bufferView >= static_cast<int>(model.bufferViews.size())) wrong("no buffer view");
+  if (accessor.bufferView < 0 || accessor.bufferView >= static_cast<int>(model.bufferViews.size()))
+    wrong("no buffer view");
   const tinygltf::BufferView& view = model.bufferViews[accessor.bufferView];
   if (view.buffer < 0 || view.buffer >= static_cast<int>(model.buffers.size())) wrong("no buffer");
   const auto& data = model.buffers[view.buffer].data;
-  const std::size_t element = static_cast<std::size_t>(size) * components, stride = view.byteStride ? view.byteStride : element;
-  if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) wrong("a view beyond its buffer");
+  const std::size_t element = static_cast<std::size_t>(size) * components,
+                    stride = view.byteStride ? view.byteStride : element;
+  if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
+    wrong("a view beyond its buffer");
   if (accessor.count == 0) return {};
-  if (stride < element || accessor.byteOffset > view.byteLength || element > view.byteLength - accessor.byteOffset ||
+  if (stride < element || accessor.byteOffset > view.byteLength ||
+      element > view.byteLength - accessor.byteOffset ||
       (accessor.count - 1) > (view.byteLength - accessor.byteOffset - element) / stride)
     wrong(std::to_string(accessor.count) + " elements in " + std::to_string(view.byteLength) + " bytes");
 
@@ -82,7 +97,8 @@ std::vector<double> numbers(const tinygltf::Model& model, int index, int compone
   };
   for (std::size_t e = 0; e < accessor.count; ++e)
     for (int c = 0; c < components; ++c) {
-      const unsigned char* at = data.data() + view.byteOffset + accessor.byteOffset + e * stride + static_cast<std::size_t>(c) * size;
+      const unsigned char* at = data.data() + view.byteOffset + accessor.byteOffset + e * stride +
+                                static_cast<std::size_t>(c) * size;
       double value = 0.0;
       switch (accessor.componentType) {
         case TINYGLTF_COMPONENT_TYPE_FLOAT: value = read(at, float{}, 0.0); break;
@@ -109,8 +125,11 @@ struct Similarity {
 Similarity similarity(const Matrix4d& matrix, const std::string& file, const std::string& node) {
   const Matrix3d A = matrix.topLeftCorner<3, 3>();
   const double scale = std::cbrt(A.determinant());
-  const bool fits = matrix.allFinite() && std::isfinite(scale) && scale > 1e-12 && (A * A.transpose() / (scale * scale)).isIdentity(1e-4);
-  if (!fits) fail(file, "nodes with rotation, translation and one positive scale", "shear, a mirror or unequal scales in node '" + node + "'");
+  const bool fits = matrix.allFinite() && std::isfinite(scale) && scale > 1e-12 &&
+                    (A * A.transpose() / (scale * scale)).isIdentity(1e-4);
+  if (!fits)
+    fail(file, "nodes with rotation, translation and one positive scale",
+         "shear, a mirror or unequal scales in node '" + node + "'");
   return {Quaterniond(Matrix3d(A / scale)).normalized(), matrix.topRightCorner<3, 1>(), scale};
 }
 
@@ -121,12 +140,14 @@ Similarity localTransform(const tinygltf::Node& node, const std::string& file) {
   } else {
     if (node.rotation.size() == 4) {
       const Quaterniond q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
-      if (!(std::abs(q.norm() - 1.0) < 1e-2)) fail(file, "unit quaternions", "length " + exactNumber(q.norm()) + " in node '" + node.name + "'");
+      if (!(std::abs(q.norm() - 1.0) < 1e-2))
+        fail(file, "unit quaternions", "length " + exactNumber(q.norm()) + " in node '" + node.name + "'");
       matrix.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix();
     }
     if (node.scale.size() == 3)
       for (int k = 0; k < 3; ++k) matrix.col(k).head<3>() *= node.scale[k];
-    if (node.translation.size() == 3) matrix.topRightCorner<3, 1>() = Vector3d(node.translation[0], node.translation[1], node.translation[2]);
+    if (node.translation.size() == 3)
+      matrix.topRightCorner<3, 1>() = Vector3d(node.translation[0], node.translation[1], node.translation[2]);
   }
   return similarity(matrix, file, node.name);
 }
@@ -142,9 +163,11 @@ template <class Result>
 Result keyed(const Sampler& sampler, double seconds, Result (*mix)(const double*, const double*, double)) {
   const auto after = std::upper_bound(sampler.times.begin(), sampler.times.end(), seconds);
   const std::size_t b = std::min<std::size_t>(after - sampler.times.begin(), sampler.times.size() - 1);
-  const std::size_t a = after == sampler.times.begin() ? 0 : static_cast<std::size_t>(after - sampler.times.begin()) - 1;
+  const std::size_t a =
+      after == sampler.times.begin() ? 0 : static_cast<std::size_t>(after - sampler.times.begin()) - 1;
   const double span = sampler.times[b] - sampler.times[a];
-  const double s = span > 0.0 && !sampler.step ? std::clamp((seconds - sampler.times[a]) / span, 0.0, 1.0) : 0.0;
+  const double s =
+      span > 0.0 && !sampler.step ? std::clamp((seconds - sampler.times[a]) / span, 0.0, 1.0) : 0.0;
   return mix(&sampler.values[a * sampler.components], &sampler.values[b * sampler.components], s);
 }
 Vector3d mixVector(const double* a, const double* b, double s) {
@@ -171,7 +194,8 @@ class Reader {
  private:
   int nodeCount() const { return static_cast<int>(model_.nodes.size()); }
   void checkNode(int n, const std::string& what) const {
-    if (n < 0 || n >= nodeCount()) fail(file_, what + " among the " + std::to_string(nodeCount()) + " nodes", std::to_string(n));
+    if (n < 0 || n >= nodeCount())
+      fail(file_, what + " among the " + std::to_string(nodeCount()) + " nodes", std::to_string(n));
   }
 
   /// Which nodes turn (joints of skins, animated rotations) and which move.
@@ -194,7 +218,8 @@ class Reader {
     for (int n = 0; n < nodeCount(); ++n)
       for (const int child : model_.nodes[n].children) {
         checkNode(child, "a node's children");
-        if (parent[child] >= 0) fail(file_, "nodes with one parent", "a second one for node " + std::to_string(child));
+        if (parent[child] >= 0)
+          fail(file_, "nodes with one parent", "a second one for node " + std::to_string(child));
         parent[child] = n;
       }
     std::vector<int> roots;
@@ -208,18 +233,21 @@ class Reader {
     // A mesh that a skin moves stands nowhere itself: its node, without children, is no joint.
     const auto isJoint = [&](int n) {
       const tinygltf::Node& node = model_.nodes[n];
-      return !(node.mesh >= 0 && node.skin >= 0 && node.children.empty() && !turns_[n]) && !(node.camera >= 0 && node.children.empty());
+      return !(node.mesh >= 0 && node.skin >= 0 && node.children.empty() && !turns_[n]) &&
+             !(node.camera >= 0 && node.children.empty());
     };
     std::erase_if(roots, [&](int n) { return !isJoint(n); });
     if (roots.empty()) fail(file_, "at least one node that can be a joint", "none");
     jointOfNode_.assign(nodeCount(), -1);
     std::vector<std::pair<int, int>> open;
     if (roots.size() > 1) order_.push_back(-1), parents_.push_back(-1);  // a joint above all roots
-    for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.emplace_back(*root, roots.size() > 1 ? 0 : -1);
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+      open.emplace_back(*root, roots.size() > 1 ? 0 : -1);
     while (!open.empty()) {
       const auto [n, up] = open.back();
       open.pop_back();
-      if (jointOfNode_[n] >= 0) fail(file_, "nodes that form trees", "node " + std::to_string(n) + " twice (a cycle?)");
+      if (jointOfNode_[n] >= 0)
+        fail(file_, "nodes that form trees", "node " + std::to_string(n) + " twice (a cycle?)");
       jointOfNode_[n] = static_cast<int>(order_.size());
       order_.push_back(n);
       parents_.push_back(up);
@@ -237,21 +265,26 @@ class Reader {
     std::set<std::string> names;
     for (std::size_t j = 0; j < order_.size(); ++j) {
       const int n = order_[j];
-      std::string name = n < 0 ? "scene" : model_.nodes[n].name.empty() ? "node" + std::to_string(n) : model_.nodes[n].name;
-      for (int k = 2; !names.insert(name).second; ++k) name = (n < 0 ? "scene" : model_.nodes[n].name) + "_" + std::to_string(k);
+      std::string name = n < 0                          ? "scene"
+                         : model_.nodes[n].name.empty() ? "node" + std::to_string(n)
+                                                        : model_.nodes[n].name;
+      for (int k = 2; !names.insert(name).second; ++k)
+        name = (n < 0 ? "scene" : model_.nodes[n].name) + "_" + std::to_string(k);
       Similarity local = n < 0 ? Similarity{} : localTransform(model_.nodes[n], file_);
       const double above = parents_[j] < 0 ? 1.0 : scale_[parents_[j]];
       local.translation *= above;
       scale_.push_back(above * local.scale);
       rest_.push_back(local);
-      if (!local.translation.allFinite() || !std::isfinite(scale_.back())) fail(file_, "finite node transforms", "an overflow");
+      if (!local.translation.allFinite() || !std::isfinite(scale_.back()))
+        fail(file_, "finite node transforms", "an overflow");
       Joint joint{.name = name, .parent = parents_[j]};
       joint.parentFromZero.linear() = local.rotation.toRotationMatrix();
       joint.parentFromZero.translation() = local.translation;
       joint.ball = n >= 0 && turns_[n];
       if (n >= 0 && (moves_[n] || (j == 0 && turns_[n])))
         for (int k = 0; k < 3; ++k)  // along the parent's axes
-          joint.axes.push_back({AxisDof::Kind::Translation, (local.rotation.conjugate() * Vector3d::Unit(k)).normalized()});
+          joint.axes.push_back(
+              {AxisDof::Kind::Translation, (local.rotation.conjugate() * Vector3d::Unit(k)).normalized()});
       joints.push_back(std::move(joint));
     }
     result_.skeleton = Skeleton(std::move(joints));
@@ -273,23 +306,27 @@ class Reader {
     for (int n = 0; n < nodeCount(); ++n) {
       const tinygltf::Node& node = model_.nodes[n];
       if (node.mesh < 0) continue;
-      if (node.mesh >= static_cast<int>(model_.meshes.size())) fail(file_, "a mesh among " + std::to_string(model_.meshes.size()), std::to_string(node.mesh));
-      if (node.skin >= static_cast<int>(model_.skins.size())) fail(file_, "a skin among " + std::to_string(model_.skins.size()), std::to_string(node.skin));
+      if (node.mesh >= static_cast<int>(model_.meshes.size()))
+        fail(file_, "a mesh among " + std::to_string(model_.meshes.size()), std::to_string(node.mesh));
+      if (node.skin >= static_cast<int>(model_.skins.size()))
+        fail(file_, "a skin among " + std::to_string(model_.skins.size()), std::to_string(node.skin));
       if (node.skin < 0 && jointOfNode_[n] < 0) continue;  // not in the scene
-      for (const tinygltf::Primitive& primitive : model_.meshes[node.mesh].primitives) readPrimitive(node, n, primitive, direct, mesh, weights);
+      for (const tinygltf::Primitive& primitive : model_.meshes[node.mesh].primitives)
+        readPrimitive(node, n, primitive, direct, mesh, weights);
     }
     if (mesh.triangles.empty()) return;
     WeightLoss loss;
     auto influences = fourLargest(weights, result_.skeleton.jointCount(), &loss);
     if (loss.verticesOverFour > 0)
-      result_.notes.push_back(std::to_string(loss.verticesOverFour) + " vertices have more than four weights; at most " + exactNumber(std::round(1000.0 * loss.max) / 10.0) +
-                              " % of the weight is lost");
+      result_.notes.push_back(std::to_string(loss.verticesOverFour) +
+                              " vertices have more than four weights; at most " +
+                              exactNumber(std::round(1000.0 * loss.max) / 10.0) + " % of the weight is lost");
     result_.skin = bindSkin(std::move(mesh), restFrames_, std::move(influences));
     if (direct) result_.skin->jointFromRestWorld = bind;
   }
 
-  /// True if the only skin's inverse bind matrices are rigid and no node is scaled: then they are kept, so that a bind pose other than
-  /// the file's own pose survives. bind: filled with them.
+  /// True if the only skin's inverse bind matrices are rigid and no node is scaled: then they are kept, so
+  /// that a bind pose other than the file's own pose survives. bind: filled with them.
   bool bindMatricesAreRigid(std::vector<Isometry3d>& bind) const {
     if (model_.skins.size() != 1) return false;
     for (const double s : scale_)
@@ -314,12 +351,16 @@ class Reader {
     std::vector<Matrix4d> matrices(skin.joints.size(), Matrix4d::Identity());
     if (skin.inverseBindMatrices < 0) return matrices;
     const auto values = numbers(model_, skin.inverseBindMatrices, 16, "inverse bind matrices", file_);
-    if (values.size() < 16 * matrices.size()) fail(file_, std::to_string(matrices.size()) + " inverse bind matrices", std::to_string(values.size() / 16));
-    for (std::size_t k = 0; k < matrices.size(); ++k) matrices[k] = Eigen::Map<const Matrix4d>(&values[16 * k]);
+    if (values.size() < 16 * matrices.size())
+      fail(file_, std::to_string(matrices.size()) + " inverse bind matrices",
+           std::to_string(values.size() / 16));
+    for (std::size_t k = 0; k < matrices.size(); ++k)
+      matrices[k] = Eigen::Map<const Matrix4d>(&values[16 * k]);
     return matrices;
   }
 
-  void readPrimitive(const tinygltf::Node& node, int n, const tinygltf::Primitive& primitive, bool direct, Mesh& mesh, SparseWeights& weights) {
+  void readPrimitive(const tinygltf::Node& node, int n, const tinygltf::Primitive& primitive, bool direct,
+                     Mesh& mesh, SparseWeights& weights) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode != TINYGLTF_MODE_TRIANGLES) {
       result_.notes.push_back("points, lines or triangle strips are passed over");
@@ -340,23 +381,27 @@ class Reader {
         if (attribute("JOINTS_" + set) < 0) continue;
         const auto joints = numbers(model_, attribute("JOINTS_" + set), 4, "joint indices", file_);
         const auto values = numbers(model_, attribute("WEIGHTS_" + set), 4, "weights", file_);
-        if (joints.size() != 4 * count || values.size() != 4 * count) fail(file_, "four joints and weights a vertex", "other counts");
+        if (joints.size() != 4 * count || values.size() != 4 * count)
+          fail(file_, "four joints and weights a vertex", "other counts");
         for (std::size_t i = 0; i < 4 * count; ++i) {
           if (values[i] == 0.0) continue;
           if (joints[i] < 0.0 || joints[i] >= static_cast<double>(skin.joints.size()))
-            fail(file_, "joints among the skin's " + std::to_string(skin.joints.size()), exactNumber(joints[i]));
+            fail(file_, "joints among the skin's " + std::to_string(skin.joints.size()),
+                 exactNumber(joints[i]));
           if (values[i] < 0.0) fail(file_, "weights that are not negative", exactNumber(values[i]));
           own[i / 4].emplace_back(static_cast<int>(joints[i]), values[i]);
         }
       }
       for (std::size_t v = 0; v < count; ++v) {
-        if (own[v].empty()) fail(file_, "weights at every vertex of a skinned mesh", "none at vertex " + std::to_string(v));
+        if (own[v].empty())
+          fail(file_, "weights at every vertex of a skinned mesh", "none at vertex " + std::to_string(v));
         const Vector3d p(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]);
         Vector3d world = Vector3d::Zero();
         double total = 0.0;
         for (auto& [joint, weight] : own[v]) {
           const int carrier = jointOfNode_[skin.joints[joint]];
-          if (!direct) world += weight * (worldFromNode(carrier) * (matrices[joint] * p.homogeneous())).head<3>();
+          if (!direct)
+            world += weight * (worldFromNode(carrier) * (matrices[joint] * p.homogeneous())).head<3>();
           total += weight;
           joint = carrier;
         }
@@ -365,7 +410,9 @@ class Reader {
     } else {
       const Matrix4d world = worldFromNode(jointOfNode_[n]);
       for (std::size_t v = 0; v < count; ++v) {
-        mesh.positions.push_back((world * Eigen::Vector4d(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2], 1.0)).head<3>());
+        mesh.positions.push_back(
+            (world * Eigen::Vector4d(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2], 1.0))
+                .head<3>());
         own[v].emplace_back(jointOfNode_[n], 1.0);
       }
     }
@@ -382,7 +429,8 @@ class Reader {
     for (std::size_t i = 0; i < indices.size(); i += 3) {
       std::array<int, 3> triangle{};
       for (int k = 0; k < 3; ++k) {
-        if (indices[i + k] < 0.0 || indices[i + k] >= static_cast<double>(count)) fail(file_, "triangle corners below " + std::to_string(count), exactNumber(indices[i + k]));
+        if (indices[i + k] < 0.0 || indices[i + k] >= static_cast<double>(count))
+          fail(file_, "triangle corners below " + std::to_string(count), exactNumber(indices[i + k]));
         triangle[k] = static_cast<int>(base) + static_cast<int>(indices[i + k]);
       }
       mesh.triangles.push_back(triangle);
@@ -390,23 +438,31 @@ class Reader {
   }
 
   Sampler sampler(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& channel) {
-    if (channel.sampler < 0 || channel.sampler >= static_cast<int>(animation.samplers.size())) fail(file_, "a sampler of the animation", std::to_string(channel.sampler));
+    if (channel.sampler < 0 || channel.sampler >= static_cast<int>(animation.samplers.size()))
+      fail(file_, "a sampler of the animation", std::to_string(channel.sampler));
     const tinygltf::AnimationSampler& source = animation.samplers[channel.sampler];
-    Sampler result{.times = numbers(model_, source.input, 1, "key times", file_), .values = {}, .components = channel.target_path == "rotation" ? 4 : 3};
+    Sampler result{.times = numbers(model_, source.input, 1, "key times", file_),
+                   .values = {},
+                   .components = channel.target_path == "rotation" ? 4 : 3};
     result.values = numbers(model_, source.output, result.components, "key values", file_);
     result.step = source.interpolation == "STEP";
     if (source.interpolation == "CUBICSPLINE") {  // (in-tangent, value, out-tangent) a key
       std::vector<double> keys;
       const std::size_t c = result.components;
-      for (std::size_t k = 0; 3 * k * c + 2 * c <= result.values.size(); ++k) keys.insert(keys.end(), &result.values[(3 * k + 1) * c], &result.values[(3 * k + 1) * c] + c);
+      for (std::size_t k = 0; 3 * k * c + 2 * c <= result.values.size(); ++k)
+        keys.insert(keys.end(), &result.values[(3 * k + 1) * c], &result.values[(3 * k + 1) * c] + c);
       result.values = keys;
     }
     if (result.times.empty() || result.values.size() != result.times.size() * result.components)
-      fail(file_, "one value a key time", std::to_string(result.values.size() / result.components) + " values for " + std::to_string(result.times.size()));
-    if (!std::is_sorted(result.times.begin(), result.times.end())) fail(file_, "key times in ascending order", "others");
+      fail(file_, "one value a key time",
+           std::to_string(result.values.size() / result.components) + " values for " +
+               std::to_string(result.times.size()));
+    if (!std::is_sorted(result.times.begin(), result.times.end()))
+      fail(file_, "key times in ascending order", "others");
     if (result.components == 4)
       for (std::size_t k = 0; k < result.values.size(); k += 4)
-        if (!(Eigen::Map<const Eigen::Vector4d>(&result.values[k]).norm() > 1e-6)) fail(file_, "unit quaternions", "zero");
+        if (!(Eigen::Map<const Eigen::Vector4d>(&result.values[k]).norm() > 1e-6))
+          fail(file_, "unit quaternions", "zero");
     return result;
   }
 
@@ -425,7 +481,8 @@ class Reader {
         const Sampler scales = sampler(animation, channel);
         for (std::size_t i = 0; i < scales.values.size(); ++i)
           if (std::abs(scales.values[i] - rest_[joint].scale) > 1e-3 * rest_[joint].scale) {
-            result_.notes.push_back("animation '" + animation.name + "' changes the scale of '" + result_.skeleton.joint(joint).name + "': passed over");
+            result_.notes.push_back("animation '" + animation.name + "' changes the scale of '" +
+                                    result_.skeleton.joint(joint).name + "': passed over");
             break;
           }
         continue;
@@ -439,7 +496,8 @@ class Reader {
     double rate = times.size() > 1 ? static_cast<double>(times.size() - 1) / (last - first) : 60.0;
     std::size_t k = 0;
     bool even = true;
-    for (const double t : times) even = even && std::abs((t - first) * rate - static_cast<double>(k++)) < 0.02;
+    for (const double t : times)
+      even = even && std::abs((t - first) * rate - static_cast<double>(k++)) < 0.02;
     if (!even) {
       rate = 60.0;
       result_.notes.push_back("animation '" + animation.name + "': keys at uneven times, resampled at 60 Hz");
@@ -447,18 +505,23 @@ class Reader {
     const double frames = std::floor((last - first) * rate + 0.5) + 1.0;
     if (!(frames < 1e6)) fail(file_, "an animation of fewer than a million frames", exactNumber(frames));
     const int count = static_cast<int>(frames);
-    GltfClip clip{animation.name.empty() ? "animation" + std::to_string(result_.clips.size()) : animation.name,
-                  {.framesPerSecond = rate, .q = Eigen::MatrixXd(result_.skeleton.nq(), count)}};
+    GltfClip clip{
+        animation.name.empty() ? "animation" + std::to_string(result_.clips.size()) : animation.name,
+        {.framesPerSecond = rate, .q = Eigen::MatrixXd(result_.skeleton.nq(), count)}};
     for (int f = 0; f < count; ++f) {
       Eigen::VectorXd q = neutral(result_.skeleton);
       for (const Track& track : tracks) {
         const Similarity& rest = rest_[track.joint];
         const double seconds = first + f / rate;
         if (track.rotation) {
-          setBallRotation(result_.skeleton, q, track.joint, (rest.rotation.conjugate() * keyed<Quaterniond>(track.keys, seconds, mixRotation)).normalized());
+          setBallRotation(result_.skeleton, q, track.joint,
+                          (rest.rotation.conjugate() * keyed<Quaterniond>(track.keys, seconds, mixRotation))
+                              .normalized());
         } else {
           const int up = parents_[track.joint];
-          const Vector3d moved = (up < 0 ? 1.0 : scale_[up]) * keyed<Vector3d>(track.keys, seconds, mixVector) - rest.translation;
+          const Vector3d moved =
+              (up < 0 ? 1.0 : scale_[up]) * keyed<Vector3d>(track.keys, seconds, mixVector) -
+              rest.translation;
           if (!moved.allFinite()) fail(file_, "finite key values", "an overflow");
           q.segment<3>(result_.skeleton.qIndex(track.joint)) = moved;
         }
@@ -472,9 +535,10 @@ class Reader {
   const std::string& file_;
   GltfModel result_;
   std::vector<bool> turns_, moves_;
-  std::vector<int> order_, parents_, jointOfNode_;  ///< order_: node of each joint, -1 for the joint above all roots
-  std::vector<double> scale_;                       ///< accumulated, one a joint
-  std::vector<Similarity> rest_;                    ///< local, translations in metres
+  std::vector<int> order_, parents_,
+      jointOfNode_;               ///< order_: node of each joint, -1 for the joint above all roots
+  std::vector<double> scale_;     ///< accumulated, one a joint
+  std::vector<Similarity> rest_;  ///< local, translations in metres
   Frames restFrames_;
 };
 
@@ -525,7 +589,8 @@ class Writer {
     if (componentType == TINYGLTF_COMPONENT_TYPE_FLOAT && components <= 3)
       for (int c = 0; c < components; ++c) {
         double low = values[c], high = values[c];
-        for (std::size_t i = c; i < values.size(); i += components) low = std::min<double>(low, values[i]), high = std::max<double>(high, values[i]);
+        for (std::size_t i = c; i < values.size(); i += components)
+          low = std::min<double>(low, values[i]), high = std::max<double>(high, values[i]);
         accessor.minValues.push_back(low);
         accessor.maxValues.push_back(high);
       }
@@ -570,11 +635,16 @@ class Writer {
 
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    primitive.attributes["POSITION"] = add(positions, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
-    primitive.attributes["NORMAL"] = add(normals, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
-    primitive.attributes["JOINTS_0"] = add(joints, TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
-    primitive.attributes["WEIGHTS_0"] = add(weights, TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
-    primitive.indices = add(indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    primitive.attributes["POSITION"] =
+        add(positions, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
+    primitive.attributes["NORMAL"] =
+        add(normals, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
+    primitive.attributes["JOINTS_0"] = add(joints, TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT,
+                                           4, TINYGLTF_TARGET_ARRAY_BUFFER);
+    primitive.attributes["WEIGHTS_0"] =
+        add(weights, TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
+    primitive.indices = add(indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1,
+                            TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
     tinygltf::Mesh mesh;
     mesh.name = "body";
     mesh.primitives.push_back(primitive);
@@ -609,7 +679,8 @@ class Writer {
         Quaterniond r = Quaterniond(local.linear()).normalized();
         if (r.dot(last[i]) < 0.0) r.coeffs() = -r.coeffs();
         last[i] = r;
-        for (const double value : {r.x(), r.y(), r.z(), r.w()}) rotations[i].push_back(static_cast<float>(value));
+        for (const double value : {r.x(), r.y(), r.z(), r.w()})
+          rotations[i].push_back(static_cast<float>(value));
         for (int k = 0; k < 3; ++k) translations[i].push_back(static_cast<float>(local.translation()[k]));
       }
     }
@@ -631,10 +702,17 @@ class Writer {
     for (int i = 0; i < skeleton.jointCount(); ++i) {
       if (skeleton.vCount(i) == 0) continue;
       const auto& axes = skeleton.joint(i).axes;
-      const bool moves = std::any_of(axes.begin(), axes.end(), [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Translation; });
-      const bool turns = skeleton.joint(i).ball || std::any_of(axes.begin(), axes.end(), [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Rotation; });
-      if (turns) addChannel(i, "rotation", add(rotations[i], TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 4));
-      if (moves) addChannel(i, "translation", add(translations[i], TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, 3));
+      const bool moves = std::any_of(axes.begin(), axes.end(), [](const AxisDof& dof) {
+        return dof.kind == AxisDof::Kind::Translation;
+      });
+      const bool turns = skeleton.joint(i).ball ||
+                         std::any_of(axes.begin(), axes.end(),
+                                     [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Rotation; });
+      if (turns)
+        addChannel(i, "rotation", add(rotations[i], TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 4));
+      if (moves)
+        addChannel(i, "translation",
+                   add(translations[i], TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, 3));
     }
     if (!animation.channels.empty()) model_.animations.push_back(animation);
   }
@@ -642,19 +720,24 @@ class Writer {
   tinygltf::Model model_;
 };
 
-std::string format(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips, bool binary) {
+std::string format(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips,
+                   bool binary) {
   Writer writer(skeleton, skin, clips);
   tinygltf::TinyGLTF out;
   std::ostringstream stream;
-  if (!out.WriteGltfSceneToStream(&writer.model(), stream, !binary, binary)) throw std::runtime_error("the glTF library could not write the model");
+  if (!out.WriteGltfSceneToStream(&writer.model(), stream, !binary, binary))
+    throw std::runtime_error("the glTF library could not write the model");
   return stream.str();
 }
 
 }  // namespace
 
-std::string formatGlb(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips) { return format(skeleton, skin, clips, true); }
+std::string formatGlb(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips) {
+  return format(skeleton, skin, clips, true);
+}
 
-void writeGltf(const std::string& path, const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips) {
+void writeGltf(const std::string& path, const Skeleton& skeleton, const Skin* skin,
+               const std::vector<GltfClip>& clips) {
   writeFile(path, format(skeleton, skin, clips, !path.ends_with(".gltf")));
 }
 

@@ -30,7 +30,9 @@ class NurbsReader {
     surface.knotsU = readKnots("knots_u", surface.countU + surface.degreeU + 1);
     surface.knotsV = readKnots("knots_v", surface.countV + surface.degreeV + 1);
     for (long i = 0; i < total; ++i) {
-      const auto words = next("point", 4, "point " + std::to_string(i + 1) + " of " + std::to_string(total) + " as 'point x y z weight'");
+      const auto words = next(
+          "point", 4,
+          "point " + std::to_string(i + 1) + " of " + std::to_string(total) + " as 'point x y z weight'");
       double values[4];
       for (int k = 0; k < 4; ++k) values[k] = number(words[k]);
       if (!(values[3] > 0.0)) fail("a positive weight", "'" + std::string(words[3]) + "'");
@@ -39,7 +41,8 @@ class NurbsReader {
     }
     if (at_ < lines_.size()) {
       line_ = lines_[at_].number;
-      fail("the end of the file after " + std::to_string(total) + " points", "'" + std::string(lines_[at_].words[0]) + "'");
+      fail("the end of the file after " + std::to_string(total) + " points",
+           "'" + std::string(lines_[at_].words[0]) + "'");
     }
     try {
       validate(surface);
@@ -66,7 +69,8 @@ class NurbsReader {
     line_ = line.number;
     if (line.words[0] != keyword) fail(expected, "'" + std::string(line.words[0]) + "'");
     if (count >= 0 && static_cast<int>(line.words.size()) != count + 1)
-      fail(expected + " (" + std::to_string(count) + " values)", std::to_string(line.words.size() - 1) + " values");
+      fail(expected + " (" + std::to_string(count) + " values)",
+           std::to_string(line.words.size() - 1) + " values");
     return {line.words.begin() + 1, line.words.end()};
   }
 
@@ -82,17 +86,21 @@ class NurbsReader {
     for (int k = 0; k < 2; ++k) {
       const auto value = parseInteger(words[k]);
       if (!value || *value < lower || *value > upper)
-        fail("an integer from " + std::to_string(lower) + " to " + std::to_string(upper), "'" + std::string(words[k]) + "'");
+        fail("an integer from " + std::to_string(lower) + " to " + std::to_string(upper),
+             "'" + std::string(words[k]) + "'");
       *targets[k] = *value;
     }
   }
 
   std::vector<double> readKnots(const char* keyword, int count) {
-    const auto words = next(keyword, count, std::string("'") + keyword + "' with points + degree + 1 = " + std::to_string(count) + " knots");
+    const auto words =
+        next(keyword, count,
+             std::string("'") + keyword + "' with points + degree + 1 = " + std::to_string(count) + " knots");
     std::vector<double> knots;
     for (const std::string_view word : words) {
       knots.push_back(number(word));
-      if (knots.size() > 1 && knots.back() < knots[knots.size() - 2]) fail("knots that do not decrease", "'" + std::string(word) + "'");
+      if (knots.size() > 1 && knots.back() < knots[knots.size() - 2])
+        fail("knots that do not decrease", "'" + std::string(word) + "'");
     }
     return knots;
   }
@@ -105,13 +113,16 @@ class NurbsReader {
 
 }  // namespace
 
-NurbsSurface parseNurbs(std::string_view text, const std::string& name) { return NurbsReader(text, name).read(); }
+NurbsSurface parseNurbs(std::string_view text, const std::string& name) {
+  return NurbsReader(text, name).read();
+}
 
 NurbsSurface readNurbs(const std::string& path) { return parseNurbs(readFile(path), path); }
 
 std::string nurbsText(const NurbsSurface& surface) {
-  std::string text = "nurbs 1\ndegree " + std::to_string(surface.degreeU) + " " + std::to_string(surface.degreeV) + "\npoints " +
-                     std::to_string(surface.countU) + " " + std::to_string(surface.countV) + "\n";
+  std::string text = "nurbs 1\ndegree " + std::to_string(surface.degreeU) + " " +
+                     std::to_string(surface.degreeV) + "\npoints " + std::to_string(surface.countU) + " " +
+                     std::to_string(surface.countV) + "\n";
   const auto knots = [&](const char* keyword, const std::vector<double>& values) {
     text += keyword;
     for (const double value : values) text += " " + exactNumber(value);

@@ -6,7 +6,8 @@
 
 namespace gelenk {
 
-/// Reads a NURBS surface in Gelenk's text form (docs/formats/nurbs.md). Throws ParseError and std::runtime_error.
+/// Reads a NURBS surface in Gelenk's text form (docs/formats/nurbs.md). Throws ParseError and
+/// std::runtime_error.
 ///     nurbs 1
 ///     degree 3 2                 in u and v
 ///     points 8 5                 how many in u and v

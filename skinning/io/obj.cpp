@@ -13,13 +13,15 @@ using Words = std::vector<std::string_view>;
 
 /// The keywords of the format that say nothing about vertices and faces.
 constexpr std::array<std::string_view, 27> passedOver = {
-    "vt",     "vn",      "vp",     "o",       "g",     "s",          "mg",      "usemtl",    "mtllib",
-    "usemap", "maplib",  "l",      "p",       "bevel", "c_interp",   "d_interp", "lod",      "shadow_obj",
-    "trace_obj", "cstype", "deg",  "curv",    "curv2", "surf",       "parm",    "trim",      "end"};
+    "vt",        "vn",     "vp",  "o",    "g",     "s",        "mg",       "usemtl", "mtllib",
+    "usemap",    "maplib", "l",   "p",    "bevel", "c_interp", "d_interp", "lod",    "shadow_obj",
+    "trace_obj", "cstype", "deg", "curv", "curv2", "surf",     "parm",     "trim",   "end"};
 
 Eigen::Vector3d parseVertex(const Words& words, const std::string& file, int line) {
-  if (words.size() < 4) throw ParseError(file, line, "three coordinates after 'v'", std::to_string(words.size() - 1));
-  if (words.size() > 8) throw ParseError(file, line, "at most seven numbers after 'v'", std::to_string(words.size() - 1));
+  if (words.size() < 4)
+    throw ParseError(file, line, "three coordinates after 'v'", std::to_string(words.size() - 1));
+  if (words.size() > 8)
+    throw ParseError(file, line, "at most seven numbers after 'v'", std::to_string(words.size() - 1));
   std::array<double, 7> values{};
   for (std::size_t k = 1; k < words.size(); ++k) {
     const auto value = parseNumber(words[k]);
@@ -27,14 +29,17 @@ Eigen::Vector3d parseVertex(const Words& words, const std::string& file, int lin
     values[k - 1] = *value;
   }
   if (words.size() == 5 && values[3] != 1.0)
-    throw ParseError(file, line, "1 as a vertex's fourth value (rational curves are not read)", "'" + std::string(words[4]) + "'");
+    throw ParseError(file, line, "1 as a vertex's fourth value (rational curves are not read)",
+                     "'" + std::string(words[4]) + "'");
   return {values[0], values[1], values[2]};
 }
 
-/// Index, from zero, of the vertex in a corner "i", "i/t", "i//n", "i/t/n". A positive index may point further down the file and is
-/// not checked here.
+/// Index, from zero, of the vertex in a corner "i", "i/t", "i//n", "i/t/n". A positive index may point
+/// further down the file and is not checked here.
 int parseCorner(std::string_view word, int verticesSoFar, const std::string& file, int line) {
-  const auto fail = [&](const std::string& expected) { throw ParseError(file, line, expected, "'" + std::string(word) + "'"); };
+  const auto fail = [&](const std::string& expected) {
+    throw ParseError(file, line, expected, "'" + std::string(word) + "'");
+  };
   std::string_view rest = word;
   int index = 0;
   for (int part = 0; part < 3; ++part) {
@@ -58,7 +63,8 @@ int parseCorner(std::string_view word, int verticesSoFar, const std::string& fil
 }
 
 /// Line n (from zero) and the lines that continue it after a '\\' at the end; n moves to the last of them.
-std::string_view continuedLine(const std::vector<std::string_view>& lines, std::size_t& n, std::string& joined) {
+std::string_view continuedLine(const std::vector<std::string_view>& lines, std::size_t& n,
+                               std::string& joined) {
   std::string_view line = lines[n];
   if (line.empty() || line.back() != '\\') return line;
   joined.clear();
@@ -86,7 +92,9 @@ Mesh parseObj(std::string_view text, const std::string& file) {
     if (words[0] == "v") {
       mesh.positions.push_back(parseVertex(words, file, lineNumber));
     } else if (words[0] == "f") {
-      if (words.size() < 4) throw ParseError(file, lineNumber, "a face of at least three corners", std::to_string(words.size() - 1));
+      if (words.size() < 4)
+        throw ParseError(file, lineNumber, "a face of at least three corners",
+                         std::to_string(words.size() - 1));
       corners.clear();
       for (std::size_t k = 1; k < words.size(); ++k)
         corners.push_back(parseCorner(words[k], static_cast<int>(mesh.positions.size()), file, lineNumber));
@@ -104,7 +112,8 @@ Mesh parseObj(std::string_view text, const std::string& file) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const int corner : mesh.triangles[t])
       if (corner >= count)
-        throw ParseError(file, lineOfTriangle[t], "a vertex index of at most " + std::to_string(count), std::to_string(corner + 1));
+        throw ParseError(file, lineOfTriangle[t], "a vertex index of at most " + std::to_string(count),
+                         std::to_string(corner + 1));
   return mesh;
 }
 

@@ -11,7 +11,8 @@
 namespace gelenk {
 namespace {
 
-// Header: magic, key, checksum of the rest; then counts and arrays in the machine's own layout: the file never leaves it.
+// Header: magic, key, checksum of the rest; then counts and arrays in the machine's own layout: the file
+// never leaves it.
 constexpr std::string_view magic = "GELENK skin 0001";
 constexpr std::size_t headerSize = magic.size() + 2 * sizeof(std::uint64_t);
 
@@ -21,7 +22,9 @@ void put(std::string& out, const T& value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-void putVector(std::string& out, const Eigen::Vector3d& p) { out.append(reinterpret_cast<const char*>(p.data()), 3 * sizeof(double)); }
+void putVector(std::string& out, const Eigen::Vector3d& p) {
+  out.append(reinterpret_cast<const char*>(p.data()), 3 * sizeof(double));
+}
 
 /// Takes values from the front; throws std::runtime_error at the end of the bytes.
 class Taker {
@@ -104,7 +107,8 @@ std::uint64_t checksum(std::string_view bytes) {
 }
 
 std::string cacheFolder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return std::string(cache) + "/gelenk";
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+    return std::string(cache) + "/gelenk";
   if (const char* home = std::getenv("HOME"); home && *home) return std::string(home) + "/.cache/gelenk";
   return "";
 }
@@ -126,7 +130,8 @@ void writeCachedSkin(const std::string& path, std::uint64_t key, const Skin& ski
   writeFile(path, header(key, body) + body);
 }
 
-Skin cachedSkin(const std::string& folder, const std::string& name, std::uint64_t key, const std::function<Skin()>& make) {
+Skin cachedSkin(const std::string& folder, const std::string& name, std::uint64_t key,
+                const std::function<Skin()>& make) {
   const std::string path = folder + "/" + name + ".skin";
   if (!folder.empty())
     if (std::optional<Skin> skin = readCachedSkin(path, key)) return *std::move(skin);

@@ -23,7 +23,8 @@ class Welder {
       if (isNew) mesh.positions.emplace_back(corners[k][0], corners[k][1], corners[k][2]);
       triangle[k] = at->second;
     }
-    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]) mesh.triangles.push_back(triangle);
+    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
+      mesh.triangles.push_back(triangle);
   }
   Mesh mesh;
 
@@ -37,7 +38,8 @@ Mesh parseBinary(std::string_view bytes, const std::string& file) {
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data() + 80, sizeof count);
   if ((bytes.size() - headSize) / triangleSize < count)
-    throw ParseError(file, 0, std::to_string(count) + " triangles of 50 bytes", std::to_string(bytes.size() - headSize) + " bytes");
+    throw ParseError(file, 0, std::to_string(count) + " triangles of 50 bytes",
+                     std::to_string(bytes.size() - headSize) + " bytes");
   Welder welder;
   for (std::size_t t = 0; t < count; ++t) {
     std::array<Corner, 3> corners;
@@ -45,7 +47,8 @@ Mesh parseBinary(std::string_view bytes, const std::string& file) {
       for (int c = 0; c < 3; ++c) {
         float value;
         std::memcpy(&value, bytes.data() + headSize + t * triangleSize + 12 + 12 * k + 4 * c, sizeof value);
-        if (!std::isfinite(value)) throw ParseError(file, 0, "finite coordinates", "NaN or infinity in triangle " + std::to_string(t));
+        if (!std::isfinite(value))
+          throw ParseError(file, 0, "finite coordinates", "NaN or infinity in triangle " + std::to_string(t));
         corners[k][c] = value == 0.0f ? 0.0 : value;  // one zero
       }
     welder.add(corners);
@@ -82,9 +85,12 @@ Mesh parseStl(std::string_view bytes, const std::string& file) {
   // A binary file may begin with "solid" too; its length tells.
   std::uint32_t count = 0;
   if (bytes.size() >= headSize) std::memcpy(&count, bytes.data() + 80, sizeof count);
-  const bool fitsBinary = bytes.size() >= headSize && bytes.size() == headSize + triangleSize * std::size_t{count};
+  const bool fitsBinary =
+      bytes.size() >= headSize && bytes.size() == headSize + triangleSize * std::size_t{count};
   const bool isText = sameWord(bytes.substr(0, 5), "solid") && !fitsBinary;
-  if (!isText && bytes.size() < headSize) throw ParseError(file, 0, "an STL: 'solid' or a head of 84 bytes", std::to_string(bytes.size()) + " bytes");
+  if (!isText && bytes.size() < headSize)
+    throw ParseError(file, 0, "an STL: 'solid' or a head of 84 bytes",
+                     std::to_string(bytes.size()) + " bytes");
   Mesh mesh = isText ? parseText(bytes, file) : parseBinary(bytes, file);
   if (mesh.triangles.empty()) throw ParseError(file, 0, "at least one triangle", "none");
   return mesh;

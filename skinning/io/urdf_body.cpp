@@ -25,7 +25,8 @@ std::optional<std::string> findFile(const std::string& urdfPath, const std::stri
     tails.push_back(fileName.substr(package.size()));
     const std::size_t slash = tails[0].find('/');
     if (slash != std::string::npos) tails.push_back(tails[0].substr(slash + 1));
-    for (std::size_t at = tails.back().find('/'); at != std::string::npos; at = tails.back().find('/')) tails.push_back(tails.back().substr(at + 1));
+    for (std::size_t at = tails.back().find('/'); at != std::string::npos; at = tails.back().find('/'))
+      tails.push_back(tails.back().substr(at + 1));
   } else {
     tails.push_back(fileName.starts_with(local) ? fileName.substr(local.size()) : fileName);
   }
@@ -50,8 +51,11 @@ std::optional<std::string> findMesh(const std::string& urdfPath, const std::stri
 
 Mesh box(const Vector3d& size) {
   Mesh mesh;
-  for (int v = 0; v < 8; ++v) mesh.positions.push_back(0.5 * size.cwiseProduct(Vector3d(v & 1 ? 1 : -1, v & 2 ? 1 : -1, v & 4 ? 1 : -1)));
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (int v = 0; v < 8; ++v)
+    mesh.positions.push_back(0.5 *
+                             size.cwiseProduct(Vector3d(v & 1 ? 1 : -1, v & 2 ? 1 : -1, v & 4 ? 1 : -1)));
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return mesh;
 }
 
@@ -62,7 +66,8 @@ Mesh revolved(const std::vector<std::pair<double, double>>& profile) {
   const int rings = static_cast<int>(profile.size());
   for (const auto& [radius, z] : profile)
     for (int s = 0; s < sides; ++s)
-      mesh.positions.emplace_back(radius * std::cos(2.0 * M_PI * s / sides), radius * std::sin(2.0 * M_PI * s / sides), z);
+      mesh.positions.emplace_back(radius * std::cos(2.0 * M_PI * s / sides),
+                                  radius * std::sin(2.0 * M_PI * s / sides), z);
   for (int r = 0; r + 1 < rings; ++r)
     for (int s = 0; s < sides; ++s) {
       const int a = r * sides + s, b = r * sides + (s + 1) % sides;
@@ -81,7 +86,8 @@ Mesh revolved(const std::vector<std::pair<double, double>>& profile) {
 
 Mesh sphere(double radius) {
   std::vector<std::pair<double, double>> profile;
-  for (int k = 1; k < 16; ++k) profile.emplace_back(radius * std::sin(M_PI * k / 16), -radius * std::cos(M_PI * k / 16));
+  for (int k = 1; k < 16; ++k)
+    profile.emplace_back(radius * std::sin(M_PI * k / 16), -radius * std::cos(M_PI * k / 16));
   Mesh mesh = revolved(profile);
   mesh.positions[mesh.positions.size() - 2].z() = -radius;
   mesh.positions.back().z() = radius;
@@ -92,7 +98,8 @@ Mesh sphere(double radius) {
 std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath) {
   switch (visual.shape) {
     case UrdfVisual::Shape::Box: return box(visual.size);
-    case UrdfVisual::Shape::Cylinder: return revolved({{visual.size.x(), -0.5 * visual.size.z()}, {visual.size.x(), 0.5 * visual.size.z()}});
+    case UrdfVisual::Shape::Cylinder:
+      return revolved({{visual.size.x(), -0.5 * visual.size.z()}, {visual.size.x(), 0.5 * visual.size.z()}});
     case UrdfVisual::Shape::Sphere: return sphere(visual.size.x());
     case UrdfVisual::Shape::Mesh: break;
   }
@@ -125,7 +132,8 @@ UrdfModel openUrdf(const std::string& path) {
     std::vector<std::string> missing;
     bool drawn = false, substituted = false;
     for (const bool collision : {false, true}) {
-      if (collision && (drawn || missing.empty())) break;  // only for links whose visual meshes are all missing
+      if (collision && (drawn || missing.empty()))
+        break;  // only for links whose visual meshes are all missing
       for (const UrdfVisual& visual : robot.visuals) {
         if (visual.joint != joint || visual.collision != collision) continue;
         if (const auto body = bodyOf(visual, path)) {
@@ -138,7 +146,8 @@ UrdfModel openUrdf(const std::string& path) {
       }
     }
     for (const std::string& file : missing)
-      model.notes.push_back("mesh '" + file + "' was not found as STL or OBJ" + (substituted ? ": drawn with its collision geometry" : " and is left out"));
+      model.notes.push_back("mesh '" + file + "' was not found as STL or OBJ" +
+                            (substituted ? ": drawn with its collision geometry" : " and is left out"));
   }
   if (!whole.triangles.empty()) model.skin = bindSkin(std::move(whole), rest, std::move(influences));
   return model;

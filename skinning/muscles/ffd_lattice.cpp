@@ -17,10 +17,12 @@ Eigen::Map<const PointColumns> columns(const std::array<Vector3d, 64>& points) {
 
 FfdSample FfdLattice::evaluate(const Vector3d& uvw) const {
   const Vector4d bu = bernstein(uvw.x()), bv = bernstein(uvw.y()), bw = bernstein(uvw.z());
-  const Vector4d du = bernsteinDerivative(uvw.x()), dv = bernsteinDerivative(uvw.y()), dw = bernsteinDerivative(uvw.z());
+  const Vector4d du = bernsteinDerivative(uvw.x()), dv = bernsteinDerivative(uvw.y()),
+                 dw = bernsteinDerivative(uvw.z());
   const auto P = columns(points);
   FfdSample sample{Vector3d::Zero(), Eigen::Matrix3d::Zero()};
-  for (int k = 0; k < 4; ++k) {  // contract u, then v, then w: 16 + 4 + 1 short sums instead of 64 products of three
+  for (int k = 0; k < 4;
+       ++k) {  // contract u, then v, then w: 16 + 4 + 1 short sums instead of 64 products of three
     Vector3d plane = Vector3d::Zero(), planeU = Vector3d::Zero(), planeV = Vector3d::Zero();
     for (int j = 0; j < 4; ++j) {
       const auto row = P.middleCols<4>(16 * k + 4 * j);

@@ -44,16 +44,21 @@ MuscleControl noMuscleControl(const Limb& limb) {
   return control;
 }
 
-std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames, const MuscleControl& control) {
+std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames,
+                                      const MuscleControl& control) {
   const int links = static_cast<int>(limb.shape.links.size());
   std::vector<MuscleState> states(links);
   const double radius = limbRadius(limb.shape);
   for (int i = 0; i < links; ++i) {
-    const MuscleCurve curve = i < static_cast<int>(control.curves.size()) ? control.curves[i] : MuscleCurve{.flexor = 0.0, .extensor = 0.0};
-    // The muscles of a link drive the joint at its end; the last link's those that drive the joint at its beginning.
+    const MuscleCurve curve = i < static_cast<int>(control.curves.size())
+                                  ? control.curves[i]
+                                  : MuscleCurve{.flexor = 0.0, .extensor = 0.0};
+    // The muscles of a link drive the joint at its end; the last link's those that drive the joint at its
+    // beginning.
     const int joint = std::min(i + 1, links - 1);
     double fraction = 0.0;
-    if (joint >= 1) fraction = bendFraction(jointBend(frames, joint).bend, limb.bendAtRest[joint - 1], curve.fullBend);
+    if (joint >= 1)
+      fraction = bendFraction(jointBend(frames, joint).bend, limb.bendAtRest[joint - 1], curve.fullBend);
     const double inner = curve.flexor * (fraction + control.activation);
     const double outer = curve.extensor * (control.activation - fraction);
     states[i].plane2 = states[i].plane4 = bulge(inner, outer, radius);
@@ -119,7 +124,8 @@ LimbSurface limbSurface(const MuscleSkin& body, int limb) {
 namespace {
 
 /// What the bones outside the limb contribute to the surface's vertices; the same for every muscle state.
-std::vector<Vector3d> outsidePart(const MuscleSkin& body, const LimbSurface& surface, const Frames& worldFromJoint) {
+std::vector<Vector3d> outsidePart(const MuscleSkin& body, const LimbSurface& surface,
+                                  const Frames& worldFromJoint) {
   const auto matrices = skinningMatrices(body.skin, worldFromJoint);
   std::vector<Vector3d> part(surface.vertices.size(), Vector3d::Zero());
   for (std::size_t i = 0; i < part.size(); ++i) {
@@ -147,7 +153,8 @@ double volumeOf(const MuscleSkin& body, const LimbSurface& surface, const std::v
     positions[i] -= origin;
   }
   double sixfold = 0.0;
-  for (const auto& [a, b, c] : surface.triangles) sixfold += positions[a].dot(positions[b].cross(positions[c]));
+  for (const auto& [a, b, c] : surface.triangles)
+    sixfold += positions[a].dot(positions[b].cross(positions[c]));
   return sixfold / 6.0;
 }
 
@@ -169,19 +176,23 @@ std::vector<MuscleState> scaled(std::vector<MuscleState> states, double s) {
   return states;
 }
 
-VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface, const Frames& worldFromJoint,
-                               const std::vector<MuscleState>& states, double restVolume) {
+VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface,
+                               const Frames& worldFromJoint, const std::vector<MuscleState>& states,
+                               double restVolume) {
   if (surface.triangles.empty()) return {1.0, false};
   const LimbShape& shape = body.limbs[limb].shape;
   const LimbFrames frames = limbFrames(body.limbs[limb], worldFromJoint);
   const std::vector<Vector3d> outside = outsidePart(body, surface, worldFromJoint);
   std::vector<MuscleState> complete = states;
   complete.resize(shape.links.size());
-  const auto volume = [&](double s) { return volumeOf(body, surface, outside, poseLimb(shape, frames, scaled(complete, s))); };
+  const auto volume = [&](double s) {
+    return volumeOf(body, surface, outside, poseLimb(shape, frames, scaled(complete, s)));
+  };
   constexpr double h = 0.2;
   const double below = volume(1.0 - h), at = volume(1.0), above = volume(1.0 + h);
   // V(1 + x) = at + b x + a x^2
-  const double a = (above + below - 2.0 * at) / (2.0 * h * h), b = (above - below) / (2.0 * h), c = at - restVolume;
+  const double a = (above + below - 2.0 * at) / (2.0 * h * h), b = (above - below) / (2.0 * h),
+               c = at - restVolume;
   const double discriminant = b * b - 4.0 * a * c;
   if (discriminant < 0.0) return {std::clamp(1.0 - b / (2.0 * a), 0.3, 3.0), false};
   // The root nearest zero, without cancellation.
@@ -195,7 +206,8 @@ MuscleRig::MuscleRig(MuscleSkin body, const Frames& restFrames) : body_(std::mov
     const Limb& limb = body_.limbs[l];
     controls_.push_back(defaultMuscleControl(limb));
     surfaces_.push_back(limbSurface(body_, l));
-    restVolumes_.push_back(limbVolume(body_, surfaces_[l], restFrames, poseLimb(limb.shape, limbFrames(limb, restFrames))));
+    restVolumes_.push_back(
+        limbVolume(body_, surfaces_[l], restFrames, poseLimb(limb.shape, limbFrames(limb, restFrames))));
   }
 }
 
@@ -206,7 +218,8 @@ std::vector<LimbPose> MuscleRig::pose(const Frames& worldFromJoint) const {
     const LimbFrames frames = limbFrames(limb, worldFromJoint);
     std::vector<MuscleState> states = muscleStates(limb, frames, controls_[l]);
     if (controls_[l].keepVolume) {
-      const double s = volumeKeepingScale(body_, l, surfaces_[l], worldFromJoint, states, restVolumes_[l]).scale;
+      const double s =
+          volumeKeepingScale(body_, l, surfaces_[l], worldFromJoint, states, restVolumes_[l]).scale;
       states = scaled(std::move(states), s);
     }
     poses.push_back(poseLimb(limb.shape, frames, states));

@@ -7,25 +7,28 @@
 
 namespace gelenk {
 
-/// How the muscles of one link answer to the bend of a joint: what happens to planes 2 and 4. With theta the total bend,
+/// How the muscles of one link answer to the bend of a joint: what happens to planes 2 and 4. With theta the
+/// total bend,
 ///     f = (1 - cos(theta - rest)) / (1 - cos(fullBend - rest))   in [0, 1], 0 at rest, 1 at the full bend,
-/// the muscle on the inside of the bend (flexor) swells with f + activation, the one on the outside (extensor) with
-/// activation and slackens with f, and the tendon thins the plane next to the joint with f.
-/// A bulge k stretches the section by 1 + k across (x, towards the inside) and 1 + k/4 sideways, and moves it by k r to its own side.
+/// the muscle on the inside of the bend (flexor) swells with f + activation, the one on the outside
+/// (extensor) with activation and slackens with f, and the tendon thins the plane next to the joint with f.
+/// A bulge k stretches the section by 1 + k across (x, towards the inside) and 1 + k/4 sideways, and moves it
+/// by k r to its own side.
 struct MuscleCurve {
-  double flexor = 0.2; ///< k at full bend, dimensionless
-  double extensor = 0.05;   ///< k the outside loses at full bend and gains by activation
-  double nearJoint = 0.1;   ///< share of the bulge that the plane nearer the joint gets: the belly sits away from the joint
-  double tendon = 0.0;      ///< share by which the plane nearer the joint is thinned at full bend
-  double fullBend = 2.6;    ///< radians, total bend (straight = 0)
+  double flexor = 0.2;     ///< k at full bend, dimensionless
+  double extensor = 0.05;  ///< k the outside loses at full bend and gains by activation
+  double nearJoint =
+      0.1;  ///< share of the bulge that the plane nearer the joint gets: the belly sits away from the joint
+  double tendon = 0.0;    ///< share by which the plane nearer the joint is thinned at full bend
+  double fullBend = 2.6;  ///< radians, total bend (straight = 0)
 };
 
 /// Controls of a limb, saved with the scene.
 struct MuscleControl {
-  std::vector<MuscleCurve> curves;   ///< one a link
-  double activation = 0.0;           ///< [0, 1], contraction without motion
-  bool keepVolume = true;            ///< volume rule on
-  std::vector<MuscleState> sculpted; ///< edits made by hand on top, one a link (identity where empty)
+  std::vector<MuscleCurve> curves;    ///< one a link
+  double activation = 0.0;            ///< [0, 1], contraction without motion
+  bool keepVolume = true;             ///< volume rule on
+  std::vector<MuscleState> sculpted;  ///< edits made by hand on top, one a link (identity where empty)
 };
 /// Upper link with a biceps, lower link slight.
 MuscleControl defaultMuscleControl(const Limb& limb);
@@ -33,7 +36,8 @@ MuscleControl defaultMuscleControl(const Limb& limb);
 MuscleControl noMuscleControl(const Limb& limb);
 
 /// The states of planes 2 and 4 of every link for the limb's present bend, before the volume rule.
-std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames, const MuscleControl& control);
+std::vector<MuscleState> muscleStates(const Limb& limb, const LimbFrames& frames,
+                                      const MuscleControl& control);
 
 /// The part of the body on one limb as a closed surface: its triangles and fans over the openings.
 struct LimbSurface {
@@ -46,20 +50,23 @@ LimbSurface limbSurface(const MuscleSkin& body, int limb);
 double limbVolume(const MuscleSkin& body, const LimbSurface& surface, const Frames& worldFromJoint,
                   const LimbPose& pose);
 
-/// The volume rule: the common scale s of planes 2 and 4 of all links that keeps the volume at its rest value. Scaling moves each
-/// link's points in one plane of directions only, so the volume is quadratic in s: three samples give it exactly.
-/// Returns the root nearest 1; where no root exists the s of the nearest volume (reached is then false).
+/// The volume rule: the common scale s of planes 2 and 4 of all links that keeps the volume at its rest
+/// value. Scaling moves each link's points in one plane of directions only, so the volume is quadratic in s:
+/// three samples give it exactly. Returns the root nearest 1; where no root exists the s of the nearest
+/// volume (reached is then false).
 struct VolumeScale {
   double scale = 1.0;
   bool reached = true;
 };
-VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface, const Frames& worldFromJoint,
-                               const std::vector<MuscleState>& states, double restVolume);
+VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface,
+                               const Frames& worldFromJoint, const std::vector<MuscleState>& states,
+                               double restVolume);
 
 /// The states with stretch, offset and displacement of every plane scaled by s about the bone.
 std::vector<MuscleState> scaled(std::vector<MuscleState> states, double s);
 
-/// Everything that a frame needs: poses of all limbs with their muscles and, where asked for, the volume rule.
+/// Everything that a frame needs: poses of all limbs with their muscles and, where asked for, the volume
+/// rule.
 class MuscleRig {
  public:
   MuscleRig(MuscleSkin body, const Frames& restFrames);

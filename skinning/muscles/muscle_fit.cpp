@@ -45,8 +45,8 @@ MusclePlane& planeOf(std::vector<MuscleState>& states, int index) {
 
 }  // namespace
 
-MuscleFit fitMuscle(const MuscleSkin& body, int limb, const Frames& restFrames, const std::vector<Vector3d>& displacement,
-                    MuscleFreedom freedom) {
+MuscleFit fitMuscle(const MuscleSkin& body, int limb, const Frames& restFrames,
+                    const std::vector<Vector3d>& displacement, MuscleFreedom freedom) {
   std::vector<int> sculpted;
   for (std::size_t v = 0; v < body.vertices.size(); ++v)
     if (body.vertices[v].limb == limb && body.vertices[v].volume >= 0 && displacement[v].norm() > 0.0)
@@ -87,7 +87,8 @@ MuscleFit fitMuscle(const MuscleSkin& body, int limb, const Frames& restFrames, 
   normal.diagonal().array() += ridge;
   const VectorXd solution = normal.ldlt().solve(A.transpose() * wanted);
   for (int p = 0; p < planes; ++p)
-    for (int k = 0; k < each; ++k) add(planeOf(fit.states, p), unitChange(k, freedom), solution[p * each + k]);
+    for (int k = 0; k < each; ++k)
+      add(planeOf(fit.states, p), unitChange(k, freedom), solution[p * each + k]);
   fit.residual = (A * solution - wanted).norm() / wanted.norm();
   return fit;
 }

@@ -15,14 +15,14 @@ enum class MuscleFreedom {
 
 struct MuscleFit {
   std::vector<MuscleState> states;  ///< one a link
-  double residual = 0.0;            ///< root mean square of what is left over that of the displacement, [0, 1]
-  int vertices = 0;                 ///< with a displacement, on the limb
+  double residual = 0.0;  ///< root mean square of what is left over that of the displacement, [0, 1]
+  int vertices = 0;       ///< with a displacement, on the limb
 };
 
-/// Least squares: the states whose deformation of the resting limb comes nearest to the displacement. displacement: one a
-/// vertex of the skin, metres, zero where not sculpted; only vertices on the limb's volumes with one count.
-/// The deformation is linear in these parameters, so the fit is exact. FreePoints is regularised by a share of 1e-6 of the
-/// mean diagonal, because points far from the skin hardly move it.
+/// Least squares: the states whose deformation of the resting limb comes nearest to the displacement.
+/// displacement: one a vertex of the skin, metres, zero where not sculpted; only vertices on the limb's
+/// volumes with one count. The deformation is linear in these parameters, so the fit is exact. FreePoints is
+/// regularised by a share of 1e-6 of the mean diagonal, because points far from the skin hardly move it.
 MuscleFit fitMuscle(const MuscleSkin& body, int limb, const Frames& restFrames,
                     const std::vector<Eigen::Vector3d>& displacement, MuscleFreedom freedom);
 

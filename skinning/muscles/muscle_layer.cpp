@@ -36,23 +36,25 @@ const Matrix2d quarterTurn = (Matrix2d() << 0.0, -1.0, 1.0, 0.0).finished();  //
 
 /// One end of a link's stretch of twist: the plane where it begins or ends and the tangent there.
 struct Seam {
-  Matrix3d Q;                 ///< worldFromSeam, z normal to the plane
-  double wedge = 0.0;         ///< tan(beta theta)
+  Matrix3d Q;                           ///< worldFromSeam, z normal to the plane
+  double wedge = 0.0;                   ///< tan(beta theta)
   Vector2d inside = Vector2d::UnitX();  ///< seam coordinates
-  double twistBefore = 0.0;   ///< of the plane against the link before, about its z
-  double twistAfter = 0.0;    ///< against the link after
+  double twistBefore = 0.0;             ///< of the plane against the link before, about its z
+  double twistAfter = 0.0;              ///< against the link after
 };
 
 Seam seamAt(const LimbShape& shape, const LimbFrames& frames, int joint) {
   const int links = static_cast<int>(shape.links.size());
   if (joint == 0)
-    return {.Q = frames.rotations[0] * Eigen::AngleAxisd(frames.nearTwist, Vector3d::UnitZ()), .twistAfter = frames.nearTwist};
+    return {.Q = frames.rotations[0] * Eigen::AngleAxisd(frames.nearTwist, Vector3d::UnitZ()),
+            .twistAfter = frames.nearTwist};
   if (joint == links)
     return {.Q = frames.rotations[links - 1] * Eigen::AngleAxisd(frames.farTwist, Vector3d::UnitZ()),
             .twistBefore = frames.farTwist};
 
   const JointBend bend = jointBend(frames, joint);
-  const double share = joint - 1 < static_cast<int>(shape.seamTwistShare.size()) ? shape.seamTwistShare[joint - 1] : 0.5;
+  const double share =
+      joint - 1 < static_cast<int>(shape.seamTwistShare.size()) ? shape.seamTwistShare[joint - 1] : 0.5;
   const Vector3d inside(bend.inside.x(), bend.inside.y(), 0.0);
   const Vector3d axis = Vector3d::UnitZ().cross(inside);  // turning z about it leads to the inside
   const Eigen::AngleAxisd halfSwing(0.5 * bend.bend, axis);
@@ -71,9 +73,10 @@ LimbShape defaultLimbShape(const std::vector<double>& lengths) {
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     const double L = lengths[i];
     if (!(L > 0.0) || !std::isfinite(L))
-      throw std::invalid_argument("link " + std::to_string(i) + " of the limb has length " + std::to_string(L) +
-                                  ", it must be positive");
-    shape.links.push_back({.length = L, .middle = 0.5 * L, .inner = L / 10.0, .nearGap = L / 6.0, .farGap = L / 6.0});
+      throw std::invalid_argument("link " + std::to_string(i) + " of the limb has length " +
+                                  std::to_string(L) + ", it must be positive");
+    shape.links.push_back(
+        {.length = L, .middle = 0.5 * L, .inner = L / 10.0, .nearGap = L / 6.0, .farGap = L / 6.0});
   }
   setJointGap(shape, elbowGap);
   validate(shape);
@@ -82,11 +85,14 @@ LimbShape defaultLimbShape(const std::vector<double>& lengths) {
 
 void setJointGap(LimbShape& shape, double share) {
   for (std::size_t i = 0; i + 1 < shape.links.size(); ++i)
-    shape.links[i].farGap = shape.links[i + 1].nearGap = share * std::min(shape.links[i].length, shape.links[i + 1].length);
+    shape.links[i].farGap = shape.links[i + 1].nearGap =
+        share * std::min(shape.links[i].length, shape.links[i + 1].length);
 }
 
 double jointGap(const LimbShape& shape) {
-  return shape.links.size() < 2 ? elbowGap : shape.links[0].farGap / std::min(shape.links[0].length, shape.links[1].length);
+  return shape.links.size() < 2
+             ? elbowGap
+             : shape.links[0].farGap / std::min(shape.links[0].length, shape.links[1].length);
 }
 
 void validate(const LimbShape& shape) {
@@ -106,7 +112,8 @@ void validate(const LimbShape& shape) {
   }
   if (!((shape.sectionUpper - shape.sectionLower).minCoeff() > 0.0))
     throw std::invalid_argument("the limb's section rectangle is empty");
-  if (!(shape.wedge >= 0.0 && shape.wedge < 0.5)) throw std::invalid_argument("the limb's wedge must lie in [0, 1/2)");
+  if (!(shape.wedge >= 0.0 && shape.wedge < 0.5))
+    throw std::invalid_argument("the limb's wedge must lie in [0, 1/2)");
 }
 
 JointBend jointBend(const LimbFrames& frames, int joint) {
@@ -130,7 +137,8 @@ LimbPose poseLimb(const LimbShape& shape, const LimbFrames& frames, const std::v
   for (int j = 0; j <= links; ++j) seams.push_back(seamAt(shape, frames, j));
 
   std::vector<double> twistRate(links);  // radians a metre along each bone
-  for (int i = 0; i < links; ++i) twistRate[i] = (seams[i + 1].twistBefore - seams[i].twistAfter) / shape.links[i].length;
+  for (int i = 0; i < links; ++i)
+    twistRate[i] = (seams[i + 1].twistBefore - seams[i].twistAfter) / shape.links[i].length;
 
   LimbPose pose;
   pose.planes.resize(6 * links + 1);
@@ -163,17 +171,21 @@ LimbPose poseLimb(const LimbShape& shape, const LimbFrames& frames, const std::v
     const double middleTwist = 0.5 * (seams[i].twistAfter + seams[i + 1].twistBefore);
     const MuscleState muscle = i < static_cast<int>(muscles.size()) ? muscles[i] : MuscleState{};
     const auto inner = [&](const MusclePlane& control, double side) {
-      const Matrix2d section = (Matrix2d::Identity() + side * link.inner * twistRate[i] * quarterTurn) * turn(middleTwist);
+      const Matrix2d section =
+          (Matrix2d::Identity() + side * link.inner * twistRate[i] * quarterTurn) * turn(middleTwist);
       const Axes axes = R.leftCols<2>() * section;
-      return SectionPlane{frames.joints[i] + (link.middle + side * link.inner) * R.col(2) + axes * control.offset,
-                          axes * control.stretch};
+      return SectionPlane{
+          frames.joints[i] + (link.middle + side * link.inner) * R.col(2) + axes * control.offset,
+          axes * control.stretch};
     };
     const SectionPlane second = inner(muscle.plane2, -1.0), fourth = inner(muscle.plane4, +1.0);
     pose.planes[6 * i + 2] = onRectangle(second, shape);
-    pose.planes[6 * i + 3] = onRectangle({0.5 * (second.centre + fourth.centre), 0.5 * (second.axes + fourth.axes)}, shape);
+    pose.planes[6 * i + 3] =
+        onRectangle({0.5 * (second.centre + fourth.centre), 0.5 * (second.axes + fourth.axes)}, shape);
     pose.planes[6 * i + 4] = onRectangle(fourth, shape);
 
-    const Matrix3d turned = R * Eigen::AngleAxisd(middleTwist, Vector3d::UnitZ()) * Vector3d(muscle.swell, muscle.swell, 1.0).asDiagonal();
+    const Matrix3d turned = R * Eigen::AngleAxisd(middleTwist, Vector3d::UnitZ()) *
+                            Vector3d(muscle.swell, muscle.swell, 1.0).asDiagonal();
     pose.worldFromDisplacement.push_back(turned);
     if (!displaced) continue;
     const auto displace = [&](const MusclePlane& control, int plane) {
@@ -186,7 +198,8 @@ LimbPose poseLimb(const LimbShape& shape, const LimbFrames& frames, const std::v
     displace(muscle.plane2, 6 * i + 2);
     displace(muscle.plane4, 6 * i + 4);
     for (int c = 0; c < 16; ++c)
-      pose.displacement[6 * i + 3][c] = 0.5 * (pose.displacement[6 * i + 2][c] + pose.displacement[6 * i + 4][c]);
+      pose.displacement[6 * i + 3][c] =
+          0.5 * (pose.displacement[6 * i + 2][c] + pose.displacement[6 * i + 4][c]);
   }
 
   const auto endFrame = [](const Seam& seam, const Vector3d& origin) {
@@ -204,7 +217,8 @@ FfdLattice displacementLattice(const MuscleState& muscle, int half) {
   FfdLattice lattice;
   lattice.points.fill(Vector3d::Zero());
   const auto add = [&](const MusclePlane& control, int plane, double share) {  // plane of the half's four
-    for (std::size_t c = 0; c < control.displacement.size(); ++c) lattice.points[16 * plane + c] += share * control.displacement[c];
+    for (std::size_t c = 0; c < control.displacement.size(); ++c)
+      lattice.points[16 * plane + c] += share * control.displacement[c];
   };
   const int middle = half == 0 ? 3 : 0;
   add(muscle.plane2, middle, 0.5);

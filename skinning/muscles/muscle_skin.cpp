@@ -16,12 +16,11 @@ using Eigen::Vector3d;
 
 namespace {
 
-double twistAboutZ(const Matrix3d& rotation) {
-  return swingTwistCoordinates(Quaterniond(rotation)).z();
-}
+double twistAboutZ(const Matrix3d& rotation) { return swingTwistCoordinates(Quaterniond(rotation)).z(); }
 
 /// The bend axis at rest in world coordinates; see makeLimb.
-Vector3d bendAxis(const Skeleton& skeleton, const Frames& rest, const std::vector<int>& joints, const Vector3d& given) {
+Vector3d bendAxis(const Skeleton& skeleton, const Frames& rest, const std::vector<int>& joints,
+                  const Vector3d& given) {
   if (given.norm() > 0.0) return given.normalized();
   for (std::size_t i = 1; i + 1 < joints.size(); ++i)
     for (const AxisDof& dof : skeleton.joint(joints[i]).axes)
@@ -45,8 +44,9 @@ struct PlaneHit {
   double distance = 0.0;  ///< from the middle of the rectangle, in rectangle widths
 };
 
-/// The affine volume contains x where n(w) . (x - origin(w)) = 0, n the normal of the blended plane: one equation in w.
-/// All roots in [0, 1] are found by scanning and safeguarded Newton; the one nearest the bone counts.
+/// The affine volume contains x where n(w) . (x - origin(w)) = 0, n the normal of the blended plane: one
+/// equation in w. All roots in [0, 1] are found by scanning and safeguarded Newton; the one nearest the bone
+/// counts.
 bool findInVolume(const FfdPlane* planes, const Vector3d& x, PlaneHit& best) {
   const auto offPlane = [&](double w) {
     const FfdSample at = evaluateAffine(planes, {0.0, 0.0, w});
@@ -88,7 +88,8 @@ bool findInVolume(const FfdPlane* planes, const Vector3d& x, PlaneHit& best) {
   return found;
 }
 
-/// Vertices with less weight than this do not widen the section rectangle: the little that they follow the limb is extrapolated.
+/// Vertices with less weight than this do not widen the section rectangle: the little that they follow the
+/// limb is extrapolated.
 constexpr double mainlyOnLimb = 0.3;
 
 struct LimbShare {
@@ -101,7 +102,8 @@ LimbShare heaviestLimb(const Influences& in, const std::vector<Limb>& limbs) {
   for (int l = 0; l < static_cast<int>(limbs.size()); ++l) {
     double weight = 0.0;
     for (int k = 0; k < 4; ++k)
-      if (std::find(limbs[l].joints.begin(), limbs[l].joints.end() - 1, in.joints[k]) != limbs[l].joints.end() - 1)
+      if (std::find(limbs[l].joints.begin(), limbs[l].joints.end() - 1, in.joints[k]) !=
+          limbs[l].joints.end() - 1)
         weight += in.weights[k];
     if (weight > best.weight) best = {l, weight};
   }
@@ -128,8 +130,9 @@ bool bindVertex(const LimbPose& rest, const Vector3d& x, const Vector3d& n, Limb
     vertex.normal = end.linear().transpose() * n;
     return true;
   };
-  if (!found) return beyond(rest.worldFromFarEnd, LimbVertex::beyondFar, 1.0) ||
-                     beyond(rest.worldFromNearEnd, LimbVertex::beyondNear, -1.0);
+  if (!found)
+    return beyond(rest.worldFromFarEnd, LimbVertex::beyondFar, 1.0) ||
+           beyond(rest.worldFromNearEnd, LimbVertex::beyondNear, -1.0);
   vertex.uvw = best.uvw;
   vertex.normal = evaluateAffine(&rest.planes[3 * vertex.volume], best.uvw).derivatives.transpose() * n;
   return true;
@@ -143,14 +146,16 @@ Limb makeLimb(const Skeleton& skeleton, const Frames& rest, std::string name, st
   std::vector<double> lengths;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (joints[i] < 0 || joints[i] >= skeleton.jointCount())
-      throw std::invalid_argument("limb '" + name + "' names joint " + std::to_string(joints[i]) + ", which does not exist");
+      throw std::invalid_argument("limb '" + name + "' names joint " + std::to_string(joints[i]) +
+                                  ", which does not exist");
     if (i == 0) continue;
     if (skeleton.parent(joints[i]) != joints[i - 1])
-      throw std::invalid_argument("limb '" + name + "': joint '" + skeleton.joint(joints[i]).name + "' is no child of '" +
-                                  skeleton.joint(joints[i - 1]).name + "'");
+      throw std::invalid_argument("limb '" + name + "': joint '" + skeleton.joint(joints[i]).name +
+                                  "' is no child of '" + skeleton.joint(joints[i - 1]).name + "'");
     lengths.push_back((rest[joints[i]].translation() - rest[joints[i - 1]].translation()).norm());
     if (!(lengths.back() > 0.0))
-      throw std::invalid_argument("limb '" + name + "': the link from '" + skeleton.joint(joints[i - 1]).name + "' to '" +
+      throw std::invalid_argument("limb '" + name + "': the link from '" +
+                                  skeleton.joint(joints[i - 1]).name + "' to '" +
                                   skeleton.joint(joints[i]).name + "' has no length");
   }
 
@@ -164,15 +169,19 @@ Limb makeLimb(const Skeleton& skeleton, const Frames& rest, std::string name, st
     Matrix3d worldFromLink;
     const Vector3d z = (rest[limb.joints[i + 1]].translation() - worldFromJoint.translation()) / lengths[i];
     const Vector3d x = axis.cross(z);
-    if (x.norm() < 1e-6) throw std::invalid_argument("limb '" + limb.name + "': the bend axis runs along a bone");
+    if (x.norm() < 1e-6)
+      throw std::invalid_argument("limb '" + limb.name + "': the bend axis runs along a bone");
     worldFromLink << x.normalized(), z.cross(x.normalized()), z;
     limb.jointFromLink.push_back(worldFromJoint.linear().transpose() * worldFromLink);
   }
   limb.parent = skeleton.parent(limb.joints.front());
-  const Matrix3d worldFromParent = limb.parent < 0 ? Matrix3d(Matrix3d::Identity()) : Matrix3d(rest[limb.parent].linear());
-  limb.parentFromFirstLinkAtRest = worldFromParent.transpose() * rest[limb.joints.front()].linear() * limb.jointFromLink.front();
-  limb.lastLinkFromTipAtRest = (rest[limb.joints.rbegin()[1]].linear() * limb.jointFromLink.back()).transpose() *
-                               rest[limb.joints.back()].linear();
+  const Matrix3d worldFromParent =
+      limb.parent < 0 ? Matrix3d(Matrix3d::Identity()) : Matrix3d(rest[limb.parent].linear());
+  limb.parentFromFirstLinkAtRest =
+      worldFromParent.transpose() * rest[limb.joints.front()].linear() * limb.jointFromLink.front();
+  limb.lastLinkFromTipAtRest =
+      (rest[limb.joints.rbegin()[1]].linear() * limb.jointFromLink.back()).transpose() *
+      rest[limb.joints.back()].linear();
   const LimbFrames frames = limbFrames(limb, rest);
   for (std::size_t j = 1; j + 1 < limb.joints.size(); ++j)
     limb.bendAtRest.push_back(jointBend(frames, static_cast<int>(j)).bend);
@@ -185,11 +194,12 @@ LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint) {
   for (std::size_t i = 0; i < limb.jointFromLink.size(); ++i)
     frames.rotations.push_back(worldFromJoint[limb.joints[i]].linear() * limb.jointFromLink[i]);
   if (limb.spreadNearTwist && limb.parent >= 0) {
-    const Matrix3d sinceRest = limb.parentFromFirstLinkAtRest.transpose() * worldFromJoint[limb.parent].linear().transpose() *
-                               frames.rotations.front();
+    const Matrix3d sinceRest = limb.parentFromFirstLinkAtRest.transpose() *
+                               worldFromJoint[limb.parent].linear().transpose() * frames.rotations.front();
     frames.nearTwist = -twistAboutZ(sinceRest);
   }
-  const Matrix3d tipSinceRest = frames.rotations.back().transpose() * worldFromJoint[limb.joints.back()].linear() *
+  const Matrix3d tipSinceRest = frames.rotations.back().transpose() *
+                                worldFromJoint[limb.joints.back()].linear() *
                                 limb.lastLinkFromTipAtRest.transpose();
   frames.farTwist = twistAboutZ(tipSinceRest);
   return frames;
@@ -197,7 +207,8 @@ LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint) {
 
 MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFrames) {
   for (const Limb& limb : limbs) validate(limb.shape);
-  MuscleSkin body{.skin = std::move(skin), .limbs = std::move(limbs), .vertices = {}, .outside = {}, .unbound = 0};
+  MuscleSkin body{
+      .skin = std::move(skin), .limbs = std::move(limbs), .vertices = {}, .outside = {}, .unbound = 0};
   const std::size_t count = body.skin.mesh.positions.size();
   body.vertices.resize(count);
   body.outside = body.skin.influences;
@@ -218,8 +229,8 @@ MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFra
     body.vertices[v] = vertex;
     const LimbShape& shape = body.limbs[share.limb].shape;
     if (vertex.volume >= 0 && vertex.weight >= mainlyOnLimb)
-      sections[share.limb].extend(
-          Vector2d(shape.sectionLower + vertex.uvw.head<2>().cwiseProduct(shape.sectionUpper - shape.sectionLower)));
+      sections[share.limb].extend(Vector2d(
+          shape.sectionLower + vertex.uvw.head<2>().cwiseProduct(shape.sectionUpper - shape.sectionLower)));
   }
   for (std::size_t l = 0; l < body.limbs.size(); ++l) {
     if (sections[l].isEmpty()) continue;
@@ -241,7 +252,8 @@ MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFra
     const std::vector<int>& joints = body.limbs[body.vertices[v].limb].joints;
     Influences& out = body.outside[v];
     for (int k = 0; k < 4; ++k)
-      if (std::find(joints.begin(), joints.end() - 1, out.joints[k]) != joints.end() - 1) out.weights[k] = 0.0;
+      if (std::find(joints.begin(), joints.end() - 1, out.joints[k]) != joints.end() - 1)
+        out.weights[k] = 0.0;
   }
   return body;
 }
@@ -263,7 +275,8 @@ Vector3d deformLimbPoint(const LimbPose& pose, const LimbVertex& vertex) {
 
 std::pair<Vector3d, Vector3d> deformLimbVertex(const LimbPose& pose, const LimbVertex& vertex) {
   if (vertex.volume < 0) {
-    const Eigen::Isometry3d& end = vertex.volume == LimbVertex::beyondNear ? pose.worldFromNearEnd : pose.worldFromFarEnd;
+    const Eigen::Isometry3d& end =
+        vertex.volume == LimbVertex::beyondNear ? pose.worldFromNearEnd : pose.worldFromFarEnd;
     return {end * vertex.uvw, end.linear() * vertex.normal};
   }
   const FfdSample at = pose.evaluate(vertex.volume, vertex.uvw);
@@ -290,7 +303,8 @@ void skinWithMuscles(const MuscleSkin& body, const Frames& worldFromJoint, const
     if (sum > 0.0) {  // cofactors of the blend, which carry the square of the weights' sum: back to the sum
       const Vector3d n = body.skin.mesh.normals[v];
       const Eigen::Matrix3d M = blend.leftCols<3>();
-      normal << M.row(1).cross(M.row(2)).dot(n), M.row(2).cross(M.row(0)).dot(n), M.row(0).cross(M.row(1)).dot(n);
+      normal << M.row(1).cross(M.row(2)).dot(n), M.row(2).cross(M.row(0)).dot(n),
+          M.row(0).cross(M.row(1)).dot(n);
       normal /= sum;
     }
     const LimbVertex& vertex = body.vertices[v];

@@ -15,23 +15,29 @@ using Eigen::Vector4d;
 namespace {
 
 void validateKnots(const std::vector<double>& knots, int degree, int count, const std::string& direction) {
-  if (degree < 1 || degree > 9) throw std::invalid_argument("degree in " + direction + " is " + std::to_string(degree) + ", expected 1 to 9");
+  if (degree < 1 || degree > 9)
+    throw std::invalid_argument("degree in " + direction + " is " + std::to_string(degree) +
+                                ", expected 1 to 9");
   if (count <= degree)
-    throw std::invalid_argument(std::to_string(count) + " control points in " + direction + ", expected at least degree + 1 = " +
-                                std::to_string(degree + 1));
+    throw std::invalid_argument(std::to_string(count) + " control points in " + direction +
+                                ", expected at least degree + 1 = " + std::to_string(degree + 1));
   const std::size_t expected = static_cast<std::size_t>(count) + degree + 1;
   if (knots.size() != expected)
-    throw std::invalid_argument(std::to_string(knots.size()) + " knots in " + direction + ", expected points + degree + 1 = " +
-                                std::to_string(expected));
+    throw std::invalid_argument(std::to_string(knots.size()) + " knots in " + direction +
+                                ", expected points + degree + 1 = " + std::to_string(expected));
   for (std::size_t i = 0; i < knots.size(); ++i) {
-    if (!std::isfinite(knots[i])) throw std::invalid_argument("knot " + std::to_string(i) + " in " + direction + " is not finite");
+    if (!std::isfinite(knots[i]))
+      throw std::invalid_argument("knot " + std::to_string(i) + " in " + direction + " is not finite");
     if (i > 0 && knots[i] < knots[i - 1])
-      throw std::invalid_argument("knot " + std::to_string(i) + " in " + direction + " is smaller than the one before it");
+      throw std::invalid_argument("knot " + std::to_string(i) + " in " + direction +
+                                  " is smaller than the one before it");
   }
-  if (!(knots[degree] < knots[count])) throw std::invalid_argument("the knots in " + direction + " span an empty domain");
+  if (!(knots[degree] < knots[count]))
+    throw std::invalid_argument("the knots in " + direction + " span an empty domain");
 }
 
-/// The degree + 1 basis functions that do not vanish on the span, and their derivatives (Piegl, Tiller, A2.2 and A2.3).
+/// The degree + 1 basis functions that do not vanish on the span, and their derivatives (Piegl, Tiller, A2.2
+/// and A2.3).
 struct Basis {
   std::array<double, 10> value{}, slope{};
 };
@@ -54,7 +60,8 @@ Basis basisFunctions(const std::vector<double>& knots, int degree, int span, dou
   };
   Basis basis{.value = values(degree)};
   const std::array<double, 10> lower = values(degree - 1);
-  for (int k = 0; k <= degree; ++k) {  // N' = p (N_{i,p-1} / (u_{i+p} - u_i) - N_{i+1,p-1} / (u_{i+p+1} - u_{i+1}))
+  for (int k = 0; k <= degree;
+       ++k) {  // N' = p (N_{i,p-1} / (u_{i+p} - u_i) - N_{i+1,p-1} / (u_{i+p+1} - u_{i+1}))
     const int i = span - degree + k;
     const double before = knots[i + degree] - knots[i], after = knots[i + degree + 1] - knots[i + 1];
     if (k > 0 && before > 0.0) basis.slope[k] += degree * lower[k - 1] / before;
@@ -71,25 +78,36 @@ void validate(const NurbsSurface& surface) {
   const std::size_t expected = static_cast<std::size_t>(surface.countU) * surface.countV;
   if (surface.points.size() != expected || surface.weights.size() != expected)
     throw std::invalid_argument(std::to_string(surface.points.size()) + " control points and " +
-                                std::to_string(surface.weights.size()) + " weights, expected " + std::to_string(expected));
+                                std::to_string(surface.weights.size()) + " weights, expected " +
+                                std::to_string(expected));
   for (std::size_t i = 0; i < expected; ++i) {
-    if (!surface.points[i].allFinite()) throw std::invalid_argument("control point " + std::to_string(i) + " is not finite");
+    if (!surface.points[i].allFinite())
+      throw std::invalid_argument("control point " + std::to_string(i) + " is not finite");
     if (!(surface.weights[i] > 0.0) || !std::isfinite(surface.weights[i]))
-      throw std::invalid_argument("weight " + std::to_string(i) + " is " + std::to_string(surface.weights[i]) + ", it must be positive");
+      throw std::invalid_argument("weight " + std::to_string(i) + " is " +
+                                  std::to_string(surface.weights[i]) + ", it must be positive");
   }
 }
 
 NurbsSurface closedTube(const std::vector<TubeRing>& rings) {
   if (rings.size() < 2) throw std::invalid_argument("a closed tube needs at least two rings");
-  NurbsSurface s{.degreeU = 3, .degreeV = 2, .countU = static_cast<int>(rings.size()) + 2, .countV = 9, .knotsU = {},
-                 .knotsV = {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4}, .points = {}, .weights = {}};
+  NurbsSurface s{.degreeU = 3,
+                 .degreeV = 2,
+                 .countU = static_cast<int>(rings.size()) + 2,
+                 .countV = 9,
+                 .knotsU = {},
+                 .knotsV = {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4},
+                 .points = {},
+                 .weights = {}};
   const int spans = s.countU - s.degreeU;
   for (int i = 0; i < s.countU + s.degreeU + 1; ++i) s.knotsU.push_back(std::clamp(i - s.degreeU, 0, spans));
   const auto addRing = [&](const TubeRing& ring, double scale) {
-    constexpr double across[] = {1, 1, 0, -1, -1, -1, 0, 1, 1};  // corners of the square around the circle, and its sides' middles
+    constexpr double across[] = {
+        1, 1, 0, -1, -1, -1, 0, 1, 1};  // corners of the square around the circle, and its sides' middles
     for (int j = 0; j < 9; ++j) {
       // v runs clockwise seen from the far end, so that du x dv points outwards
-      s.points.push_back(ring.centre + scale * (across[j] * ring.halfAxisA - across[(j + 6) % 8] * ring.halfAxisB));
+      s.points.push_back(ring.centre +
+                         scale * (across[j] * ring.halfAxisA - across[(j + 6) % 8] * ring.halfAxisB));
       s.weights.push_back(j % 2 ? std::sqrt(0.5) : 1.0);
     }
   };
@@ -105,18 +123,23 @@ int knotSpan(const std::vector<double>& knots, int degree, int count, double u) 
     while (knots[span] >= knots[count]) --span;
     return span;
   }
-  return static_cast<int>(std::upper_bound(knots.begin() + degree, knots.begin() + count, u) - knots.begin()) - 1;
+  return static_cast<int>(std::upper_bound(knots.begin() + degree, knots.begin() + count, u) -
+                          knots.begin()) -
+         1;
 }
 
 NurbsPoint evaluate(const NurbsSurface& s, double u, double v) {
   u = std::clamp(u, s.lowerU(), s.upperU());
   v = std::clamp(v, s.lowerV(), s.upperV());
-  const int spanU = knotSpan(s.knotsU, s.degreeU, s.countU, u), spanV = knotSpan(s.knotsV, s.degreeV, s.countV, v);
-  const Basis bu = basisFunctions(s.knotsU, s.degreeU, spanU, u), bv = basisFunctions(s.knotsV, s.degreeV, spanV, v);
+  const int spanU = knotSpan(s.knotsU, s.degreeU, s.countU, u),
+            spanV = knotSpan(s.knotsV, s.degreeV, s.countV, v);
+  const Basis bu = basisFunctions(s.knotsU, s.degreeU, spanU, u),
+              bv = basisFunctions(s.knotsV, s.degreeV, spanV, v);
   Vector4d A = Vector4d::Zero(), Au = Vector4d::Zero(), Av = Vector4d::Zero();  // homogeneous: (w P, w)
   for (int i = 0; i <= s.degreeU; ++i)
     for (int j = 0; j <= s.degreeV; ++j) {
-      const std::size_t at = static_cast<std::size_t>(spanU - s.degreeU + i) * s.countV + (spanV - s.degreeV + j);
+      const std::size_t at =
+          static_cast<std::size_t>(spanU - s.degreeU + i) * s.countV + (spanV - s.degreeV + j);
       Vector4d P;
       P << s.weights[at] * s.points[at], s.weights[at];
       A += bu.value[i] * bv.value[j] * P;
@@ -128,7 +151,8 @@ NurbsPoint evaluate(const NurbsSurface& s, double u, double v) {
 }
 
 Mesh tessellate(const NurbsSurface& surface, int stepsU, int stepsV) {
-  if (stepsU < 1 || stepsV < 1) throw std::invalid_argument("a tessellation needs at least one step in each direction");
+  if (stepsU < 1 || stepsV < 1)
+    throw std::invalid_argument("a tessellation needs at least one step in each direction");
   validate(surface);
   Mesh mesh;
   std::vector<int> vertex((stepsU + 1) * (stepsV + 1));
@@ -146,7 +170,8 @@ Mesh tessellate(const NurbsSurface& surface, int stepsU, int stepsV) {
       const double u = surface.lowerU() + (surface.upperU() - surface.lowerU()) * i / stepsU;
       const double v = surface.lowerV() + (surface.upperV() - surface.lowerV()) * j / stepsV;
       const NurbsPoint at = evaluate(surface, u, v);
-      const auto [entry, isNew] = known.try_emplace(key(at.position), static_cast<int>(mesh.positions.size()));
+      const auto [entry, isNew] =
+          known.try_emplace(key(at.position), static_cast<int>(mesh.positions.size()));
       vertex[i * (stepsV + 1) + j] = entry->second;
       const Vector3d normal = at.du.cross(at.dv);
       if (isNew) {
@@ -165,7 +190,8 @@ Mesh tessellate(const NurbsSurface& surface, int stepsU, int stepsV) {
   Mesh byFaces = mesh;
   computeNormals(byFaces);
   for (std::size_t i = 0; i < mesh.normals.size(); ++i)  // at a pole the surface has no normal of its own
-    mesh.normals[i] = mesh.normals[i].norm() > 0.5 ? Vector3d(mesh.normals[i].normalized()) : byFaces.normals[i];
+    mesh.normals[i] =
+        mesh.normals[i].norm() > 0.5 ? Vector3d(mesh.normals[i].normalized()) : byFaces.normals[i];
   return mesh;
 }
 

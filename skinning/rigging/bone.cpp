@@ -11,14 +11,16 @@ namespace {
 bool onlyPlacesTheBody(const Skeleton& skeleton, int joint) {
   if (joint != 0 || skeleton.children(joint).size() != 1) return false;
   const auto& axes = skeleton.joint(joint).axes;
-  return std::any_of(axes.begin(), axes.end(), [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Translation; });
+  return std::any_of(axes.begin(), axes.end(),
+                     [](const AxisDof& dof) { return dof.kind == AxisDof::Kind::Translation; });
 }
 
 }  // namespace
 
 std::vector<Bone> bonesOf(const Skeleton& skeleton, const Frames& frames) {
   double size = 0.0;
-  for (const auto& frame : frames) size = std::max(size, (frame.translation() - frames[0].translation()).norm());
+  for (const auto& frame : frames)
+    size = std::max(size, (frame.translation() - frames[0].translation()).norm());
   const double shortest = 1e-6 * size;
 
   std::vector<Bone> bones;
@@ -31,7 +33,8 @@ std::vector<Bone> bonesOf(const Skeleton& skeleton, const Frames& frames) {
     }
     if (!skeleton.children(i).empty() || skeleton.vCount(i) == 0) continue;
     const int parent = skeleton.parent(i);
-    const Vector3d before = parent < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(at - frames[parent].translation());
+    const Vector3d before =
+        parent < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(at - frames[parent].translation());
     bones.push_back({i, at, at + before / 3.0});
   }
   if (bones.empty()) bones.push_back({0, frames[0].translation(), frames[0].translation()});

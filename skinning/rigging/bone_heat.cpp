@@ -19,7 +19,8 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 
 namespace {
 
-// -------------------------------------------------------------------------------------------------------------- Welding
+// --------------------------------------------------------------------------------------------------------------
+// Welding
 
 struct Welded {
   Mesh mesh;
@@ -55,10 +56,11 @@ Welded weld(const Mesh& mesh) {
   return out;
 }
 
-// --------------------------------------------------------------------------------------------------------------- Voxels
+// ---------------------------------------------------------------------------------------------------------------
+// Voxels
 
-/// The body as voxels: those that the surface touches and those that cannot be reached from outside. For each of them the bone that is
-/// nearest by a path inside.
+/// The body as voxels: those that the surface touches and those that cannot be reached from outside. For each
+/// of them the bone that is nearest by a path inside.
 class BodyVoxels {
  public:
   BodyVoxels(const Mesh& mesh, std::span<const Bone> bones, int resolution) {
@@ -89,11 +91,16 @@ class BodyVoxels {
   enum State : char { Outside, Surface, Inside };
 
   Vector3i voxelOf(const Vector3d& p) const { return ((p - origin_) / size_).array().floor().cast<int>(); }
-  bool within(const Vector3i& v) const { return (v.array() >= 0).all() && (v.array() < count_.array()).all(); }
-  std::size_t indexOf(const Vector3i& v) const {
-    return v.x() + static_cast<std::size_t>(count_.x()) * (v.y() + static_cast<std::size_t>(count_.y()) * v.z());
+  bool within(const Vector3i& v) const {
+    return (v.array() >= 0).all() && (v.array() < count_.array()).all();
   }
-  Vector3d centreOf(const Vector3i& v) const { return origin_ + size_ * (v.cast<double>().array() + 0.5).matrix(); }
+  std::size_t indexOf(const Vector3i& v) const {
+    return v.x() +
+           static_cast<std::size_t>(count_.x()) * (v.y() + static_cast<std::size_t>(count_.y()) * v.z());
+  }
+  Vector3d centreOf(const Vector3i& v) const {
+    return origin_ + size_ * (v.cast<double>().array() + 0.5).matrix();
+  }
 
   void markSurface(const Mesh& mesh) {
     for (const auto& t : mesh.triangles) {
@@ -168,21 +175,25 @@ class BodyVoxels {
   std::vector<int> bone_;
 };
 
-// ---------------------------------------------------------------------------------------------------------------- Heat
+// ----------------------------------------------------------------------------------------------------------------
+// Heat
 
-/// K: the cotangent matrix, off-diagonal entries -(cot a + cot b) / 2 or 0 where that would be positive; areas: a third of
-/// the triangles around each vertex.
+/// K: the cotangent matrix, off-diagonal entries -(cot a + cot b) / 2 or 0 where that would be positive;
+/// areas: a third of the triangles around each vertex.
 SparseMatrix cotangentMatrix(const Mesh& mesh, VectorXd& areas) {
   const int n = static_cast<int>(mesh.positions.size());
   areas = VectorXd::Zero(n);
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(3 * mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
-    const double doubleArea = (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]).norm();
+    const double doubleArea = (mesh.positions[t[1]] - mesh.positions[t[0]])
+                                  .cross(mesh.positions[t[2]] - mesh.positions[t[0]])
+                                  .norm();
     for (int k = 0; k < 3; ++k) {
       const int apex = t[k], i = t[(k + 1) % 3], j = t[(k + 2) % 3];
       areas[apex] += doubleArea / 6.0;
-      const Vector3d u = mesh.positions[i] - mesh.positions[apex], v = mesh.positions[j] - mesh.positions[apex];
+      const Vector3d u = mesh.positions[i] - mesh.positions[apex],
+                     v = mesh.positions[j] - mesh.positions[apex];
       const double cotangent = u.dot(v) / std::max(doubleArea, 1e-9 * (u.squaredNorm() + v.squaredNorm()));
       entries.emplace_back(std::max(i, j), std::min(i, j), 0.5 * cotangent);
     }
@@ -241,8 +252,8 @@ std::vector<int> ownBones(const Mesh& mesh, std::span<const Bone> bones, int vox
   return own;
 }
 
-/// Distance of each vertex from its own bone, but no less than four fifths of the mean over all vertices of that bone: where a bone comes
-/// close under the skin, as at knuckles, its heat would otherwise make a step.
+/// Distance of each vertex from its own bone, but no less than four fifths of the mean over all vertices of
+/// that bone: where a bone comes close under the skin, as at knuckles, its heat would otherwise make a step.
 std::vector<double> ownDistances(const Mesh& mesh, std::span<const Bone> bones, const std::vector<int>& own) {
   std::vector<double> distance, sum(bones.size(), 0.0);
   std::vector<int> count(bones.size(), 0);
@@ -251,7 +262,8 @@ std::vector<double> ownDistances(const Mesh& mesh, std::span<const Bone> bones, 
     sum[own[v]] += distance[v];
     ++count[own[v]];
   }
-  for (std::size_t v = 0; v < own.size(); ++v) distance[v] = std::max(distance[v], 0.8 * sum[own[v]] / count[own[v]]);
+  for (std::size_t v = 0; v < own.size(); ++v)
+    distance[v] = std::max(distance[v], 0.8 * sum[own[v]] / count[own[v]]);
   return distance;
 }
 
@@ -270,7 +282,8 @@ std::vector<int> nearestBoneInside(const Mesh& mesh, std::span<const Bone> bones
   return ownBones(mesh, bones, voxels);
 }
 
-SparseWeights boneHeatWeights(const Mesh& input, std::span<const Bone> bones, const BoneHeatOptions& options) {
+SparseWeights boneHeatWeights(const Mesh& input, std::span<const Bone> bones,
+                              const BoneHeatOptions& options) {
   check(input, bones);
   if (!(options.strength > 0.0) || options.voxels < 1 || options.voxels > 1000)
     throw std::invalid_argument("the strength of heat must be positive and the voxels from 1 to 1000");

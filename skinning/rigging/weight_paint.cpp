@@ -36,9 +36,9 @@ void record(WeightChange& change, int vertex, const Influences& before, const In
 }
 
 int nearestJoint(const PaintTarget& target, const Vector3d& p) {
-  const auto nearest = std::min_element(target.bones.begin(), target.bones.end(), [&](const Bone& a, const Bone& b) {
-    return distanceTo(a, p) < distanceTo(b, p);
-  });
+  const auto nearest =
+      std::min_element(target.bones.begin(), target.bones.end(),
+                       [&](const Bone& a, const Bone& b) { return distanceTo(a, p) < distanceTo(b, p); });
   return nearest == target.bones.end() ? target.joints.front() : nearest->joint;
 }
 
@@ -50,7 +50,8 @@ Influences exactInfluences(JointWeights weights) {
   std::sort(weights.begin(), weights.end());
   JointWeights merged;
   for (const auto& [joint, weight] : weights) {
-    if (!std::isfinite(weight)) throw std::invalid_argument("the weight of joint " + std::to_string(joint) + " is not finite");
+    if (!std::isfinite(weight))
+      throw std::invalid_argument("the weight of joint " + std::to_string(joint) + " is not finite");
     if (weight <= 0.0) continue;
     if (!merged.empty() && merged.back().first == joint)
       merged.back().second += weight;
@@ -58,7 +59,8 @@ Influences exactInfluences(JointWeights weights) {
       merged.emplace_back(joint, weight);
   }
   if (merged.empty()) throw std::invalid_argument("no weight is positive");
-  std::stable_sort(merged.begin(), merged.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::stable_sort(merged.begin(), merged.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
   if (merged.size() > 4) {  // a pair of equal weights, left and right, goes or stays together
     std::size_t kept = 4;
     while (kept > 0 && merged[kept - 1].second == merged[4].second) --kept;
@@ -77,7 +79,8 @@ Influences exactInfluences(JointWeights weights) {
   result.weights[0] = rest;
   if (merged.size() > 1 && merged[0].second == merged[1].second)
     result.weights[0] = result.weights[1] = 0.5 * (result.weights[0] + result.weights[1]);
-  for (std::size_t k = 1; k < 4 && result.weights[k] > result.weights[k - 1]; ++k) {  // rounding may reverse equal weights
+  for (std::size_t k = 1; k < 4 && result.weights[k] > result.weights[k - 1];
+       ++k) {  // rounding may reverse equal weights
     std::swap(result.weights[k], result.weights[k - 1]);
     std::swap(result.joints[k], result.joints[k - 1]);
   }
@@ -130,7 +133,8 @@ VertexSelection underBrush(const Brush& brush, const Vector3d& centre, const std
         open.push_back(n);
       }
   }
-  std::sort(selection.begin(), selection.end(), [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
+  std::sort(selection.begin(), selection.end(),
+            [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
   return selection;
 }
 
@@ -144,7 +148,9 @@ bool insideLasso(const std::vector<Vector2d>& polygon, const Vector2d& point) {
   return inside;
 }
 
-bool PaintTarget::contains(int joint) const { return std::find(joints.begin(), joints.end(), joint) != joints.end(); }
+bool PaintTarget::contains(int joint) const {
+  return std::find(joints.begin(), joints.end(), joint) != joints.end();
+}
 
 double weightOn(const Influences& influences, const PaintTarget& target) {
   double sum = 0.0;
@@ -156,12 +162,13 @@ double weightOn(const Influences& influences, const PaintTarget& target) {
 std::vector<float> weightsOn(const std::vector<Influences>& weights, const PaintTarget& target) {
   std::vector<float> values;
   values.reserve(weights.size());
-  for (const Influences& influences : weights) values.push_back(static_cast<float>(weightOn(influences, target)));
+  for (const Influences& influences : weights)
+    values.push_back(static_cast<float>(weightOn(influences, target)));
   return values;
 }
 
-WeightChange painted(const std::vector<Influences>& weights, const VertexSelection& selection, const PaintTarget& target,
-                     const std::vector<Vector3d>& restPositions) {
+WeightChange painted(const std::vector<Influences>& weights, const VertexSelection& selection,
+                     const PaintTarget& target, const std::vector<Vector3d>& restPositions) {
   if (target.joints.empty()) throw std::invalid_argument("a target to paint needs at least one joint");
   WeightChange change;
   for (const auto& [v, share] : selection) {
@@ -171,7 +178,8 @@ WeightChange painted(const std::vector<Influences>& weights, const VertexSelecti
     add(sum, before, 1.0 - share);
     if (present > 0.0) {
       for (int k = 0; k < 4; ++k)
-        if (target.contains(before.joints[k])) sum.emplace_back(before.joints[k], share * before.weights[k] / present);
+        if (target.contains(before.joints[k]))
+          sum.emplace_back(before.joints[k], share * before.weights[k] / present);
     } else {
       sum.emplace_back(nearestJoint(target, restPositions[v]), share);
     }
@@ -180,20 +188,24 @@ WeightChange painted(const std::vector<Influences>& weights, const VertexSelecti
   return change;
 }
 
-WeightChange erased(const std::vector<Influences>& weights, const VertexSelection& selection, const PaintTarget& target) {
+WeightChange erased(const std::vector<Influences>& weights, const VertexSelection& selection,
+                    const PaintTarget& target) {
   WeightChange change;
   for (const auto& [v, share] : selection) {
     const Influences& before = weights[v];
     const double present = weightOn(before, target);
     if (present <= 0.0 || present >= 1.0 - unit) continue;
     JointWeights sum;
-    for (int k = 0; k < 4; ++k) sum.emplace_back(before.joints[k], before.weights[k] * (target.contains(before.joints[k]) ? 1.0 - share : 1.0));
+    for (int k = 0; k < 4; ++k)
+      sum.emplace_back(before.joints[k],
+                       before.weights[k] * (target.contains(before.joints[k]) ? 1.0 - share : 1.0));
     record(change, v, before, exactInfluences(std::move(sum)));
   }
   return change;
 }
 
-WeightChange smoothed(const std::vector<Influences>& weights, const VertexSelection& selection, const VertexNeighbours& neighbours) {
+WeightChange smoothed(const std::vector<Influences>& weights, const VertexSelection& selection,
+                      const VertexNeighbours& neighbours) {
   WeightChange change;
   for (const auto& [v, share] : selection) {
     const auto around = neighbours.of(v);
@@ -210,7 +222,8 @@ std::vector<int> mirrorVertices(const std::vector<Vector3d>& rest, double tolera
   if (!(tolerance > 0.0)) throw std::invalid_argument("the tolerance of mirror images must be positive");
   using Cell = std::tuple<long, long, long>;
   const auto cellOf = [&](const Vector3d& p) {
-    return Cell{std::lround(p.x() / tolerance), std::lround(p.y() / tolerance), std::lround(p.z() / tolerance)};
+    return Cell{std::lround(p.x() / tolerance), std::lround(p.y() / tolerance),
+                std::lround(p.z() / tolerance)};
   };
   std::map<Cell, std::vector<int>> cells;
   for (std::size_t v = 0; v < rest.size(); ++v) cells[cellOf(rest[v])].push_back(static_cast<int>(v));
@@ -225,7 +238,8 @@ std::vector<int> mirrorVertices(const std::vector<Vector3d>& rest, double tolera
           const auto cell = cells.find({x + dx, y + dy, z + dz});
           if (cell == cells.end()) continue;
           for (const int other : cell->second)
-            if (const double d = (rest[other] - image).norm(); d <= nearest && (partner[v] < 0 || d < nearest)) {
+            if (const double d = (rest[other] - image).norm();
+                d <= nearest && (partner[v] < 0 || d < nearest)) {
               nearest = d;
               partner[v] = other;
             }
@@ -234,8 +248,9 @@ std::vector<int> mirrorVertices(const std::vector<Vector3d>& rest, double tolera
   return partner;
 }
 
-WeightChange mirrored(const std::vector<Influences>& weights, const std::vector<Vector3d>& rest, const std::vector<int>& partnerVertex,
-                      const std::vector<int>& partnerJoint, MirrorFrom from) {
+WeightChange mirrored(const std::vector<Influences>& weights, const std::vector<Vector3d>& rest,
+                      const std::vector<int>& partnerVertex, const std::vector<int>& partnerJoint,
+                      MirrorFrom from) {
   const double side = from == MirrorFrom::PositiveX ? 1.0 : -1.0;
   WeightChange change;
   for (int v = 0; v < static_cast<int>(weights.size()); ++v) {
@@ -263,7 +278,8 @@ void WeightEditor::apply(const WeightChange& change) {
 void WeightEditor::finishStep() {
   if (open_.empty()) return;
   // One entry a vertex: what it was before the step and is after it.
-  std::stable_sort(open_.begin(), open_.end(), [](const Edit& a, const Edit& b) { return a.vertex < b.vertex; });
+  std::stable_sort(open_.begin(), open_.end(),
+                   [](const Edit& a, const Edit& b) { return a.vertex < b.vertex; });
   Step step;
   for (const Edit& edit : open_) {
     if (!step.empty() && step.back().vertex == edit.vertex)
@@ -295,7 +311,8 @@ bool WeightEditor::redo() {
 
 WeightChange WeightEditor::difference() const {
   WeightChange change;
-  for (std::size_t v = 0; v < weights_.size(); ++v) record(change, static_cast<int>(v), start_[v], weights_[v]);
+  for (std::size_t v = 0; v < weights_.size(); ++v)
+    record(change, static_cast<int>(v), start_[v], weights_[v]);
   return change;
 }
 

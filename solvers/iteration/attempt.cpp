@@ -7,13 +7,18 @@ namespace gelenk {
 using Eigen::VectorXd;
 
 namespace {
-constexpr int progressWindow = 30;          // iterations in which the best residual must fall ...
-constexpr double progressFactor = 0.999;    // ... at least by this factor
+constexpr int progressWindow = 30;        // iterations in which the best residual must fall ...
+constexpr double progressFactor = 0.999;  // ... at least by this factor
 constexpr double stationaryCosine = 1e-8;
 }  // namespace
 
 Attempt::Attempt(const IkProblem& problem, const Budget& budget, TraceLevel trace)
-    : at(problem), limits(*problem.skeleton), problem_(problem), budget_(budget), traceLevel_(trace), random_(budget.seed) {
+    : at(problem),
+      limits(*problem.skeleton),
+      problem_(problem),
+      budget_(budget),
+      traceLevel_(trace),
+      random_(budget.seed) {
   gradient_.resize(problem.skeleton->nv());
   zero_.setZero(problem.skeleton->nv());
   if (trace != TraceLevel::Off) trace_.reserve(std::min(budget.maxIterations, 1000) + 1);

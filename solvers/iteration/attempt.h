@@ -5,13 +5,13 @@
 
 #include "kinematics/configuration.h"
 #include "solvers/iteration/evaluator.h"
-#include "solvers/problem/ik_solver.h"
 #include "solvers/iteration/limit_set.h"
+#include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
 
-/// What every iterative method shares in one attempt from one start: the counted evaluator, the limits, the budget, the best
-/// configuration so far, the trace, and the tests that end it.
+/// What every iterative method shares in one attempt from one start: the counted evaluator, the limits, the
+/// budget, the best configuration so far, the trace, and the tests that end it.
 class Attempt {
  public:
   Attempt(const IkProblem& problem, const Budget& budget, TraceLevel trace);
@@ -22,18 +22,22 @@ class Attempt {
   /// Moves to a start (projected to the limits) and forgets the last attempt.
   void begin(const Eigen::VectorXd& start);
 
-  /// True when the attempt is over; then why() holds the reason. Call it with `at` where the iteration stands. Tests, in this
-  /// order: tolerances met; iterations or time spent; no progress in the last 30 iterations.
+  /// True when the attempt is over; then why() holds the reason. Call it with `at` where the iteration
+  /// stands. Tests, in this order: tolerances met; iterations or time spent; no progress in the last 30
+  /// iterations.
   bool isOver();
-  /// Moves the limits to at.q(), locks those that the descent direction J^T r leaves, and says whether nothing is left of it:
-  /// |P J^T r| <= 1e-8 |J| |r|, a cosine that no unit can change.
+  /// Moves the limits to at.q(), locks those that the descent direction J^T r leaves, and says whether
+  /// nothing is left of it: |P J^T r| <= 1e-8 |J| |r|, a cosine that no unit can change.
   bool isStationary();
   const Eigen::VectorXd& projectedGradient() const { return gradient_; }
 
   /// Counts one iteration and traces it with the step about to be taken.
   void countIteration(double stepNorm, double damping);
   /// Ends the attempt.
-  void stop(Stop why) { why_ = why; over_ = true; }
+  void stop(Stop why) {
+    why_ = why;
+    over_ = true;
+  }
   Stop why() const { return why_; }
 
   const Budget& budget() const { return budget_; }
@@ -69,11 +73,12 @@ IkReport reportOf(Attempt& attempt, const Eigen::VectorXd& q, Stop why, double r
 /// What a solver returns for a problem that it does not do: the start, untouched.
 IkReport unsupported(const IkProblem& problem);
 
-/// Runs method(attempt) from problem.start and then, while nothing converged and the budget allows, from random configurations
-/// within the limits, drawn from budget.seed. Reports the attempt with the smallest residual.
-/// method: void(Attempt&), ends with attempt.stop(...) or attempt.isOver().
+/// Runs method(attempt) from problem.start and then, while nothing converged and the budget allows, from
+/// random configurations within the limits, drawn from budget.seed. Reports the attempt with the smallest
+/// residual. method: void(Attempt&), ends with attempt.stop(...) or attempt.isOver().
 template <typename Method>
-IkReport solveWithRestarts(const IkProblem& problem, const Budget& budget, TraceLevel trace, Method&& method) {
+IkReport solveWithRestarts(const IkProblem& problem, const Budget& budget, TraceLevel trace,
+                           Method&& method) {
   Attempt attempt(problem, budget, trace);
   Eigen::VectorXd bestQ;
   double bestResidual = 0.0;

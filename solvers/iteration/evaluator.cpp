@@ -24,10 +24,11 @@ Vector3d orientationError(const Goal& goal, const Eigen::Isometry3d& worldFromJo
 /// The three points of a pole goal: a (parent), b (the joint), c (its first child).
 struct BendTriangle {
   int a, b, c;
-  BendTriangle(const Goal& goal, const Skeleton& skeleton) : a(skeleton.parent(goal.joint)), b(goal.joint), c(-1) {
+  BendTriangle(const Goal& goal, const Skeleton& skeleton)
+      : a(skeleton.parent(goal.joint)), b(goal.joint), c(-1) {
     if (a < 0 || skeleton.children(b).empty())
-      throw std::invalid_argument("a pole goal needs a joint with a parent and a child; '" + skeleton.joint(b).name +
-                                  "' has not both");
+      throw std::invalid_argument("a pole goal needs a joint with a parent and a child; '" +
+                                  skeleton.joint(b).name + "' has not both");
     c = skeleton.children(b).front();
   }
 };
@@ -64,7 +65,8 @@ void goalResidual(const Goal& goal, const Skeleton& skeleton, const VectorXd& q,
     }
     case GoalKind::Pole: {
       const BendTriangle t(goal, skeleton);
-      const Vector3d a = frames[t.a].translation(), b = frames[t.b].translation(), c = frames[t.c].translation();
+      const Vector3d a = frames[t.a].translation(), b = frames[t.b].translation(),
+                     c = frames[t.c].translation();
       const Vector3d u = (c - a).normalized(), s = goal.target - a;
       const double width = (s - u * u.dot(s)).norm();
       r[0] = width > 1e-12 ? u.dot((b - a).cross(s)) / width : 0.0;
@@ -83,7 +85,8 @@ CountedEvaluator::CountedEvaluator(const IkProblem& problem)
   for (Eigen::Matrix3Xd* scratch : {&A_, &B_, &C_}) scratch->resize(3, nv);
   for (const Goal& goal : problem.goals) {
     std::vector<Group> path;
-    for (int joint = goal.joint; joint >= 0; joint = skeleton().parent(joint)) {  // from the tip, turned round below
+    for (int joint = goal.joint; joint >= 0;
+         joint = skeleton().parent(joint)) {  // from the tip, turned round below
       const int axes = static_cast<int>(skeleton().joint(joint).axes.size());
       if (skeleton().joint(joint).ball) path.push_back({skeleton().vIndex(joint) + axes, 3});
       for (int k = axes - 1; k >= 0; --k) path.push_back({skeleton().vIndex(joint) + k, 1});
@@ -148,7 +151,8 @@ const MatrixXd& CountedEvaluator::jacobian() {
       }
       case GoalKind::Pole: {  // r = N / D, N = u . (b-a) x s, D = |s - u u.s|
         const BendTriangle t(goal, skeleton());
-        const Vector3d a = frames_[t.a].translation(), b = frames_[t.b].translation(), c = frames_[t.c].translation();
+        const Vector3d a = frames_[t.a].translation(), b = frames_[t.b].translation(),
+                       c = frames_[t.c].translation();
         const double length = std::max((c - a).norm(), 1e-12);
         const Vector3d u = (c - a) / length, s = goal.target - a, e = b - a;
         const double D = (s - u * u.dot(s)).norm();
@@ -161,8 +165,10 @@ const MatrixXd& CountedEvaluator::jacobian() {
         pointJacobian(skeleton(), twists_, t.b, b, B);
         pointJacobian(skeleton(), twists_, t.c, c, C);
         const Eigen::Matrix3Xd dU = (Matrix3d::Identity() - u * u.transpose()) / length * (C - A);
-        const Eigen::RowVectorXd dN = e.cross(s).transpose() * dU + s.cross(u).transpose() * (B - A) - u.cross(e).transpose() * A;
-        const Eigen::RowVectorXd dD = (-(s.transpose() * A) - u.dot(s) * (s.transpose() * dU - u.transpose() * A)) / D;
+        const Eigen::RowVectorXd dN =
+            e.cross(s).transpose() * dU + s.cross(u).transpose() * (B - A) - u.cross(e).transpose() * A;
+        const Eigen::RowVectorXd dD =
+            (-(s.transpose() * A) - u.dot(s) * (s.transpose() * dU - u.transpose() * A)) / D;
         J = -(dN / D - N / (D * D) * dD);
         break;
       }
@@ -174,9 +180,10 @@ const MatrixXd& CountedEvaluator::jacobian() {
   return J_;
 }
 
-void CountedEvaluator::addPointDerivative(const std::vector<Group>& path, int row, const VectorXd& d, MatrixXd& dJ) const {
-  // Column b of J moves by omega_a x J_b for every a above it and by omega_b x J_a for every a below it; within a ball both
-  // halves count, as exp(omega) has no order.
+void CountedEvaluator::addPointDerivative(const std::vector<Group>& path, int row, const VectorXd& d,
+                                          MatrixXd& dJ) const {
+  // Column b of J moves by omega_a x J_b for every a above it and by omega_b x J_a for every a below it;
+  // within a ball both halves count, as exp(omega) has no order.
   Vector3d after = Vector3d::Zero(), above = Vector3d::Zero();
   for (const Group& group : path)
     for (int k = group.first; k < group.first + group.count; ++k) after += J_.col(k).segment<3>(row) * d[k];
@@ -211,7 +218,8 @@ void CountedEvaluator::jacobianDerivative(const VectorXd& d, MatrixXd& dJ) {
       for (const Group& group : paths_[g]) {
         for (int k = group.first; k < group.first + group.count; ++k)
           dJ.col(k).segment<3>(at) = above.cross(J_.col(k).segment<3>(at));
-        for (int k = group.first; k < group.first + group.count; ++k) above += twists_.col(k).tail<3>() * d[k];
+        for (int k = group.first; k < group.first + group.count; ++k)
+          above += twists_.col(k).tail<3>() * d[k];
       }
     }
     row += residualRows(goal, skeleton());
@@ -253,7 +261,8 @@ void CountedEvaluator::addRotationCurvature(const std::vector<Group>& path, cons
 
 namespace {
 
-/// Hessian of 1/2 |log R|^2 in exponential coordinates about R with log R = theta u: u u^T + (theta/2) cot(theta/2) (I - u u^T).
+/// Hessian of 1/2 |log R|^2 in exponential coordinates about R with log R = theta u: u u^T + (theta/2)
+/// cot(theta/2) (I - u u^T).
 Matrix3d squaredAngleHessian(const Vector3d& logR) {
   const double theta = logR.norm();
   if (theta < 1e-4) return Matrix3d::Identity() * (1.0 - theta * theta / 12.0);
@@ -302,7 +311,8 @@ void CountedEvaluator::addPostureHessian(int row, double weight) {
     const int axes = static_cast<int>(skeleton().joint(i).axes.size()), first = skeleton().vIndex(i);
     for (int k = 0; k < axes; ++k) H_(first + k, first + k) += weight;
     if (skeleton().joint(i).ball)
-      H_.block<3, 3>(first + axes, first + axes) += weight * squaredAngleHessian(r_.segment<3>(row + first + axes) / std::sqrt(weight));
+      H_.block<3, 3>(first + axes, first + axes) +=
+          weight * squaredAngleHessian(r_.segment<3>(row + first + axes) / std::sqrt(weight));
   }
 }
 

@@ -57,9 +57,11 @@ void LimitSet::moveTo(const VectorXd& q) {
       const double value = q[skeleton_->qIndex(i) + k];
       const int at = skeleton_->vIndex(i) + k;
       if (std::isfinite(dof.lower))
-        rows_.push_back({.first = at, .normal = -Vector3d::UnitX(), .slack = std::max(0.0, value - dof.lower)});
+        rows_.push_back(
+            {.first = at, .normal = -Vector3d::UnitX(), .slack = std::max(0.0, value - dof.lower)});
       if (std::isfinite(dof.upper))
-        rows_.push_back({.first = at, .normal = Vector3d::UnitX(), .slack = std::max(0.0, dof.upper - value)});
+        rows_.push_back(
+            {.first = at, .normal = Vector3d::UnitX(), .slack = std::max(0.0, dof.upper - value)});
     }
     if (!joint.ball || !joint.ballLimit) continue;
     const BallLimit& limit = *joint.ballLimit;
@@ -69,7 +71,9 @@ void LimitSet::moveTo(const VectorXd& q) {
     const auto add = [&](const Vector3d& normal, double slack) {
       const double length = normal.norm();
       if (length > 1e-12)
-        rows_.push_back({.first = skeleton_->vIndex(i) + axes, .count = 3, .normal = normal / length,
+        rows_.push_back({.first = skeleton_->vIndex(i) + axes,
+                         .count = 3,
+                         .normal = normal / length,
                          .slack = std::max(0.0, slack) / length});
     };
     const Vector2d scaled = (c.head<2>() - limit.swingCentre).cwiseQuotient(limit.swingRadii);
@@ -112,8 +116,10 @@ bool LimitSet::lockCrossed(const VectorXd& dq, VectorXd& fixed) {
   bool crossed = false;
   for (Row& row : rows_) {
     if (row.locked) continue;
-    const double already = row.count == 1 ? row.normal[0] * fixed[row.first] : row.normal.dot(fixed.segment<3>(row.first));
-    const double move = row.count == 1 ? row.normal[0] * dq[row.first] : row.normal.dot(dq.segment<3>(row.first));
+    const double already =
+        row.count == 1 ? row.normal[0] * fixed[row.first] : row.normal.dot(fixed.segment<3>(row.first));
+    const double move =
+        row.count == 1 ? row.normal[0] * dq[row.first] : row.normal.dot(dq.segment<3>(row.first));
     const double room = row.slack - already;
     if (!(move > std::max(room, 0.0) + 1e-12)) continue;
     crossed = true;

@@ -6,7 +6,8 @@
 
 namespace gelenk {
 
-/// dq = J^T (J J^T + damping I)^-1 r = (J^T J + damping I)^-1 J^T r, by whichever is smaller. Keeps its storage.
+/// dq = J^T (J J^T + damping I)^-1 r = (J^T J + damping I)^-1 J^T r, by whichever is smaller. Keeps its
+/// storage.
 class DampedSystem {
  public:
   /// m x nv. damping >= 0; where the matrix is not positive definite dq is not finite.
@@ -39,8 +40,9 @@ class DampedSystem {
   Eigen::LLT<Eigen::MatrixXd> llt_;
 };
 
-/// Singular values (falling) and vectors of J from the eigenvalues of the smaller of J J^T and J^T J: exact to about 1e-8 of
-/// the largest, ample for methods that damp or drop singular values below 1e-3 of it. Keeps its storage.
+/// Singular values (falling) and vectors of J from the eigenvalues of the smaller of J J^T and J^T J: exact
+/// to about 1e-8 of the largest, ample for methods that damp or drop singular values below 1e-3 of it. Keeps
+/// its storage.
 class SingularSystem {
  public:
   void factorise(const Eigen::MatrixXd& J) {

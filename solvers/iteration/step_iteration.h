@@ -6,28 +6,38 @@
 
 namespace gelenk {
 
-/// The iteration around a step rule: q <- q (+) dq until an Attempt is over. Limits are an active set: what the gradient
-/// pushes against is locked; what a step would cross is moved to its bound and locked, and the step is solved again with the
-/// rest of the residual.
+/// The iteration around a step rule: q <- q (+) dq until an Attempt is over. Limits are an active set: what
+/// the gradient pushes against is locked; what a step would cross is moved to its bound and locked, and the
+/// step is solved again with the rest of the residual.
 ///
 /// A Rule has storage for one solve and
 ///   Rule(const IkProblem&)
-///   void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd& fixed, VectorXd& dq)
-///     J: m x nv with the locked dimensions taken out; r: what is left of the residual after the move `fixed`; dq: out, nv.
-///   static constexpr double largestStep   radians or metres a coordinate; longer steps are shortened as a whole
-///   static constexpr bool monotone        steps that do not lower the cost are taken back; then also
-///     void adapt(double gain)             actual over predicted fall of the cost, negative for a rejected step
+///   void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&
+///   fixed, VectorXd& dq)
+///     J: m x nv with the locked dimensions taken out; r: what is left of the residual after the move
+///     `fixed`; dq: out, nv.
+///   static constexpr double largestStep   radians or metres a coordinate; longer steps are shortened as a
+///   whole static constexpr bool monotone        steps that do not lower the cost are taken back; then also
+///     void adapt(double gain)             actual over predicted fall of the cost, negative for a rejected
+///     step
 ///   double damping() const                for the trace
 /// and may have
 ///   void begin()                          at the start of an attempt
 ///   static constexpr bool ownLimits       the step keeps the limits itself; no second solve
-///   static constexpr bool ownOrder        the last configuration is the answer, not the one of smallest residual
-///   double predicted(const VectorXd& dq)  fall of the cost by the rule's own model; the linear model otherwise
+///   static constexpr bool ownOrder        the last configuration is the answer, not the one of smallest
+///   residual double predicted(const VectorXd& dq)  fall of the cost by the rule's own model; the linear
+///   model otherwise
 template <typename Rule>
 class StepIteration {
  public:
   explicit StepIteration(const IkProblem& problem)
-      : rule_(problem), nv_(problem.skeleton->nv()), fixed_(nv_), dq_(nv_), total_(nv_), q_(nv_), candidate_(nv_) {}
+      : rule_(problem),
+        nv_(problem.skeleton->nv()),
+        fixed_(nv_),
+        dq_(nv_),
+        total_(nv_),
+        q_(nv_),
+        candidate_(nv_) {}
 
   void operator()(Attempt& attempt) {
     CountedEvaluator& at = attempt.at;

@@ -31,14 +31,18 @@ namespace {
 const std::string markerName = "gelenk-comparison.txt";
 const std::string markerTitle = "Gelenk comparison, format 1";
 const std::string resultsHeader =
-    "set,solver,problem,sequence,frame,level,status,solved,position_error,orientation_error,residual,excess,limit_violation,"
-    "displacement,shortest_displacement,jump,jitter,iterations,forward_kinematics,jacobians,hessians,factorisations,restarts,"
+    "set,solver,problem,sequence,frame,level,status,solved,position_error,orientation_error,residual,excess,"
+    "limit_violation,"
+    "displacement,shortest_displacement,jump,jitter,iterations,forward_kinematics,jacobians,hessians,"
+    "factorisations,restarts,"
     "sigma_min,limit_margin,seconds,cpu_seconds";
 const std::string tracesHeader = "set,solver,problem,iteration,residual,seconds";
-const std::string seedsHeader = "set,solver,problem,seed,solved,position_error,orientation_error,displacement,iterations,seconds";
+const std::string seedsHeader =
+    "set,solver,problem,seed,solved,position_error,orientation_error,displacement,iterations,seconds";
 const std::string preparationHeader = "set,solver,seconds,bytes";
 const std::string goalsHeader =
-    "set,problem,goal,kind,joint,weight,point_x,point_y,point_z,target_x,target_y,target_z,target_qw,target_qx,target_qy,target_qz";
+    "set,problem,goal,kind,joint,weight,point_x,point_y,point_z,target_x,target_y,target_z,target_qw,target_"
+    "qx,target_qy,target_qz";
 const std::string setsHeader = "set,problems,seed,checksum";
 
 std::string number(double value) { return std::isfinite(value) ? exactNumber(value) : std::string(); }
@@ -92,8 +96,8 @@ std::string toLine(const ResultRow& row) {
   add(number(row.level));
   add(row.status);
   add(row.solved ? "1" : "0");
-  for (double value : {row.position, row.orientation, row.residual, row.excess, row.limitViolation, row.displacement,
-                       row.shortest, row.jump, row.jitter})
+  for (double value : {row.position, row.orientation, row.residual, row.excess, row.limitViolation,
+                       row.displacement, row.shortest, row.jump, row.jitter})
     add(number(value));
   const Counters& c = row.counters;
   for (int value : {c.iterations, c.forwardKinematics, c.jacobians, c.hessians, c.factorisations, c.restarts})
@@ -113,14 +117,18 @@ class FieldReader {
   std::string text() { return fields_[at_++]; }
   int integer() {
     const auto value = parseInteger(fields_[at_]);
-    if (!value) throw ParseError(file_, line_, "an integer in field " + std::to_string(at_ + 1), "'" + fields_[at_] + "'");
+    if (!value)
+      throw ParseError(file_, line_, "an integer in field " + std::to_string(at_ + 1),
+                       "'" + fields_[at_] + "'");
     ++at_;
     return *value;
   }
   double number() {  // an empty field stands for a value that does not exist
     if (fields_[at_].empty()) return ++at_, std::numeric_limits<double>::quiet_NaN();
     const auto value = parseNumber(fields_[at_]);
-    if (!value) throw ParseError(file_, line_, "a number in field " + std::to_string(at_ + 1), "'" + fields_[at_] + "'");
+    if (!value)
+      throw ParseError(file_, line_, "a number in field " + std::to_string(at_ + 1),
+                       "'" + fields_[at_] + "'");
     ++at_;
     return *value;
   }
@@ -140,11 +148,12 @@ ResultRow toRow(FieldReader& in) {
   row.level = in.number();
   row.status = in.text();
   row.solved = in.integer() != 0;
-  for (double* value : {&row.position, &row.orientation, &row.residual, &row.excess, &row.limitViolation, &row.displacement,
-                        &row.shortest, &row.jump, &row.jitter})
+  for (double* value : {&row.position, &row.orientation, &row.residual, &row.excess, &row.limitViolation,
+                        &row.displacement, &row.shortest, &row.jump, &row.jitter})
     *value = in.number();
   Counters& c = row.counters;
-  for (int* value : {&c.iterations, &c.forwardKinematics, &c.jacobians, &c.hessians, &c.factorisations, &c.restarts})
+  for (int* value :
+       {&c.iterations, &c.forwardKinematics, &c.jacobians, &c.hessians, &c.factorisations, &c.restarts})
     *value = in.integer();
   for (double* value : {&row.sigmaMin, &row.limitMargin, &row.seconds, &row.cpuSeconds}) *value = in.number();
   return row;
@@ -163,15 +172,20 @@ std::string targetFields(const Goal& goal) {
   std::string fields;
   for (double x : goal.target) fields += ',' + number(x);
   const Eigen::Quaterniond& o = goal.orientation;
-  for (double x : {o.w(), o.x(), o.y(), o.z()}) fields += ',' + (goal.kind == GoalKind::Pose ? number(x) : std::string());
+  for (double x : {o.w(), o.x(), o.y(), o.z()})
+    fields += ',' + (goal.kind == GoalKind::Pose ? number(x) : std::string());
   return fields;
 }
 
-std::string solutionLine(const LabModel& model, const ResultRow& row, const IkProblem& problem, const VectorXd& q) {
-  std::string line = model.name + ',' + row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' + row.status;
-  const auto addPadded = [&](const VectorXd& values) {  // a set that holds the root fixed has fewer coordinates
-    for (int k = 0; k < model.skeleton->nq(); ++k) line += ',' + (k < values.size() ? number(values[k]) : std::string());
-  };
+std::string solutionLine(const LabModel& model, const ResultRow& row, const IkProblem& problem,
+                         const VectorXd& q) {
+  std::string line =
+      model.name + ',' + row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' + row.status;
+  const auto addPadded =
+      [&](const VectorXd& values) {  // a set that holds the root fixed has fewer coordinates
+        for (int k = 0; k < model.skeleton->nq(); ++k)
+          line += ',' + (k < values.size() ? number(values[k]) : std::string());
+      };
   addPadded(problem.start);
   line += targetFields(problem.goals.front());
   addPadded(q);
@@ -189,7 +203,8 @@ struct Answer {
   double seconds = 0.0, cpuSeconds = 0.0;
 };
 
-Answer timedSolve(const IkSolver& solver, const IkProblem& problem, const ComparisonPlan& plan, const Budget& budget) {
+Answer timedSolve(const IkSolver& solver, const IkProblem& problem, const ComparisonPlan& plan,
+                  const Budget& budget) {
   Answer answer;
   answer.seconds = answer.cpuSeconds = std::numeric_limits<double>::infinity();
   for (int i = 0; i < plan.repeat; ++i) {
@@ -203,12 +218,18 @@ Answer timedSolve(const IkSolver& solver, const IkProblem& problem, const Compar
   return answer;
 }
 
-ResultRow judged(const ProblemSetEntry& set, const LabProblem& one, const IkProblem& problem, const std::string& solver,
-                 const Answer& answer, double tolerance) {
+ResultRow judged(const ProblemSetEntry& set, const LabProblem& one, const IkProblem& problem,
+                 const std::string& solver, const Answer& answer, double tolerance) {
   const VectorXd& q = answer.report.q;
   const Judgement verdict = judge(problem, q);
-  ResultRow row{.set = std::string(set.name), .solver = solver, .problem = one.index, .sequence = one.sequence,
-                .frame = one.frame, .level = one.level, .status = toString(answer.report.why), .counters = answer.report.counters};
+  ResultRow row{.set = std::string(set.name),
+                .solver = solver,
+                .problem = one.index,
+                .sequence = one.sequence,
+                .frame = one.frame,
+                .level = one.level,
+                .status = toString(answer.report.why),
+                .counters = answer.report.counters};
   for (const GoalError& error : verdict.goals) {
     row.position = std::max(row.position, error.position);
     row.orientation = std::max(row.orientation, error.orientation);
@@ -220,10 +241,12 @@ ResultRow judged(const ProblemSetEntry& set, const LabProblem& one, const IkProb
     row.residual = at.residual().norm();
     row.displacement = difference(*one.skeleton, problem.start, q).norm();
   } else {
-    row.position = row.orientation = row.residual = row.displacement = std::numeric_limits<double>::quiet_NaN();
+    row.position = row.orientation = row.residual = row.displacement =
+        std::numeric_limits<double>::quiet_NaN();
   }
   row.excess = row.residual - one.bestResidual;
-  row.solved = set.meetable ? verdict.solved : verdict.finite && verdict.limitViolation <= 1e-9 && row.excess <= tolerance;
+  row.solved = set.meetable ? verdict.solved
+                            : verdict.finite && verdict.limitViolation <= 1e-9 && row.excess <= tolerance;
   row.shortest = one.shortest;
   row.sigmaMin = one.sigmaMin;
   row.limitMargin = one.limitMargin;
@@ -232,7 +255,8 @@ ResultRow judged(const ProblemSetEntry& set, const LabProblem& one, const IkProb
   return row;
 }
 
-std::string traceLines(const ResultRow& row, const IkSolver& solver, const IkProblem& problem, const Budget& budget) {
+std::string traceLines(const ResultRow& row, const IkSolver& solver, const IkProblem& problem,
+                       const Budget& budget) {
   std::string text;
   const IkReport report = solver.solve(problem, budget, TraceLevel::Residuals);
   for (std::size_t i = 0; i < report.trace.size(); ++i)
@@ -242,14 +266,15 @@ std::string traceLines(const ResultRow& row, const IkSolver& solver, const IkPro
 }
 
 std::string seedLine(const ResultRow& row, std::uint64_t seed) {
-  std::string line = row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' + std::to_string(seed) + (row.solved ? ",1" : ",0");
+  std::string line = row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' +
+                     std::to_string(seed) + (row.solved ? ",1" : ",0");
   for (double value : {row.position, row.orientation, row.displacement}) line += ',' + number(value);
   return line + ',' + std::to_string(row.counters.iterations) + ',' + number(row.seconds) + '\n';
 }
 
 /// The sequence again with the plan's further seeds.
-std::string otherSeeds(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames, const std::string& name, const IkSolver& solver,
-                       const ComparisonPlan& plan) {
+std::string otherSeeds(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames,
+                       const std::string& name, const IkSolver& solver, const ComparisonPlan& plan) {
   std::string text;
   Budget budget = plan.budget;
   for (int k = 1; k < seedCount(plan, name); ++k) {
@@ -267,8 +292,9 @@ std::string otherSeeds(const ProblemSetEntry& set, const std::vector<const LabPr
 }
 
 /// All frames of a sequence, each from where the last one ended.
-UnitText solveSequence(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames, const std::string& name,
-                       const IkSolver& solver, const ComparisonPlan& plan, const LabModel& model) {
+UnitText solveSequence(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames,
+                       const std::string& name, const IkSolver& solver, const ComparisonPlan& plan,
+                       const LabModel& model) {
   UnitText text;
   VectorXd before, beforeThat;
   for (const LabProblem* one : frames) {
@@ -311,14 +337,15 @@ std::vector<std::pair<Key, std::string>> keyedLines(const std::string& path, std
 }
 
 /// Writes the lines in the order of the plan, one a key (several for traces, which stay in order).
-void rewrite(const std::string& path, const std::string& header, std::vector<std::pair<Key, std::string>> lines,
-             const ComparisonPlan& plan) {
+void rewrite(const std::string& path, const std::string& header,
+             std::vector<std::pair<Key, std::string>> lines, const ComparisonPlan& plan) {
   const auto rank = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) - names.begin();
   };
   std::stable_sort(lines.begin(), lines.end(), [&](const auto& a, const auto& b) {
     const auto place = [&](const Key& key) {
-      return std::tuple(rank(plan.sets, std::get<0>(key)), rank(plan.solvers, std::get<1>(key)), std::get<2>(key));
+      return std::tuple(rank(plan.sets, std::get<0>(key)), rank(plan.solvers, std::get<1>(key)),
+                        std::get<2>(key));
     };
     return place(a.first) < place(b.first);
   });
@@ -328,14 +355,17 @@ void rewrite(const std::string& path, const std::string& header, std::vector<std
 }
 
 void claimFolder(const std::string& folder, const std::string& print) {
-  if (fs::exists(folder) && !fs::is_directory(folder)) throw std::runtime_error(folder + " is a file, not a folder for results");
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw std::runtime_error(folder + " is a file, not a folder for results");
   if (fs::exists(folder + '/' + markerName)) {
     const std::string found = readMarker(folder);
     if (found.empty())
-      throw std::runtime_error(folder + '/' + markerName + " is not the mark of a Gelenk comparison; nothing was changed");
+      throw std::runtime_error(folder + '/' + markerName +
+                               " is not the mark of a Gelenk comparison; nothing was changed");
     if (found != print)
-      throw std::runtime_error(folder + " holds the results of another comparison; nothing was changed\n  there: " + found +
-                               "\n  asked: " + print);
+      throw std::runtime_error(
+          folder + " holds the results of another comparison; nothing was changed\n  there: " + found +
+          "\n  asked: " + print);
     return;
   }
   if (fs::exists(folder) && !fs::is_empty(folder))
@@ -384,7 +414,8 @@ std::vector<LoadedSet> loadSets(const ComparisonPlan& plan, const LabModel& mode
   return sets;
 }
 
-/// The sequences, those of one skeleton together, so that solvers prepare once for each (tight limits have several).
+/// The sequences, those of one skeleton together, so that solvers prepare once for each (tight limits have
+/// several).
 std::vector<int> bySkeleton(const LoadedSet& set) {
   std::map<const Skeleton*, std::vector<int>> groups;
   std::vector<const Skeleton*> order;
@@ -394,7 +425,8 @@ std::vector<int> bySkeleton(const LoadedSet& set) {
     groups[skeleton].push_back(sequence);
   }
   std::vector<int> sequences;
-  for (const Skeleton* skeleton : order) sequences.insert(sequences.end(), groups[skeleton].begin(), groups[skeleton].end());
+  for (const Skeleton* skeleton : order)
+    sequences.insert(sequences.end(), groups[skeleton].begin(), groups[skeleton].end());
   return sequences;
 }
 
@@ -404,7 +436,8 @@ std::string hex(std::uint64_t value) {
   return text;
 }
 
-void writeProblems(const std::vector<LoadedSet>& sets, const ComparisonPlan& plan, const std::string& folder) {
+void writeProblems(const std::vector<LoadedSet>& sets, const ComparisonPlan& plan,
+                   const std::string& folder) {
   static constexpr const char* kinds[] = {"position", "orientation", "pose", "aim", "pole", "posture"};
   std::string goals = goalsHeader + '\n', checks = setsHeader + '\n';
   for (const LoadedSet& set : sets) {
@@ -414,8 +447,9 @@ void writeProblems(const std::vector<LoadedSet>& sets, const ComparisonPlan& pla
     for (const LabProblem& one : set.problems)
       for (std::size_t g = 0; g < one.problem.goals.size(); ++g) {
         const Goal& goal = one.problem.goals[g];
-        goals += name + ',' + std::to_string(one.index) + ',' + std::to_string(g + 1) + ',' + kinds[static_cast<int>(goal.kind)] +
-                 ',' + one.skeleton->joint(goal.joint).name + ',' + number(goal.weight);
+        goals += name + ',' + std::to_string(one.index) + ',' + std::to_string(g + 1) + ',' +
+                 kinds[static_cast<int>(goal.kind)] + ',' + one.skeleton->joint(goal.joint).name + ',' +
+                 number(goal.weight);
         for (double x : goal.pointInJoint) goals += ',' + number(x);
         goals += targetFields(goal) + '\n';
       }
@@ -452,7 +486,8 @@ std::set<Key> recover(const std::vector<LoadedSet>& sets, const ComparisonPlan& 
     std::vector<std::pair<Key, std::string>> kept;
     std::set<Key> seen;
     for (const auto& [key, line] : lines)
-      if (unitOf.count(key) && done.count(unitOf[key]) && (!once || seen.insert(key).second)) kept.push_back({key, line});
+      if (unitOf.count(key) && done.count(unitOf[key]) && (!once || seen.insert(key).second))
+        kept.push_back({key, line});
     return kept;
   };
   rewrite(folder + "/traces.csv", tracesHeader, keep(keyedLines(folder + "/traces.csv", 0), false), plan);
@@ -489,17 +524,22 @@ void validate(const ComparisonPlan& plan) {
   };
   repeated(plan.sets);
   repeated(plan.solvers);
-  if (plan.problems < 1) throw std::invalid_argument("the number of problems must be at least 1, not " + std::to_string(plan.problems));
+  if (plan.problems < 1)
+    throw std::invalid_argument("the number of problems must be at least 1, not " +
+                                std::to_string(plan.problems));
   if (!(plan.tolerance > 0.0) || !std::isfinite(plan.tolerance))
-    throw std::invalid_argument("the tolerance must be a positive number, not " + std::to_string(plan.tolerance));
-  if (plan.budget.maxIterations < 1) throw std::invalid_argument("the number of iterations must be at least 1");
+    throw std::invalid_argument("the tolerance must be a positive number, not " +
+                                std::to_string(plan.tolerance));
+  if (plan.budget.maxIterations < 1)
+    throw std::invalid_argument("the number of iterations must be at least 1");
   if (plan.budget.restarts < 0) throw std::invalid_argument("the number of restarts must not be negative");
   if (!(plan.budget.maxSeconds > 0.0)) throw std::invalid_argument("the time budget must be positive");
   if (plan.seeds < 0) throw std::invalid_argument("the number of seeds must not be negative");
   if (plan.traces < 0) throw std::invalid_argument("the number of traces must not be negative");
   if (plan.repeat < 1) throw std::invalid_argument("the number of repetitions must be at least 1");
   if (plan.shards < 1 || plan.shard < 1 || plan.shard > plan.shards)
-    throw std::invalid_argument("a shard K/N needs 1 <= K <= N, not " + std::to_string(plan.shard) + '/' + std::to_string(plan.shards));
+    throw std::invalid_argument("a shard K/N needs 1 <= K <= N, not " + std::to_string(plan.shard) + '/' +
+                                std::to_string(plan.shards));
 }
 
 int seedCount(const ComparisonPlan& plan, const std::string& solver) {
@@ -511,14 +551,20 @@ int seedCount(const ComparisonPlan& plan, const std::string& solver) {
 
 std::string fingerprint(const ComparisonPlan& plan, const LabModel& model) {
   std::string effectors;
-  for (int joint : model.effectors) effectors += (effectors.empty() ? "" : " ") + model.skeleton->joint(joint).name;
+  for (int joint : model.effectors)
+    effectors += (effectors.empty() ? "" : " ") + model.skeleton->joint(joint).name;
   return "model=" + model.name + "; nq=" + std::to_string(model.skeleton->nq()) + "; effectors=" + effectors +
-         "; goals=" + (model.pose ? "pose" : "position") + "; sets=" + joined(plan.sets) + "; solvers=" + joined(plan.solvers) +
-         "; problems=" + std::to_string(plan.problems) + "; seed=" + std::to_string(plan.seed) +
-         "; tolerance=" + exactNumber(plan.tolerance) + "; iterations=" + std::to_string(plan.budget.maxIterations) +
-         "; restarts=" + std::to_string(plan.budget.restarts) + "; solver-seed=" + std::to_string(plan.budget.seed) +
-         "; budget-seconds=" + exactNumber(plan.budget.maxSeconds) + "; traces=" + std::to_string(plan.traces) +
-         "; seeds=" + (plan.seeds > 0 ? std::to_string(plan.seeds) : "automatic") + "; repeat=" + std::to_string(plan.repeat) + "; shard=" + std::to_string(plan.shard) + '/' + std::to_string(plan.shards);
+         "; goals=" + (model.pose ? "pose" : "position") + "; sets=" + joined(plan.sets) +
+         "; solvers=" + joined(plan.solvers) + "; problems=" + std::to_string(plan.problems) +
+         "; seed=" + std::to_string(plan.seed) + "; tolerance=" + exactNumber(plan.tolerance) +
+         "; iterations=" + std::to_string(plan.budget.maxIterations) +
+         "; restarts=" + std::to_string(plan.budget.restarts) +
+         "; solver-seed=" + std::to_string(plan.budget.seed) +
+         "; budget-seconds=" + exactNumber(plan.budget.maxSeconds) +
+         "; traces=" + std::to_string(plan.traces) +
+         "; seeds=" + (plan.seeds > 0 ? std::to_string(plan.seeds) : "automatic") +
+         "; repeat=" + std::to_string(plan.repeat) + "; shard=" + std::to_string(plan.shard) + '/' +
+         std::to_string(plan.shards);
 }
 
 std::string readMarker(const std::string& folder) {
@@ -541,8 +587,8 @@ void runComparison(const ComparisonPlan& plan, const LabModel& model, const std:
   for (const LoadedSet& set : sets) total += static_cast<int>(set.sequences.size() * plan.solvers.size());
   const std::string header = solutionsHeader(model.skeleton->nq());
   {
-    Appender traces(folder + "/traces.csv", tracesHeader), seeds(folder + "/seeds.csv", seedsHeader), solutions(folder + "/solutions.csv", header),
-        results(folder + "/results.csv", resultsHeader);
+    Appender traces(folder + "/traces.csv", tracesHeader), seeds(folder + "/seeds.csv", seedsHeader),
+        solutions(folder + "/solutions.csv", header), results(folder + "/results.csv", resultsHeader);
     std::string preparations = preparationHeader + '\n';
     for (LoadedSet& set : sets) {
       const std::string setName(set.entry->name);
@@ -552,8 +598,10 @@ void runComparison(const ComparisonPlan& plan, const LabModel& model, const std:
         const auto begin = std::chrono::steady_clock::now();
         const auto solver = makeSolver(name);
         solver->prepare(*set.problems.front().skeleton);
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        preparations += setName + ',' + name + ',' + number(seconds) + ',' + number(heapBytes() - heap) + '\n';
+        const double seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        preparations +=
+            setName + ',' + name + ',' + number(seconds) + ',' + number(heapBytes() - heap) + '\n';
         const Skeleton* prepared = set.problems.front().skeleton.get();
         for (const int sequence : bySkeleton(set)) {
           const auto& frames = set.sequences.at(sequence);
@@ -561,7 +609,8 @@ void runComparison(const ComparisonPlan& plan, const LabModel& model, const std:
           if (!annotated) {
             for (LabProblem& one : set.problems) {
               if (one.sequence % plan.shards != plan.shard - 1) continue;
-              if (one.index % 50 == 0) progress(finished, total, setName + ": references, problem " + std::to_string(one.index));
+              if (one.index % 50 == 0)
+                progress(finished, total, setName + ": references, problem " + std::to_string(one.index));
               annotate(*set.entry, one);
             }
             annotated = true;
@@ -591,18 +640,23 @@ void mergeComparisons(const std::vector<std::string>& shards, const std::string&
   int count = 0;
   for (const std::string& shard : shards) {
     const std::string print = readMarker(shard);
-    if (print.empty()) throw std::runtime_error(shard + " holds no Gelenk comparison (" + markerName + " is missing or foreign)");
+    if (print.empty())
+      throw std::runtime_error(shard + " holds no Gelenk comparison (" + markerName +
+                               " is missing or foreign)");
     const std::size_t at = print.rfind("; shard=");
     const std::string settings = print.substr(0, at), which = print.substr(at + 8);
     if (common.empty()) common = settings;
     if (settings != common)
-      throw std::runtime_error(shard + " was run with other settings than " + shards.front() + "\n  " + settings + "\n  " + common);
+      throw std::runtime_error(shard + " was run with other settings than " + shards.front() + "\n  " +
+                               settings + "\n  " + common);
     const int k = std::stoi(which), n = std::stoi(which.substr(which.find('/') + 1));
     if (count == 0) count = n;
-    if (n != count || !seen.insert(k).second) throw std::runtime_error(shard + " is shard " + which + ", which does not fit or is there twice");
+    if (n != count || !seen.insert(k).second)
+      throw std::runtime_error(shard + " is shard " + which + ", which does not fit or is there twice");
   }
   if (static_cast<int>(seen.size()) != count)
-    throw std::runtime_error(std::to_string(count - static_cast<int>(seen.size())) + " of " + std::to_string(count) + " shards are missing");
+    throw std::runtime_error(std::to_string(count - static_cast<int>(seen.size())) + " of " +
+                             std::to_string(count) + " shards are missing");
 
   ComparisonPlan plan;  // only the order of sets and solvers matters here
   const auto names = [&](const std::string& key) {
@@ -616,7 +670,8 @@ void mergeComparisons(const std::vector<std::string>& shards, const std::string&
   plan.solvers = names("solvers");
   std::vector<std::pair<Key, std::string>> traces, seeds, solutions, results;
   std::string header;
-  const auto collect = [](std::vector<std::pair<Key, std::string>>& all, std::vector<std::pair<Key, std::string>> more) {
+  const auto collect = [](std::vector<std::pair<Key, std::string>>& all,
+                          std::vector<std::pair<Key, std::string>> more) {
     std::move(more.begin(), more.end(), std::back_inserter(all));
   };
   for (const std::string& shard : shards) {
@@ -629,10 +684,12 @@ void mergeComparisons(const std::vector<std::string>& shards, const std::string&
   }
   const auto rowsWanted = [&] {
     const std::size_t begin = common.find("; problems=") + 11;
-    return static_cast<std::size_t>(std::stoll(common.substr(begin))) * plan.sets.size() * plan.solvers.size();
+    return static_cast<std::size_t>(std::stoll(common.substr(begin))) * plan.sets.size() *
+           plan.solvers.size();
   }();
   if (results.size() != rowsWanted)
-    throw std::runtime_error("the shards hold " + std::to_string(results.size()) + " of " + std::to_string(rowsWanted) +
+    throw std::runtime_error("the shards hold " + std::to_string(results.size()) + " of " +
+                             std::to_string(rowsWanted) +
                              " results: one of them is not finished (run it again to continue)");
   claimFolder(folder, common + "; shard=1/1");
   for (const char* name : {"/goals.csv", "/problem_sets.csv", "/preparation.csv"})

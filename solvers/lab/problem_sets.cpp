@@ -10,8 +10,8 @@
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 #include "solvers/iteration/evaluator.h"
-#include "solvers/problem/ik_solver.h"
 #include "solvers/methods/step_rules.h"
+#include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
 
@@ -23,11 +23,17 @@ namespace {
 
 constexpr std::array sets{
     ProblemSetEntry{"D1", "Reachable, uniform in joint space", "unused", ProblemFamily::Reachable, true},
-    ProblemSetEntry{"D2", "Near singular", "wanted sigma_min: 0, 1e-3, 1e-2", ProblemFamily::NearSingular, true},
-    ProblemSetEntry{"D3", "At the reach boundary", "distance over the reach in that direction: 0.95, 0.99, 0.999, 0.9999", ProblemFamily::ReachBoundary, true},
-    ProblemSetEntry{"D4", "Unreachable", "distance over the reach in that direction: 1.05, 1.3, 3", ProblemFamily::Unreachable, false},
-    ProblemSetEntry{"D5", "Drags with warm start", "radians or metres a frame: 0.005, 0.02, 0.1", ProblemFamily::Drag, true},
-    ProblemSetEntry{"D6", "Tight limits", "share of every range: 0.5, 0.25, 0.1", ProblemFamily::TightLimits, true},
+    ProblemSetEntry{"D2", "Near singular", "wanted sigma_min: 0, 1e-3, 1e-2", ProblemFamily::NearSingular,
+                    true},
+    ProblemSetEntry{"D3", "At the reach boundary",
+                    "distance over the reach in that direction: 0.95, 0.99, 0.999, 0.9999",
+                    ProblemFamily::ReachBoundary, true},
+    ProblemSetEntry{"D4", "Unreachable", "distance over the reach in that direction: 1.05, 1.3, 3",
+                    ProblemFamily::Unreachable, false},
+    ProblemSetEntry{"D5", "Drags with warm start", "radians or metres a frame: 0.005, 0.02, 0.1",
+                    ProblemFamily::Drag, true},
+    ProblemSetEntry{"D6", "Tight limits", "share of every range: 0.5, 0.25, 0.1", ProblemFamily::TightLimits,
+                    true},
     ProblemSetEntry{"D7", "Effectors in conflict", "unused", ProblemFamily::Conflict, false},
 };
 
@@ -58,8 +64,10 @@ int dofsAbove(const Skeleton& skeleton, int joint) {
 }
 
 Goal goalAt(const LabModel& model, int effector, const Frames& frames) {
-  Goal goal{.kind = model.pose ? GoalKind::Pose : GoalKind::Position, .name = model.skeleton->joint(effector).name,
-            .joint = effector, .target = frames[effector].translation()};
+  Goal goal{.kind = model.pose ? GoalKind::Pose : GoalKind::Position,
+            .name = model.skeleton->joint(effector).name,
+            .joint = effector,
+            .target = frames[effector].translation()};
   if (model.pose) goal.orientation = Eigen::Quaterniond(frames[effector].linear()).normalized();
   return goal;
 }
@@ -158,12 +166,14 @@ Vector3d baseOf(const Skeleton& skeleton, int effector) {
   return restFrames(skeleton)[first].translation();
 }
 
-/// The configuration that comes nearest to a far point in that direction, the best of three starts: the reach is a property of
-/// the direction, because of limits and because the second axis seldom meets the first at the base.
+/// The configuration that comes nearest to a far point in that direction, the best of three starts: the reach
+/// is a property of the direction, because of limits and because the second axis seldom meets the first at
+/// the base.
 VectorXd farthest(const Skeleton& skeleton, int effector, const Vector3d& base, const Vector3d& direction,
                   std::mt19937_64& random) {
   IkProblem problem{.skeleton = &skeleton};
-  problem.goals = {{.joint = effector, .target = base + 20.0 * (chainLength(skeleton, effector) + 0.1) * direction}};
+  problem.goals = {
+      {.joint = effector, .target = base + 20.0 * (chainLength(skeleton, effector) + 0.1) * direction}};
   const auto solver = makeExactHessian();
   IkReport best;
   for (int i = 0; i < 3; ++i) {
@@ -174,8 +184,8 @@ VectorXd farthest(const Skeleton& skeleton, int effector, const Vector3d& base, 
   return best.q;
 }
 
-/// A configuration whose effector is `share` of the way that the farthest one is from the base: on the geodesic from the farthest
-/// one to a random one, halved down.
+/// A configuration whose effector is `share` of the way that the farthest one is from the base: on the
+/// geodesic from the farthest one to a random one, halved down.
 VectorXd atReach(const Skeleton& skeleton, int effector, double share, bool planar, std::mt19937_64& random) {
   const Vector3d base = baseOf(skeleton, effector);
   const VectorXd far = farthest(skeleton, effector, base, randomDirection(random, planar), random);
@@ -202,7 +212,8 @@ std::shared_ptr<const Skeleton> shrunk(const Skeleton& skeleton, double share) {
   for (Joint& joint : joints) {
     for (AxisDof& dof : joint.axes) {
       const double reach = dof.kind == AxisDof::Kind::Rotation ? M_PI : 1.0;
-      const double lower = std::isfinite(dof.lower) ? dof.lower : -reach, upper = std::isfinite(dof.upper) ? dof.upper : reach;
+      const double lower = std::isfinite(dof.lower) ? dof.lower : -reach,
+                   upper = std::isfinite(dof.upper) ? dof.upper : reach;
       dof.lower = 0.5 * (lower + upper) - 0.5 * share * (upper - lower);
       dof.upper = 0.5 * (lower + upper) + 0.5 * share * (upper - lower);
     }
@@ -242,7 +253,8 @@ class ProblemMaker {
       skeleton_ = standing(skeleton_);
       for (int effector : model.effectors)
         if (dofsAbove(*skeleton_, effector) == 0)
-          throw std::invalid_argument("the effector '" + skeleton_->joint(effector).name + "' cannot move while the root stands");
+          throw std::invalid_argument("the effector '" + skeleton_->joint(effector).name +
+                                      "' cannot move while the root stands");
     }
   }
 
@@ -256,7 +268,8 @@ class ProblemMaker {
       case ProblemFamily::ReachBoundary: {
         one.level = boundaryLevels[number % boundaryLevels.size()];
         const std::size_t which = number % model_.effectors.size();
-        return meetable(one, atReach(*skeleton_, model_.effectors[which], one.level, isPlanar(), random), random);
+        return meetable(one, atReach(*skeleton_, model_.effectors[which], one.level, isPlanar(), random),
+                        random);
       }
       case ProblemFamily::TightLimits:
         one.level = limitLevels[number % limitLevels.size()];
@@ -268,8 +281,10 @@ class ProblemMaker {
         for (std::size_t i = 0; i < model_.effectors.size(); ++i) {
           const int effector = model_.effectors[i];
           const Vector3d base = baseOf(*skeleton_, effector);
-          const VectorXd far = farthest(*skeleton_, effector, base, randomDirection(random, isPlanar()), random);
-          one.problem.goals[i].target = base + one.level * (forwardKinematics(*skeleton_, far)[effector].translation() - base);
+          const VectorXd far =
+              farthest(*skeleton_, effector, base, randomDirection(random, isPlanar()), random);
+          one.problem.goals[i].target =
+              base + one.level * (forwardKinematics(*skeleton_, far)[effector].translation() - base);
         }
         return one;
       }
@@ -285,7 +300,11 @@ class ProblemMaker {
     const double rate = dragLevels[number % dragLevels.size()];
     VectorXd q = randomWithinLimits(skeleton, random), waypoint = randomWithinLimits(skeleton, random);
     for (int frame = 0; frame < frames; ++frame) {
-      LabProblem one{.index = static_cast<int>(out.size()), .sequence = number, .frame = frame, .level = rate, .skeleton = skeleton_};
+      LabProblem one{.index = static_cast<int>(out.size()),
+                     .sequence = number,
+                     .frame = frame,
+                     .level = rate,
+                     .skeleton = skeleton_};
       one.problem = {.skeleton = one.skeleton.get(), .start = q};
       VectorXd step = difference(skeleton, q, waypoint);
       const double largest = step.lpNorm<Eigen::Infinity>();
@@ -304,7 +323,8 @@ class ProblemMaker {
     for (const Joint& joint : model_.skeleton->joints()) {
       if (joint.ball) return false;
       for (const AxisDof& dof : joint.axes)
-        if (dof.kind != AxisDof::Kind::Rotation || std::abs(dof.axis.z()) < 1.0 || std::abs(joint.parentFromZero.linear()(2, 2)) < 1.0)
+        if (dof.kind != AxisDof::Kind::Rotation || std::abs(dof.axis.z()) < 1.0 ||
+            std::abs(joint.parentFromZero.linear()(2, 2)) < 1.0)
           return false;
     }
     return true;
@@ -325,11 +345,13 @@ class ProblemMaker {
   LabProblem conflict(LabProblem& one, std::mt19937_64& random) const {
     meetable(one, randomWithinLimits(*skeleton_, random), random);
     for (std::size_t i = 1; i < model_.effectors.size(); ++i)
-      one.problem.goals[i] =
-          goalAt(model_, model_.effectors[i], forwardKinematics(*skeleton_, randomWithinLimits(*skeleton_, random)));
+      one.problem.goals[i] = goalAt(model_, model_.effectors[i],
+                                    forwardKinematics(*skeleton_, randomWithinLimits(*skeleton_, random)));
     if (model_.effectors.size() > 1) return one;
     const int elbow = halfWay(*skeleton_, model_.effectors[0]);
-    if (elbow < 0) throw std::invalid_argument("D7 needs a chain with at least three degrees of freedom before its effector");
+    if (elbow < 0)
+      throw std::invalid_argument(
+          "D7 needs a chain with at least three degrees of freedom before its effector");
     const Frames frames = forwardKinematics(*skeleton_, randomWithinLimits(*skeleton_, random));
     one.problem.goals.push_back(
         {.name = skeleton_->joint(elbow).name, .joint = elbow, .target = frames[elbow].translation()});
@@ -347,13 +369,18 @@ class ProblemMaker {
 double limitMarginAt(const Skeleton& skeleton, const VectorXd& q) {
   double margin = 1.0;
   const auto box = [&](double value, double lower, double upper) {
-    if (std::isfinite(lower)) margin = std::min(margin, std::isfinite(upper) ? 2.0 * (value - lower) / (upper - lower) : value - lower);
-    if (std::isfinite(upper)) margin = std::min(margin, std::isfinite(lower) ? 2.0 * (upper - value) / (upper - lower) : upper - value);
+    if (std::isfinite(lower))
+      margin =
+          std::min(margin, std::isfinite(upper) ? 2.0 * (value - lower) / (upper - lower) : value - lower);
+    if (std::isfinite(upper))
+      margin =
+          std::min(margin, std::isfinite(lower) ? 2.0 * (upper - value) / (upper - lower) : upper - value);
   };
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
     for (std::size_t k = 0; k < joint.axes.size(); ++k)
-      if (!joint.axes[k].isFullTurn()) box(q[skeleton.qIndex(i) + k], joint.axes[k].lower, joint.axes[k].upper);
+      if (!joint.axes[k].isFullTurn())
+        box(q[skeleton.qIndex(i) + k], joint.axes[k].lower, joint.axes[k].upper);
     if (!joint.ball || !joint.ballLimit) continue;
     const BallLimit& limit = *joint.ballLimit;
     const Vector3d c = swingTwistCoordinates(ballRotation(skeleton, q, i));
@@ -370,7 +397,8 @@ void findBestPoint(LabProblem& one) {
   IkProblem problem = one.problem;
   for (int i = 0; i < 12; ++i) {
     problem.start = i < 2 ? one.problem.start : randomWithinLimits(*one.skeleton, random);
-    const IkReport report = solvers[i % 2]->solve(problem, {.maxIterations = 300, .maxSeconds = 1e9}, TraceLevel::Off);
+    const IkReport report =
+        solvers[i % 2]->solve(problem, {.maxIterations = 300, .maxSeconds = 1e9}, TraceLevel::Off);
     if (!(report.residual < one.bestResidual)) continue;
     one.bestResidual = report.residual;
     one.reference = report.q;
@@ -385,7 +413,8 @@ LabModel labModel(std::string name, const Skeleton& skeleton, const std::vector<
   if (effectors.empty())
     for (int i = 0; i < skeleton.jointCount(); ++i)
       if (skeleton.children(i).empty() && dofsAbove(skeleton, i) > 0) model.effectors.push_back(i);
-  if (model.effectors.empty()) throw std::invalid_argument("the model '" + model.name + "' has no joint that moves");
+  if (model.effectors.empty())
+    throw std::invalid_argument("the model '" + model.name + "' has no joint that moves");
   model.pose = model.effectors.size() == 1 && dofsAbove(skeleton, model.effectors[0]) >= 6;
   return model;
 }
@@ -401,16 +430,18 @@ const ProblemSetEntry& problemSet(std::string_view name) {
   throw std::invalid_argument("no problem set is called '" + std::string(name) + "'; there are: " + known);
 }
 
-std::vector<LabProblem> makeProblems(const ProblemSetEntry& set, const LabModel& model, int count, std::uint64_t seed,
-                                     double tolerance) {
-  if (count < 1) throw std::invalid_argument("a problem set needs at least one problem, not " + std::to_string(count));
+std::vector<LabProblem> makeProblems(const ProblemSetEntry& set, const LabModel& model, int count,
+                                     std::uint64_t seed, double tolerance) {
+  if (count < 1)
+    throw std::invalid_argument("a problem set needs at least one problem, not " + std::to_string(count));
   const ProblemMaker maker(set, model, tolerance);
   std::vector<LabProblem> problems;
   problems.reserve(count);
   for (int number = 0; static_cast<int>(problems.size()) < count; ++number) {
     std::mt19937_64 random(seedOf(seed, set, number));
     if (set.family == ProblemFamily::Drag)
-      maker.appendDrag(number, std::min(dragLength, count - static_cast<int>(problems.size())), random, problems);
+      maker.appendDrag(number, std::min(dragLength, count - static_cast<int>(problems.size())), random,
+                       problems);
     else
       problems.push_back(maker.make(number, random));
   }
@@ -442,7 +473,8 @@ void annotate(const ProblemSetEntry& set, LabProblem& one) {
   if (!set.meetable || set.family == ProblemFamily::Drag) return;
   IkProblem problem = one.problem;
   problem.positionTolerance = problem.orientationTolerance = std::max(1e-6, problem.positionTolerance);
-  const IkReport path = makeMinimalChangePath()->solve(problem, {.maxIterations = 3000, .maxSeconds = 1e9}, TraceLevel::Off);
+  const IkReport path =
+      makeMinimalChangePath()->solve(problem, {.maxIterations = 3000, .maxSeconds = 1e9}, TraceLevel::Off);
   if (path.why == Stop::Converged) one.shortest = difference(*one.skeleton, problem.start, path.q).norm();
 }
 

@@ -14,8 +14,8 @@
 #include <set>
 
 #include "kinematics/io/text_file.h"
-#include "solvers/problem/ik_solver.h"
 #include "solvers/lab/statistics.h"
+#include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
 
@@ -40,7 +40,9 @@ std::vector<Group> grouped(const Results& results) {
     auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.set == row.set; });
     if (group == groups.end()) {
       const ProblemSetEntry& entry = problemSet(row.set);
-      group = groups.insert(groups.end(), {.set = row.set, .meetable = entry.meetable, .drag = entry.family == ProblemFamily::Drag});
+      group = groups.insert(
+          groups.end(),
+          {.set = row.set, .meetable = entry.meetable, .drag = entry.family == ProblemFamily::Drag});
     }
     if (!group->rows.count(row.solver)) group->solvers.push_back(row.solver);
     group->rows[row.solver].push_back(&row);
@@ -67,7 +69,8 @@ json orNull(double value) { return std::isfinite(value) ? json(value) : json(); 
 
 json quantiles(const std::vector<double>& values) {
   json out{{"mean", orNull(mean(values))}};
-  for (const auto& [name, p] : {std::pair{"min", 0.0}, {"median", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"max", 1.0}})
+  for (const auto& [name, p] :
+       {std::pair{"min", 0.0}, {"median", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"max", 1.0}})
     out[name] = orNull(quantile(values, p));
   return out;
 }
@@ -87,33 +90,45 @@ json summariseSolver(const Group& group, const std::vector<const ResultRow*>& ro
   out["solved_wilson_95"] = {interval.lower, interval.upper};
   out["status"] = statuses;
   for (double tolerance : scoredTolerances) {
-    const int met = static_cast<int>(
-        std::count_if(rows.begin(), rows.end(), [&](const ResultRow* row) { return metAt(*row, group.meetable, tolerance); }));
+    const int met = static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](const ResultRow* row) {
+      return metAt(*row, group.meetable, tolerance);
+    }));
     const Interval bounds = wilsonInterval(met, n);
-    out["met"][fmt::format("{:g}", tolerance)] = {{"share", static_cast<double>(met) / n}, {"wilson_95", {bounds.lower, bounds.upper}}};
+    out["met"][fmt::format("{:g}", tolerance)] = {{"share", static_cast<double>(met) / n},
+                                                  {"wilson_95", {bounds.lower, bounds.upper}}};
   }
   out["position_error"] = quantiles(column(rows, [](const ResultRow& r) { return r.position; }));
   out["orientation_error"] = quantiles(column(rows, [](const ResultRow& r) { return r.orientation; }));
-  if (!group.meetable) out["excess_residual"] = quantiles(column(rows, [](const ResultRow& r) { return r.excess; }));
-  out["largest_limit_violation"] = quantile(column(rows, [](const ResultRow& r) { return r.limitViolation; }), 1.0);
+  if (!group.meetable)
+    out["excess_residual"] = quantiles(column(rows, [](const ResultRow& r) { return r.excess; }));
+  out["largest_limit_violation"] =
+      quantile(column(rows, [](const ResultRow& r) { return r.limitViolation; }), 1.0);
   out["iterations"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.iterations; }));
-  out["forward_kinematics"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.forwardKinematics; }));
+  out["forward_kinematics"] =
+      quantiles(column(rows, [](const ResultRow& r) { return r.counters.forwardKinematics; }));
   out["jacobians"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.jacobians; }));
   out["hessians"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.hessians; }));
-  out["factorisations"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.factorisations; }));
+  out["factorisations"] =
+      quantiles(column(rows, [](const ResultRow& r) { return r.counters.factorisations; }));
   out["restarts"] = quantiles(column(rows, [](const ResultRow& r) { return r.counters.restarts; }));
-  out["displacement"] = quantiles(column(rows, [](const ResultRow& r) { return r.solved ? r.displacement : NAN; }));
-  out["displacement_over_minimal_change"] = quantiles(
-      column(rows, [](const ResultRow& r) { return r.solved && r.shortest > 1e-9 ? r.displacement / r.shortest : NAN; }));
+  out["displacement"] =
+      quantiles(column(rows, [](const ResultRow& r) { return r.solved ? r.displacement : NAN; }));
+  out["displacement_over_minimal_change"] = quantiles(column(rows, [](const ResultRow& r) {
+    return r.solved && r.shortest > 1e-9 ? r.displacement / r.shortest : NAN;
+  }));
   if (group.drag) {
     out["largest_jump"] = quantiles(column(rows, [](const ResultRow& r) { return r.jump; }));
     out["jump_over_rate"] = quantiles(column(rows, [](const ResultRow& r) { return r.jump / r.level; }));
     out["jitter"] = quantiles(column(rows, [](const ResultRow& r) { return r.jitter; }));
   }
-  const std::vector<double> seconds = column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.seconds; });
-  out["time"] = {{"seconds", quantiles(seconds)},
-                 {"cpu_seconds", quantiles(column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.cpuSeconds; }))},
-                 {"expected_running_time", orNull(solved > 0 ? mean(seconds) * (n - statuses[toString(Stop::Unsupported)]) / solved : NAN)}};
+  const std::vector<double> seconds =
+      column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.seconds; });
+  out["time"] = {
+      {"seconds", quantiles(seconds)},
+      {"cpu_seconds",
+       quantiles(column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.cpuSeconds; }))},
+      {"expected_running_time",
+       orNull(solved > 0 ? mean(seconds) * (n - statuses[toString(Stop::Unsupported)]) / solved : NAN)}};
   return out;
 }
 
@@ -134,18 +149,23 @@ json comparePairs(const Group& group) {
         timesA.push_back(first[i]->seconds);
         timesB.push_back(second[i]->seconds);
       }
-      json pair{{"first", group.solvers[a]}, {"second", group.solvers[b]}, {"only_first_solved", onlyFirst},
-                {"only_second_solved", onlySecond}, {"mcnemar_p", mcNemar(onlyFirst, onlySecond)}};
+      json pair{{"first", group.solvers[a]},
+                {"second", group.solvers[b]},
+                {"only_first_solved", onlyFirst},
+                {"only_second_solved", onlySecond},
+                {"mcnemar_p", mcNemar(onlyFirst, onlySecond)}};
       if (!timesA.empty()) {
         const RatioEstimate ratio = pairedRatio(timesA, timesB, 1);
-        pair["time"] = {{"first_over_second", ratio.ratio}, {"bootstrap_95", {ratio.interval.lower, ratio.interval.upper}}};
+        pair["time"] = {{"first_over_second", ratio.ratio},
+                        {"bootstrap_95", {ratio.interval.lower, ratio.interval.upper}}};
       }
       pairs.push_back(pair);
     }
   return pairs;
 }
 
-/// The spread over solver seeds: of the share solved, of the mean time, and how many problems every or no seed solved.
+/// The spread over solver seeds: of the share solved, of the mean time, and how many problems every or no
+/// seed solved.
 json summariseSeeds(const std::string& set, const std::string& solver, const Results& results) {
   struct Sums {
     double solved = 0.0, seconds = 0.0, problems = 0.0;
@@ -173,11 +193,16 @@ json summariseSeeds(const std::string& set, const std::string& solver, const Res
     never += solved == 0;
   }
   const auto spread = [](const std::vector<double>& values) {
-    return json{{"min", orNull(quantile(values, 0.0))}, {"median", orNull(quantile(values, 0.5))}, {"max", orNull(quantile(values, 1.0))},
+    return json{{"min", orNull(quantile(values, 0.0))},
+                {"median", orNull(quantile(values, 0.5))},
+                {"max", orNull(quantile(values, 1.0))},
                 {"standard_deviation", orNull(standardDeviation(values))}};
   };
-  return {{"count", count}, {"solved_share", spread(shares)}, {"mean_seconds", spread(times)},
-          {"problems_solved_by_every_seed", always}, {"problems_solved_by_no_seed", never}};
+  return {{"count", count},
+          {"solved_share", spread(shares)},
+          {"mean_seconds", spread(times)},
+          {"problems_solved_by_every_seed", always},
+          {"problems_solved_by_no_seed", never}};
 }
 
 json summarise(const std::string& folder, const Results& results, const std::vector<Group>& groups) {
@@ -185,15 +210,18 @@ json summarise(const std::string& folder, const Results& results, const std::vec
   const std::string checks = readFile(folder + "/problem_sets.csv");
   const auto lines = splitLines(checks);
   for (std::size_t i = 1; i < lines.size(); ++i)
-    out["checksums"][std::string(lines[i].substr(0, lines[i].find(',')))] = std::string(lines[i].substr(lines[i].rfind(',') + 1));
+    out["checksums"][std::string(lines[i].substr(0, lines[i].find(',')))] =
+        std::string(lines[i].substr(lines[i].rfind(',') + 1));
   for (const Group& group : groups) {
     json& set = out["sets"][group.set];
     for (const std::string& solver : group.solvers) {
       json& one = set["solvers"][solver] = summariseSolver(group, group.rows.at(solver));
       for (const Preparation& preparation : results.preparations)
         if (preparation.set == group.set && preparation.solver == solver)
-          one["preparation"] = {{"seconds", orNull(preparation.seconds)}, {"bytes", orNull(preparation.bytes)}};
-      if (json seeds = summariseSeeds(group.set, solver, results); !seeds.empty()) one["seeds"] = std::move(seeds);
+          one["preparation"] = {{"seconds", orNull(preparation.seconds)},
+                                {"bytes", orNull(preparation.bytes)}};
+      if (json seeds = summariseSeeds(group.set, solver, results); !seeds.empty())
+        one["seeds"] = std::move(seeds);
     }
     set["pairs"] = comparePairs(group);
   }
@@ -214,7 +242,8 @@ std::string block(const std::string& name, const std::vector<std::vector<double>
 
 std::string preamble() {
   return "set encoding utf8\nset border 3 lc rgb '#888888'\nset tics nomirror tc rgb '#444444' scale 0.5\n"
-         "set grid lc rgb '#e4e4e4' lt 1 lw 0.6\nset key outside right top vertical Left reverse samplen 1.6 spacing 1.0 maxcols 1 tc rgb '#222222'\n"
+         "set grid lc rgb '#e4e4e4' lt 1 lw 0.6\nset key outside right top vertical Left reverse samplen 1.6 "
+         "spacing 1.0 maxcols 1 tc rgb '#222222'\n"
          "set format y '%g'\n";
 }
 const std::string logX = "set logscale x\nset format x '10^{%L}'\n";
@@ -231,8 +260,8 @@ class Curves {
     if (rows.empty()) return;
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
-    plots_ += fmt::format("{}${} using 1:2 with steps lw 2 {} lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
-                          dash(solver), style_.colour(solver), solver);
+    plots_ += fmt::format("{}${} using 1:2 with steps lw 2 {} lc rgb '{}' title '{}'",
+                          plots_.empty() ? "" : ", ", name, dash(solver), style_.colour(solver), solver);
   }
   /// rows: x, lower, median, upper.
   void addBand(const std::string& solver, const std::vector<std::vector<double>>& rows, bool shade) {
@@ -241,21 +270,24 @@ class Curves {
     blocks_ += block(name, rows);
     const std::string colour = style_.colour(solver);
     if (shade)
-      plots_ += fmt::format("{}${} using 1:2:4 with filledcurves fc rgb '{}' fs transparent solid 0.14 notitle",
-                            plots_.empty() ? "" : ", ", name, colour);
-    plots_ += fmt::format("{}${} using 1:3 with lines lw 2 {} lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name, dash(solver),
-                          colour, solver);
+      plots_ +=
+          fmt::format("{}${} using 1:2:4 with filledcurves fc rgb '{}' fs transparent solid 0.14 notitle",
+                      plots_.empty() ? "" : ", ", name, colour);
+    plots_ += fmt::format("{}${} using 1:3 with lines lw 2 {} lc rgb '{}' title '{}'",
+                          plots_.empty() ? "" : ", ", name, dash(solver), colour, solver);
   }
   void addPoints(const std::string& solver, const std::vector<std::vector<double>>& rows) {
     if (rows.empty()) return;
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
-    plots_ += fmt::format("{}${} using 1:2 with points pt {} ps 1.1 lc rgb '{}' title '{}'", plots_.empty() ? "" : ", ", name,
-                          symbol(solver), style_.colour(solver), solver);
+    plots_ += fmt::format("{}${} using 1:2 with points pt {} ps 1.1 lc rgb '{}' title '{}'",
+                          plots_.empty() ? "" : ", ", name, symbol(solver), style_.colour(solver), solver);
   }
   int symbol(const std::string& solver) const { return std::array{7, 5, 9, 13, 15}[dashes_.at(solver) - 1]; }
   bool empty() const { return plots_.empty(); }
-  std::string script(const std::string& settings) const { return preamble() + blocks_ + settings + "plot " + plots_ + "\n"; }
+  std::string script(const std::string& settings) const {
+    return preamble() + blocks_ + settings + "plot " + plots_ + "\n";
+  }
 
  private:
   std::string dash(const std::string& solver) const { return fmt::format("dt {}", dashes_.at(solver)); }
@@ -272,14 +304,16 @@ bool neverSupported(const Group& group, const std::string& solver) {
 
 std::vector<double> logSteps(double low, double high, int count) {
   std::vector<double> steps;
-  for (int i = 0; i <= count; ++i) steps.push_back(low * std::pow(high / low, static_cast<double>(i) / count));
+  for (int i = 0; i <= count; ++i)
+    steps.push_back(low * std::pow(high / low, static_cast<double>(i) / count));
   return steps;
 }
 
 std::string profilePlot(const Group& group, const ReportStyle& style) {
   std::vector<std::vector<double>> times;
   for (const std::string& solver : group.solvers)
-    times.push_back(column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; }));
+    times.push_back(
+        column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; }));
   std::size_t n = times[0].size();
   for (auto& t : times) n = std::min(n, t.size());
   for (auto& t : times) t.resize(n);
@@ -292,7 +326,9 @@ std::string profilePlot(const Group& group, const ReportStyle& style) {
     for (std::size_t t = 0; t < taus.size(); ++t) rows.push_back({taus[t], profile[m][t]});
     curves.add(group.solvers[m], rows);
   }
-  return curves.script(logX + "set yrange [0:1.02]\nset xlabel 'time over the fastest solver of the problem'\nset ylabel 'share of problems solved'\n");
+  return curves.script(logX +
+                       "set yrange [0:1.02]\nset xlabel 'time over the fastest solver of the problem'\nset "
+                       "ylabel 'share of problems solved'\n");
 }
 
 std::string successPlot(const Group& group, const ReportStyle& style) {
@@ -305,15 +341,18 @@ std::string successPlot(const Group& group, const ReportStyle& style) {
   const std::vector<double> steps = logSteps(0.8 * low, 1.2 * high, 300);
   for (const std::string& solver : group.solvers) {
     if (neverSupported(group, solver)) continue;
-    std::vector<double> times = column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; });
+    std::vector<double> times =
+        column(group.rows.at(solver), [](const ResultRow& r) { return r.solved ? r.seconds : INFINITY; });
     std::sort(times.begin(), times.end());
     std::vector<std::vector<double>> rows;
     for (double t : steps)
-      rows.push_back({t / microsecond, static_cast<double>(std::upper_bound(times.begin(), times.end(), t) - times.begin()) /
-                                           static_cast<double>(times.size())});
+      rows.push_back({t / microsecond,
+                      static_cast<double>(std::upper_bound(times.begin(), times.end(), t) - times.begin()) /
+                          static_cast<double>(times.size())});
     curves.add(solver, rows);
   }
-  return curves.script(logX + "set yrange [0:1.02]\nset xlabel 'time [µs]'\nset ylabel 'share of problems solved'\n");
+  return curves.script(
+      logX + "set yrange [0:1.02]\nset xlabel 'time [µs]'\nset ylabel 'share of problems solved'\n");
 }
 
 /// A solver whose inner loops keep no history traces its start and its answer without times.
@@ -327,12 +366,14 @@ bool keepsNoHistory(const Group& group, const Results& results, const std::strin
 std::string withoutHistory(const Group& group, const Results& results) {
   std::string names;
   for (const std::string& solver : group.solvers)
-    if (!neverSupported(group, solver) && keepsNoHistory(group, results, solver)) names += (names.empty() ? " Not drawn, since they keep no history of iterations: " : ", ") + solver;
+    if (!neverSupported(group, solver) && keepsNoHistory(group, results, solver))
+      names += (names.empty() ? " Not drawn, since they keep no history of iterations: " : ", ") + solver;
   return names.empty() ? names : names + ".";
 }
 
 /// Residual curves of one solver by problem: (x, residual) steps, held at their last value.
-std::string residualPlot(const Group& group, const Results& results, const ReportStyle& style, bool overTime) {
+std::string residualPlot(const Group& group, const Results& results, const ReportStyle& style,
+                         bool overTime) {
   Curves curves(style, group.solvers);
   for (const std::string& solver : group.solvers) {
     std::map<int, std::vector<std::pair<double, double>>> traces;
@@ -355,7 +396,8 @@ std::string residualPlot(const Group& group, const Results& results, const Repor
     for (double x : xs) {
       std::vector<double> values;
       for (const auto& [problem, points] : traces) {
-        auto after = std::upper_bound(points.begin(), points.end(), x, [](double a, const auto& p) { return a < p.first; });
+        auto after = std::upper_bound(points.begin(), points.end(), x,
+                                      [](double a, const auto& p) { return a < p.first; });
         if (after != points.begin()) --after;
         values.push_back(after->second);
       }
@@ -364,7 +406,8 @@ std::string residualPlot(const Group& group, const Results& results, const Repor
     curves.addBand(solver, rows, group.solvers.size() <= 6);
   }
   if (curves.empty()) return {};
-  return curves.script(logY + (overTime ? logX : std::string()) + "set xlabel '" + (overTime ? "time [µs]" : "iteration, all attempts together") +
+  return curves.script(logY + (overTime ? logX : std::string()) + "set xlabel '" +
+                       (overTime ? "time [µs]" : "iteration, all attempts together") +
                        "'\nset ylabel 'residual [m, rad], median and quartiles'\n");
 }
 
@@ -379,7 +422,8 @@ std::string hardnessPlot(const Group& group) {
   for (std::size_t m = 0; m < panels; ++m) {
     double count[nx][ny] = {}, solved[nx][ny] = {};
     for (const ResultRow* row : group.rows.at(solvers[m])) {
-      const int x = std::clamp(static_cast<int>(std::floor(std::log10(std::max(row->sigmaMin, 1e-12)) + 5.0)), 0, nx - 1);
+      const int x = std::clamp(static_cast<int>(std::floor(std::log10(std::max(row->sigmaMin, 1e-12)) + 5.0)),
+                               0, nx - 1);
       const int y = std::clamp(static_cast<int>(row->limitMargin * ny), 0, ny - 1);
       count[x][y] += 1.0;
       solved[x][y] += row->solved;
@@ -387,15 +431,22 @@ std::string hardnessPlot(const Group& group) {
     std::vector<std::vector<double>> rows;
     for (int x = 0; x < nx; ++x)
       for (int y = 0; y < ny; ++y)
-        if (count[x][y] > 0.0) rows.push_back({x - 4.5, (y + 0.5) / ny, solved[x][y] / count[x][y], count[x][y]});
+        if (count[x][y] > 0.0)
+          rows.push_back({x - 4.5, (y + 0.5) / ny, solved[x][y] / count[x][y], count[x][y]});
     blocks += block("d" + std::to_string(m), rows);
-    plots += fmt::format("set title '{}' tc rgb '#222222'\nplot $d{} using 1:2:(0.48):(0.09):3 with boxxyerrorbars fs solid 1 noborder lc palette notitle\n",
-                         solvers[m], m);
+    plots += fmt::format(
+        "set title '{}' tc rgb '#222222'\nplot $d{} using 1:2:(0.48):(0.09):3 with boxxyerrorbars fs solid 1 "
+        "noborder lc palette notitle\n",
+        solvers[m], m);
   }
   return preamble() + blocks +
-         fmt::format("unset key\nset colorbox user origin 0.92,0.2 size 0.014,0.6\nset palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\nset cbrange [0:1]\nset xrange [-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
-                     "set xlabel 'log_{{10}} σ_{{min}}' offset 0,0.4\nset ylabel 'limit margin' offset 1.5,0\nset multiplot layout {},{} margins 0.07,0.89,0.13,0.92 spacing 0.07,0.2\n",
-                     panels > 3 ? 2 : 1, std::min<std::size_t>(panels, 3)) +
+         fmt::format(
+             "unset key\nset colorbox user origin 0.92,0.2 size 0.014,0.6\nset palette defined (0 '#440154', "
+             "0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\nset cbrange [0:1]\nset xrange "
+             "[-5:1]\nset yrange [0:1]\nset xtics 1\nset ytics 0.5\n"
+             "set xlabel 'log_{{10}} σ_{{min}}' offset 0,0.4\nset ylabel 'limit margin' offset 1.5,0\nset "
+             "multiplot layout {},{} margins 0.07,0.89,0.13,0.92 spacing 0.07,0.2\n",
+             panels > 3 ? 2 : 1, std::min<std::size_t>(panels, 3)) +
          plots + "unset multiplot\n";
 }
 
@@ -412,7 +463,9 @@ std::string displacementPlot(const Group& group, const ReportStyle& style) {
     curves.add(solver, rows);
   }
   if (curves.empty()) return {};
-  return curves.script("set xrange [0:6]\nset yrange [0:1.02]\nset xlabel 'joint displacement over that of the minimal-change path'\nset ylabel 'share of the solved problems'\n");
+  return curves.script(
+      "set xrange [0:6]\nset yrange [0:1.02]\nset xlabel 'joint displacement over that of the minimal-change "
+      "path'\nset ylabel 'share of the solved problems'\n");
 }
 
 std::string jitterPlot(const Group& group, const ReportStyle& style) {
@@ -423,12 +476,15 @@ std::string jitterPlot(const Group& group, const ReportStyle& style) {
       if (!unsupported(*row)) levels[row->level].push_back(row);
     std::vector<std::vector<double>> rows;
     for (const auto& [level, some] : levels)
-      rows.push_back({std::max(1e-12, quantile(column(some, [](const ResultRow& r) { return r.position; }), 0.9)),
-                      std::max(1e-12, quantile(column(some, [](const ResultRow& r) { return r.jitter; }), 0.9))});
+      rows.push_back(
+          {std::max(1e-12, quantile(column(some, [](const ResultRow& r) { return r.position; }), 0.9)),
+           std::max(1e-12, quantile(column(some, [](const ResultRow& r) { return r.jitter; }), 0.9))});
     curves.addPoints(solver, rows);
   }
   if (curves.empty()) return {};
-  return curves.script(logX + logY + "set xlabel 'lag: position error behind the target, 90 % quantile [m]'\nset ylabel 'jitter, 90 % quantile [rad a frame^2]'\n");
+  return curves.script(logX + logY +
+                       "set xlabel 'lag: position error behind the target, 90 % quantile [m]'\nset ylabel "
+                       "'jitter, 90 % quantile [rad a frame^2]'\n");
 }
 
 // ---- the page
@@ -436,10 +492,14 @@ std::string jitterPlot(const Group& group, const ReportStyle& style) {
 std::string escaped(const std::string& text) {
   std::string out;
   for (char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else
+      out += c;
   }
   return out;
 }
@@ -450,9 +510,13 @@ std::string shown(const json& value, double scale, const char* format) {
 }
 
 std::string tableOf(const json& set, const ReportStyle& style, bool drag, bool meetable) {
-  std::string html = "<table><tr><th>solver</th><th>solved</th><th>95 % interval</th><th>10<sup>-3</sup></th><th>10<sup>-6</sup></th>"
-                     "<th>10<sup>-9</sup></th><th>mean µs</th><th>median</th><th>p99</th><th>expected µs to a solution</th><th>iterations</th><th>FK</th>"
-                     "<th>factorisations</th><th>displacement ratio</th><th>limit violation</th><th>preparation ms</th><th>kB</th>";
+  std::string html =
+      "<table><tr><th>solver</th><th>solved</th><th>95 % "
+      "interval</th><th>10<sup>-3</sup></th><th>10<sup>-6</sup></th>"
+      "<th>10<sup>-9</sup></th><th>mean µs</th><th>median</th><th>p99</th><th>expected µs to a "
+      "solution</th><th>iterations</th><th>FK</th>"
+      "<th>factorisations</th><th>displacement ratio</th><th>limit violation</th><th>preparation "
+      "ms</th><th>kB</th>";
   if (drag) html += "<th>largest jump</th><th>jitter p99</th>";
   if (!meetable) html += "<th>excess, median</th><th>excess, p99</th>";
   html += "</tr>\n";
@@ -460,17 +524,22 @@ std::string tableOf(const json& set, const ReportStyle& style, bool drag, bool m
     const json& time = s["time"];
     html += fmt::format("<tr><td><i style=\"background:{}\"></i>{}</td>", style.colour(name), escaped(name));
     const auto cell = [&](const std::string& text) { html += "<td>" + text + "</td>"; };
-    const int unsupportedCount = s["status"].contains("unsupported") ? s["status"]["unsupported"].get<int>() : 0;
+    const int unsupportedCount =
+        s["status"].contains("unsupported") ? s["status"]["unsupported"].get<int>() : 0;
     if (unsupportedCount == s["problems"].get<int>()) {
       html += "<td colspan=\"" + std::to_string(16 + 2 * drag + 2 * !meetable) + "\">unsupported</td></tr>\n";
       continue;
     }
-    cell(shown(s["solved_share"], 100.0, "{:.2f} %") + (unsupportedCount ? fmt::format(" ({} unsupported)", unsupportedCount) : ""));
-    cell(shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " – " + shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"));
-    for (const char* tolerance : {"0.001", "1e-06", "1e-09"}) cell(shown(s["met"][tolerance]["share"], 100.0, "{:.2f} %"));
+    cell(shown(s["solved_share"], 100.0, "{:.2f} %") +
+         (unsupportedCount ? fmt::format(" ({} unsupported)", unsupportedCount) : ""));
+    cell(shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " – " +
+         shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"));
+    for (const char* tolerance : {"0.001", "1e-06", "1e-09"})
+      cell(shown(s["met"][tolerance]["share"], 100.0, "{:.2f} %"));
     for (const char* key : {"mean", "median", "p99"}) cell(shown(time["seconds"][key], 1e6, "{:.1f}"));
     cell(shown(time["expected_running_time"], 1e6, "{:.1f}"));
-    cell(shown(s["iterations"]["median"], 1.0, "{:.0f}") + " / " + shown(s["iterations"]["p99"], 1.0, "{:.0f}"));
+    cell(shown(s["iterations"]["median"], 1.0, "{:.0f}") + " / " +
+         shown(s["iterations"]["p99"], 1.0, "{:.0f}"));
     cell(shown(s["forward_kinematics"]["mean"], 1.0, "{:.1f}"));
     cell(shown(s["factorisations"]["mean"], 1.0, "{:.1f}"));
     cell(shown(s["displacement_over_minimal_change"]["median"], 1.0, "{:.2f}"));
@@ -498,29 +567,41 @@ std::string seedsTable(const json& set) {
     const json& seeds = s["seeds"];
     const auto spread = [&](const char* key, double scale, const char* format) {
       std::string cells;
-      for (const char* what : {"min", "median", "max", "standard_deviation"}) cells += "<td>" + shown(seeds[key][what], scale, format) + "</td>";
+      for (const char* what : {"min", "median", "max", "standard_deviation"})
+        cells += "<td>" + shown(seeds[key][what], scale, format) + "</td>";
       return cells;
     };
-    rows += fmt::format("<tr><td>{}</td><td>{}</td>{}{}<td>{}</td><td>{}</td></tr>\n", escaped(name), seeds["count"].get<int>(),
-                        spread("solved_share", 100.0, "{:.2f}"), spread("mean_seconds", 1e6, "{:.1f}"),
-                        seeds["problems_solved_by_every_seed"].get<int>(), seeds["problems_solved_by_no_seed"].get<int>());
+    rows +=
+        fmt::format("<tr><td>{}</td><td>{}</td>{}{}<td>{}</td><td>{}</td></tr>\n", escaped(name),
+                    seeds["count"].get<int>(), spread("solved_share", 100.0, "{:.2f}"),
+                    spread("mean_seconds", 1e6, "{:.1f}"), seeds["problems_solved_by_every_seed"].get<int>(),
+                    seeds["problems_solved_by_no_seed"].get<int>());
   }
   if (rows.empty()) return {};
-  return "<p>Methods that draw random numbers, over solver seeds:</p><table><tr><th>solver</th><th>seeds</th><th>solved %: least</th><th>median</th><th>most</th>"
-         "<th>sd</th><th>mean µs: least</th><th>median</th><th>most</th><th>sd</th><th>problems every seed solves</th><th>none solves</th></tr>\n" +
+  return "<p>Methods that draw random numbers, over solver "
+         "seeds:</p><table><tr><th>solver</th><th>seeds</th><th>solved %: "
+         "least</th><th>median</th><th>most</th>"
+         "<th>sd</th><th>mean µs: least</th><th>median</th><th>most</th><th>sd</th><th>problems every seed "
+         "solves</th><th>none solves</th></tr>\n" +
          rows + "</table>\n";
 }
 
 std::string pairsTable(const json& pairs) {
-  std::string html = "<details><summary>Pairs of solvers: McNemar and paired bootstrap</summary><table><tr><th>first</th><th>second</th>"
-                     "<th>only first solved</th><th>only second</th><th>McNemar p</th><th>time first / second</th><th>95 % bootstrap</th></tr>\n";
+  std::string html =
+      "<details><summary>Pairs of solvers: McNemar and paired "
+      "bootstrap</summary><table><tr><th>first</th><th>second</th>"
+      "<th>only first solved</th><th>only second</th><th>McNemar p</th><th>time first / second</th><th>95 % "
+      "bootstrap</th></tr>\n";
   for (const json& pair : pairs) {
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3g}</td>", pair["first"].get<std::string>(),
-                        pair["second"].get<std::string>(), pair["only_first_solved"].get<int>(), pair["only_second_solved"].get<int>(),
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3g}</td>",
+                        pair["first"].get<std::string>(), pair["second"].get<std::string>(),
+                        pair["only_first_solved"].get<int>(), pair["only_second_solved"].get<int>(),
                         pair["mcnemar_p"].get<double>());
     if (pair.contains("time"))
-      html += fmt::format("<td>{}</td><td>{} – {}</td>", shown(pair["time"]["first_over_second"], 1.0, "{:.3g}"),
-                          shown(pair["time"]["bootstrap_95"][0], 1.0, "{:.3g}"), shown(pair["time"]["bootstrap_95"][1], 1.0, "{:.3g}"));
+      html +=
+          fmt::format("<td>{}</td><td>{} – {}</td>", shown(pair["time"]["first_over_second"], 1.0, "{:.3g}"),
+                      shown(pair["time"]["bootstrap_95"][0], 1.0, "{:.3g}"),
+                      shown(pair["time"]["bootstrap_95"][1], 1.0, "{:.3g}"));
     html += "</tr>\n";
   }
   return html + "</table></details>\n";
@@ -534,39 +615,56 @@ std::string methodsSection(const std::string& folder, const ReportStyle& style, 
   fact("program", "gelenk " + style.version);
   fact("command", style.commandLine);
   const std::string facts = machineFacts(), marker = readMarker(folder);
-  for (std::string_view line : splitLines(facts)) fact(std::string(line.substr(0, line.find(':'))), std::string(line.substr(line.find(':') + 2)));
+  for (std::string_view line : splitLines(facts))
+    fact(std::string(line.substr(0, line.find(':'))), std::string(line.substr(line.find(':') + 2)));
   for (std::size_t at = 0; at < marker.size();) {
     const std::size_t end = std::min(marker.find("; ", at), marker.size());
     const std::string entry = marker.substr(at, end - at);
     fact(entry.substr(0, entry.find('=')), entry.substr(entry.find('=') + 1));
     at = end + 2;
   }
-  for (const auto& [set, check] : summary["checksums"].items()) fact("checksum of " + set, check.get<std::string>());
-  html += "</table>\n<p>Every solver begins at the same start and works through the same counted evaluator; one judge outside the solvers "
-          "recomputes errors and limits by forward kinematics. <b>Solved</b>: every goal within the tolerance (metres, radians, on the error itself, "
-          "not its square) and limits kept to 10<sup>-9</sup>; in D4 and D7, whose goals cannot be met: residual within the tolerance of the best known. "
-          "Times are of all problems, solved or not, one thread, wall clock, the shortest of the repetitions; the machine may have been shared, so ratios "
-          "within one run say more than microseconds. Expected time to a solution: total time over solved problems. Displacement ratio: joint displacement from the "
-          "start over that of the minimal-change path (pseudo-inverse in steps of at most 0.02 rad). Intervals are Wilson's. "
-          "A time budget, where one is set, makes answers depend on the machine.</p>\n";
+  for (const auto& [set, check] : summary["checksums"].items())
+    fact("checksum of " + set, check.get<std::string>());
+  html +=
+      "</table>\n<p>Every solver begins at the same start and works through the same counted evaluator; one "
+      "judge outside the solvers "
+      "recomputes errors and limits by forward kinematics. <b>Solved</b>: every goal within the tolerance "
+      "(metres, radians, on the error itself, "
+      "not its square) and limits kept to 10<sup>-9</sup>; in D4 and D7, whose goals cannot be met: residual "
+      "within the tolerance of the best known. "
+      "Times are of all problems, solved or not, one thread, wall clock, the shortest of the repetitions; "
+      "the machine may have been shared, so ratios "
+      "within one run say more than microseconds. Expected time to a solution: total time over solved "
+      "problems. Displacement ratio: joint displacement from the "
+      "start over that of the minimal-change path (pseudo-inverse in steps of at most 0.02 rad). Intervals "
+      "are Wilson's. "
+      "A time budget, where one is set, makes answers depend on the machine.</p>\n";
   return html;
 }
 
 const char* const pageStyle =
-    "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 1em}h1{font-weight:600}h2{margin-top:2em;border-bottom:1px solid "
-    "#ddd}table{border-collapse:collapse;font-size:13px;margin:1em 0;display:block;overflow-x:auto}td,th{padding:3px 9px;text-align:right;border-bottom:1px solid #eee;"
-    "white-space:nowrap}th{font-weight:600;color:#555}td:first-child,th:first-child{text-align:left}td i{display:inline-block;width:10px;height:10px;border-radius:5px;"
-    "margin-right:7px}.facts td,.facts th{text-align:left;white-space:normal}figure{margin:1.2em 0}figcaption{color:#555;font-size:13px}svg{max-width:100%;height:auto}"
+    "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 "
+    "1em}h1{font-weight:600}h2{margin-top:2em;border-bottom:1px solid "
+    "#ddd}table{border-collapse:collapse;font-size:13px;margin:1em "
+    "0;display:block;overflow-x:auto}td,th{padding:3px 9px;text-align:right;border-bottom:1px solid #eee;"
+    "white-space:nowrap}th{font-weight:600;color:#555}td:first-child,th:first-child{text-align:left}td "
+    "i{display:inline-block;width:10px;height:10px;border-radius:5px;"
+    "margin-right:7px}.facts td,.facts th{text-align:left;white-space:normal}figure{margin:1.2em "
+    "0}figcaption{color:#555;font-size:13px}svg{max-width:100%;height:auto}"
     ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(560px,1fr));gap:10px}";
 
 }  // namespace
 
 std::string plotSvg(const std::string& script, int width, int height) {
   if (script.empty()) return {};
-  const std::string out = (std::filesystem::temp_directory_path() / ("gelenk-plot-" + std::to_string(getpid()) + ".svg")).string();
+  const std::string out =
+      (std::filesystem::temp_directory_path() / ("gelenk-plot-" + std::to_string(getpid()) + ".svg"))
+          .string();
   std::FILE* pipe = popen("gnuplot >/dev/null 2>&1", "w");
   if (!pipe) return {};
-  const std::string head = fmt::format("set terminal svg size {},{} dynamic font 'sans-serif,12' background '#ffffff'\nset output '{}'\n", width, height, out);
+  const std::string head = fmt::format(
+      "set terminal svg size {},{} dynamic font 'sans-serif,12' background '#ffffff'\nset output '{}'\n",
+      width, height, out);
   std::fwrite(head.data(), 1, head.size(), pipe);
   std::fwrite(script.data(), 1, script.size(), pipe);
   const bool fine = pclose(pipe) == 0;
@@ -592,9 +690,10 @@ std::string machineFacts() {
 #else
   const std::string compiler = "gcc " __VERSION__;
 #endif
-  return fmt::format("processor: {}, {} processors\ncompiler: {}\nflags: {}\nlibraries: Eigen {}.{}.{}, Ceres Solver {}\n", processor,
-                     sysconf(_SC_NPROCESSORS_ONLN), compiler, GELENK_COMPILER_FLAGS, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                     EIGEN_MINOR_VERSION, GELENK_CERES_VERSION);
+  return fmt::format(
+      "processor: {}, {} processors\ncompiler: {}\nflags: {}\nlibraries: Eigen {}.{}.{}, Ceres Solver {}\n",
+      processor, sysconf(_SC_NPROCESSORS_ONLN), compiler, GELENK_COMPILER_FLAGS, EIGEN_WORLD_VERSION,
+      EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, GELENK_CERES_VERSION);
 }
 
 std::string writeReport(const std::string& folder, const ReportStyle& style) {
@@ -607,24 +706,29 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
 
   std::string note;
   const bool canPlot = !plotSvg("plot x\n", 100, 100).empty();
-  std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Gelenk: solvers compared</title><style>" +
-                     std::string(pageStyle) + "</style></head><body>\n<h1>Inverse kinematics: solvers compared</h1>\n";
-  if (!canPlot) html += "<p><b>No plots: the program gnuplot was not found when this report was written.</b></p>\n";
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Gelenk: solvers "
+      "compared</title><style>" +
+      std::string(pageStyle) + "</style></head><body>\n<h1>Inverse kinematics: solvers compared</h1>\n";
+  if (!canPlot)
+    html += "<p><b>No plots: the program gnuplot was not found when this report was written.</b></p>\n";
   if (canPlot) std::filesystem::create_directories(folder + "/plots");
   for (const Group& group : groups) {
     const ProblemSetEntry& entry = problemSet(group.set);
     html += fmt::format("<h2>{}: {}</h2>\n<p>{} problems. Level: {}.</p>\n", group.set, entry.title,
                         group.rows.at(group.solvers[0]).size(), entry.levels);
-    html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) + seedsTable(summary["sets"][group.set]) +
-            pairsTable(summary["sets"][group.set]["pairs"]);
+    html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) +
+            seedsTable(summary["sets"][group.set]) + pairsTable(summary["sets"][group.set]["pairs"]);
     if (!canPlot) continue;
     html += "<div class=\"plots\">\n";
-    const auto figure = [&](const std::string& name, const std::string& script, const std::string& caption, int height = 0) {
+    const auto figure = [&](const std::string& name, const std::string& script, const std::string& caption,
+                            int height = 0) {
       if (script.empty()) return;
       if (height == 0) height = std::max(380, 60 + 17 * static_cast<int>(group.solvers.size()));
       const std::string svg = plotSvg(script, 760, height);
       if (svg.empty()) {
-        note += (note.empty() ? "" : "; ") + ("gnuplot could not draw the plot '" + name + "' of " + group.set);
+        note +=
+            (note.empty() ? "" : "; ") + ("gnuplot could not draw the plot '" + name + "' of " + group.set);
         return;
       }
       html += "<figure>" + svg + "<figcaption>" + caption + "</figcaption></figure>\n";
@@ -633,10 +737,17 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     figure("profile", profilePlot(group, style), "Performance profile (Dolan, Moré 2002) of the times.");
     figure("success", successPlot(group, style), "Share of problems solved within a time.");
     const std::string missing = withoutHistory(group, results);
-    figure("residual-by-iteration", residualPlot(group, results, style, false), "Residual by iteration: median and quartiles of the traced problems." + missing);
-    figure("residual-by-time", residualPlot(group, results, style, true), "Residual by time: median and quartiles of the traced problems." + missing);
-    figure("hardness", hardnessPlot(group), "Share solved by the smallest singular value at the solution and the distance to the nearest limit (1: middle of every range), of the first six solvers that do the problems.", group.solvers.size() > 3 ? 500 : 300);
-    figure("displacement", displacementPlot(group, style), "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
+    figure("residual-by-iteration", residualPlot(group, results, style, false),
+           "Residual by iteration: median and quartiles of the traced problems." + missing);
+    figure("residual-by-time", residualPlot(group, results, style, true),
+           "Residual by time: median and quartiles of the traced problems." + missing);
+    figure("hardness", hardnessPlot(group),
+           "Share solved by the smallest singular value at the solution and the distance to the nearest "
+           "limit (1: middle of every range), of the first six solvers that do the problems.",
+           group.solvers.size() > 3 ? 500 : 300);
+    figure(
+        "displacement", displacementPlot(group, style),
+        "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
     if (group.drag) figure("jitter", jitterPlot(group, style), "Jitter against lag, one point a drag speed.");
     html += "</div>\n";
   }
@@ -647,8 +758,8 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
 
 std::string summaryTable(const std::string& folder) {
   const json summary = json::parse(readFile(folder + "/summary.json"));
-  std::string text = fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", "set", "solver", "solved", "95 % interval", "mean us",
-                                 "median us", "p99 us", "iter.");
+  std::string text = fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", "set", "solver",
+                                 "solved", "95 % interval", "mean us", "median us", "p99 us", "iter.");
   for (const auto& [set, facts] : summary["sets"].items())
     for (const auto& [solver, s] : facts["solvers"].items()) {
       if (s["status"].contains("unsupported") && s["status"]["unsupported"] == s["problems"]) {
@@ -656,10 +767,13 @@ std::string summaryTable(const std::string& folder) {
         continue;
       }
       const json& seconds = s["time"]["seconds"];
-      text += fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", set, solver, shown(s["solved_share"], 100.0, "{:.2f}%"),
-                          shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " - " + shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"),
-                          shown(seconds["mean"], 1e6, "{:.1f}"), shown(seconds["median"], 1e6, "{:.1f}"), shown(seconds["p99"], 1e6, "{:.1f}"),
-                          shown(s["iterations"]["median"], 1.0, "{:.0f}"));
+      text +=
+          fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", set, solver,
+                      shown(s["solved_share"], 100.0, "{:.2f}%"),
+                      shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " - " +
+                          shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"),
+                      shown(seconds["mean"], 1e6, "{:.1f}"), shown(seconds["median"], 1e6, "{:.1f}"),
+                      shown(seconds["p99"], 1e6, "{:.1f}"), shown(s["iterations"]["median"], 1.0, "{:.0f}"));
     }
   return text;
 }

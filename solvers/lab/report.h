@@ -8,19 +8,20 @@
 namespace gelenk {
 
 struct ReportStyle {
-  std::string version;      ///< of the program
-  std::string commandLine;  ///< as typed
+  std::string version;                                           ///< of the program
+  std::string commandLine;                                       ///< as typed
   std::function<std::string(const std::string& solver)> colour;  ///< "#rrggbb"
 };
 
-/// Writes summary.json and report.html (self-contained; plots as SVG drawn by gnuplot) from what the folder holds. Returns a note
-/// for the user where something is missing, such as gnuplot; empty otherwise.
+/// Writes summary.json and report.html (self-contained; plots as SVG drawn by gnuplot) from what the folder
+/// holds. Returns a note for the user where something is missing, such as gnuplot; empty otherwise.
 std::string writeReport(const std::string& folder, const ReportStyle& style);
 
 /// A table of the summary for the terminal, one line a set and solver.
 std::string summaryTable(const std::string& folder);
 
-/// Runs gnuplot on a script that begins with `set terminal svg`; the SVG text, or empty where gnuplot is absent or fails.
+/// Runs gnuplot on a script that begins with `set terminal svg`; the SVG text, or empty where gnuplot is
+/// absent or fails.
 std::string plotSvg(const std::string& script, int width, int height);
 
 /// Name of the processor, compiler and its flags, and library versions, one "key: value" a line.

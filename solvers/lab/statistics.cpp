@@ -14,7 +14,8 @@ Interval wilsonInterval(int successes, int trials) {
   const double n = trials, p = successes / n, z2 = z * z;
   const double middle = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);
   const double half = z / (1.0 + z2 / n) * std::sqrt(p * (1.0 - p) / n + z2 / (4.0 * n * n));
-  return {successes == 0 ? 0.0 : std::max(0.0, middle - half), successes == trials ? 1.0 : std::min(1.0, middle + half)};
+  return {successes == 0 ? 0.0 : std::max(0.0, middle - half),
+          successes == trials ? 1.0 : std::min(1.0, middle + half)};
 }
 
 double mcNemar(int onlyFirst, int onlySecond) {
@@ -22,7 +23,8 @@ double mcNemar(int onlyFirst, int onlySecond) {
   if (n == 0) return 1.0;
   double tail = 0.0;  // P(X <= k), X binomial (n, 1/2)
   for (int i = 0; i <= k; ++i)
-    tail += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) - n * std::log(2.0));
+    tail +=
+        std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) - n * std::log(2.0));
   return std::min(1.0, 2.0 * tail);
 }
 
@@ -59,7 +61,8 @@ double standardDeviation(const std::vector<double>& values) {
   return count > 1 ? std::sqrt(sum / (count - 1)) : std::numeric_limits<double>::quiet_NaN();
 }
 
-RatioEstimate pairedRatio(const std::vector<double>& first, const std::vector<double>& second, std::uint64_t seed) {
+RatioEstimate pairedRatio(const std::vector<double>& first, const std::vector<double>& second,
+                          std::uint64_t seed) {
   const std::size_t n = std::min(first.size(), second.size());
   RatioEstimate estimate;
   if (n == 0) return estimate;

@@ -37,11 +37,13 @@ void turnAll(std::span<Vector3d> points, std::span<Quaterniond> rotations, const
   Quaterniond sum = Quaterniond::Identity();
   Vector3d before = points[0];
   double largest = 0.0;
-  for (size_t i = 0; i + 1 < points.size(); ++i) largest = std::max(largest, (effector - points[i]).cross(y).squaredNorm());
+  for (size_t i = 0; i + 1 < points.size(); ++i)
+    largest = std::max(largest, (effector - points[i]).cross(y).squaredNorm());
   const double scale = largest > 1.0 ? 1.0 / std::sqrt(largest) : 1.0;
   for (size_t i = 0; i + 1 < points.size(); ++i) {
     const Vector3d half = (effector - before).cross(y) * (0.5 * scale);
-    sum = sum * Quaterniond(1.0, half.x(), half.y(), half.z());  // 2 atan of the half angle: equal to it in first order
+    sum = sum * Quaterniond(1.0, half.x(), half.y(),
+                            half.z());  // 2 atan of the half angle: equal to it in first order
     sum.normalize();
     const Vector3d bone = points[i + 1] - before;
     before = points[i + 1];
@@ -93,7 +95,8 @@ class BallChain final : public IkSolver {
  public:
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.goals.empty()) return {};
-    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Position) return "solves exactly one position goal";
+    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Position)
+      return "solves exactly one position goal";
     return BallPath(*problem.skeleton, problem.goals[0]).whyNot;
   }
 
@@ -114,12 +117,15 @@ class BallChain final : public IkSolver {
         before[i] = Quaterniond(above.linear());
       }
       points[n] = above * path.tip;
-      const BallChainResult result = solveBallChain(points, turned, problem.goals[0].target, 0.5 * problem.positionTolerance, budget.maxIterations - 1);
+      const BallChainResult result = solveBallChain(
+          points, turned, problem.goals[0].target, 0.5 * problem.positionTolerance, budget.maxIterations - 1);
       VectorXd q = attempt.at.q();
       Quaterniond parent = Quaterniond::Identity();
       for (size_t i = 0; i < n; ++i) {
         const Quaterniond world = turned[i] * before[i];
-        setBallRotation(skeleton, q, path.joints[i], ((parent * Quaterniond(path.fromParent[i].linear())).conjugate() * world).normalized());
+        setBallRotation(
+            skeleton, q, path.joints[i],
+            ((parent * Quaterniond(path.fromParent[i].linear())).conjugate() * world).normalized());
         parent = world;
       }
       for (int i = 0; i < result.iterations; ++i) attempt.countIteration(0.0, 0.0);
@@ -132,7 +138,8 @@ class BallChain final : public IkSolver {
 
 }  // namespace
 
-BallChainResult solveBallChain(std::span<Vector3d> points, std::span<Quaterniond> rotations, const Vector3d& target, double tolerance, int maxIterations) {
+BallChainResult solveBallChain(std::span<Vector3d> points, std::span<Quaterniond> rotations,
+                               const Vector3d& target, double tolerance, int maxIterations) {
   BallChainResult result;
   result.distance = (target - points.back()).norm();
   int withoutProgress = 0;
@@ -149,8 +156,10 @@ BallChainResult solveBallChain(std::span<Vector3d> points, std::span<Quaterniond
       slope = std::max(slope, r.cross(e).norm());
       reach = std::max(reach, r.norm());
     }
-    if (slope < 1e-9 * reach * e.norm()) leaveLine(points, rotations);
-    else turnAll(points, rotations, y);
+    if (slope < 1e-9 * reach * e.norm())
+      leaveLine(points, rotations);
+    else
+      turnAll(points, rotations, y);
     const double now = (target - points.back()).norm();
     caution = now < result.distance ? std::max(1.0, 0.25 * caution) : 8.0 * caution;
     withoutProgress = now < result.distance * (1.0 - 1e-9) ? 0 : withoutProgress + 1;

@@ -8,20 +8,22 @@
 
 namespace gelenk {
 
-/// Levenberg-Marquardt for a chain of unlimited ball joints and one position goal, without ever forming J: with
-/// r_i = effector - joint i the block of joint i in J is -[r_i]x, so that
-///     J J^T = sum_i (r_i . r_i) I - r_i r_i^T,    dq_i = r_i x (J J^T + lambda I)^-1 e,    lambda = 1e-3 c |e|^2
+/// Levenberg-Marquardt for a chain of unlimited ball joints and one position goal, without ever forming J:
+/// with r_i = effector - joint i the block of joint i in J is -[r_i]x, so that
+///     J J^T = sum_i (r_i . r_i) I - r_i r_i^T,    dq_i = r_i x (J J^T + lambda I)^-1 e,    lambda = 1e-3 c
+///     |e|^2
 /// a 3 x 3 system whatever the number of joints. A step turns no joint by more than 1 rad; c is 1 and grows
 /// by 8 whenever a step made the error larger.
 ///
-/// points: joints, then the effector (n + 1); moved. rotations: n world rotations that the bones have turned by, multiplied on
-/// the left; may be empty where they are not wanted. Stops at `tolerance` (metres) or when the error has stopped falling.
+/// points: joints, then the effector (n + 1); moved. rotations: n world rotations that the bones have turned
+/// by, multiplied on the left; may be empty where they are not wanted. Stops at `tolerance` (metres) or when
+/// the error has stopped falling.
 struct BallChainResult {
   int iterations = 0;
   double distance = 0.0;  ///< metres
 };
-BallChainResult solveBallChain(std::span<Eigen::Vector3d> points, std::span<Eigen::Quaterniond> rotations, const Eigen::Vector3d& target,
-                               double tolerance, int maxIterations);
+BallChainResult solveBallChain(std::span<Eigen::Vector3d> points, std::span<Eigen::Quaterniond> rotations,
+                               const Eigen::Vector3d& target, double tolerance, int maxIterations);
 
 /// The same behind the solver interface: one position goal, all joints on its path unlimited balls or fixed.
 std::unique_ptr<IkSolver> makeBallChain();

@@ -33,7 +33,8 @@ struct Wanted {
 };
 
 /// The angle about an axis through `about` that minimises the objective above.
-double bestAngle(const Wanted& wanted, const Effector& effector, const Vector3d& about, const Vector3d& axis) {
+double bestAngle(const Wanted& wanted, const Effector& effector, const Vector3d& about,
+                 const Vector3d& axis) {
   double sine = 0.0, cosine = 0.0;
   const auto add = [&](const Vector3d& from, const Vector3d& to, double weight) {
     sine += weight * axis.dot(from.cross(to));
@@ -59,9 +60,13 @@ double turned(const AxisDof& dof, double q, double by) {
 class Sweep {
  public:
   Sweep(const Goal& goal, CountedEvaluator& at)
-      : skeleton_(at.skeleton()), frames_(at.frames()), q_(at.q()), goal_(goal),
+      : skeleton_(at.skeleton()),
+        frames_(at.frames()),
+        q_(at.q()),
+        goal_(goal),
         effector_{frames_[goal.joint] * goal.pointInJoint, frames_[goal.joint].linear()},
-        wanted_{goal.kind != GoalKind::Orientation, goal.kind != GoalKind::Position, goal.target, goal.orientation.normalized().toRotationMatrix()} {
+        wanted_{goal.kind != GoalKind::Orientation, goal.kind != GoalKind::Position, goal.target,
+                goal.orientation.normalized().toRotationMatrix()} {
     dofTwists(skeleton_, q_, frames_, twists_);
   }
 
@@ -69,7 +74,8 @@ class Sweep {
     for (int j = goal_.joint; j >= 0; j = skeleton_.parent(j)) {
       const Joint& joint = skeleton_.joint(j);
       if (joint.ball) turnBall(j);
-      for (int k = static_cast<int>(joint.axes.size()) - 1; k >= 0; --k) moveAxis(joint.axes[k], skeleton_.qIndex(j) + k, skeleton_.vIndex(j) + k);
+      for (int k = static_cast<int>(joint.axes.size()) - 1; k >= 0; --k)
+        moveAxis(joint.axes[k], skeleton_.qIndex(j) + k, skeleton_.vIndex(j) + k);
     }
     return q_;
   }
@@ -103,7 +109,8 @@ class Sweep {
       Effector moved = effector_;
       for (int k = 0; k < 3; ++k) {
         const Vector3d axis = world.col(k);
-        const Matrix3d part = Eigen::AngleAxisd(bestAngle(wanted_, moved, about, axis), axis).toRotationMatrix();
+        const Matrix3d part =
+            Eigen::AngleAxisd(bestAngle(wanted_, moved, about, axis), axis).toRotationMatrix();
         moved.turn(about, part);
         turn = part * turn;
       }
@@ -112,7 +119,8 @@ class Sweep {
     setBallRotation(skeleton_, q_, j, (before * Quaterniond(world.transpose() * turn * world)).normalized());
     if (skeleton_.joint(j).ballLimit && limitViolation(skeleton_, q_, j) > 0.0) {
       projectToLimits(skeleton_, q_, q_);
-      turn = world * (before.conjugate() * ballRotation(skeleton_, q_, j)).toRotationMatrix() * world.transpose();
+      turn = world * (before.conjugate() * ballRotation(skeleton_, q_, j)).toRotationMatrix() *
+             world.transpose();
     }
     effector_.turn(about, turn);
   }

@@ -6,13 +6,17 @@
 
 namespace gelenk {
 
-/// Cyclic coordinate descent: one dof after the other, from the effector to the root, takes the value that alone minimises
-///     |t - p|^2 + 1/2 sum_k |R e_k - T e_k|^2      (the parts that the goal asks for; the second is about the squared angle)
-/// which is an atan2 for a rotation and a projection for a translation. A ball takes the smallest rotation that turns the
-/// effector towards the target (position goals) or turns about three axes in sequence; it is then brought back within its swing
-/// cone and twist range. One position, orientation or pose goal. Wang, Chen 1991.
+/// Cyclic coordinate descent: one dof after the other, from the effector to the root, takes the value that
+/// alone minimises
+///     |t - p|^2 + 1/2 sum_k |R e_k - T e_k|^2      (the parts that the goal asks for; the second is about
+///     the squared angle)
+/// which is an atan2 for a rotation and a projection for a translation. A ball takes the smallest rotation
+/// that turns the effector towards the target (position goals) or turns about three axes in sequence; it is
+/// then brought back within its swing cone and twist range. One position, orientation or pose goal. Wang,
+/// Chen 1991.
 ///
-/// Needs no Jacobian and no singular pose stops it, but the joints near the effector do most of the work, and progress is linear.
+/// Needs no Jacobian and no singular pose stops it, but the joints near the effector do most of the work, and
+/// progress is linear.
 std::unique_ptr<IkSolver> makeCcd();
 
 }  // namespace gelenk

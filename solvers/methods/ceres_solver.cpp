@@ -37,7 +37,9 @@ struct Range {
 };
 
 /// The unit square onto the unit disc, and its derivative.
-Vector2d discFromSquare(double u, double v) { return {u * std::sqrt(1.0 - 0.5 * v * v), v * std::sqrt(1.0 - 0.5 * u * u)}; }
+Vector2d discFromSquare(double u, double v) {
+  return {u * std::sqrt(1.0 - 0.5 * v * v), v * std::sqrt(1.0 - 0.5 * u * u)};
+}
 Eigen::Matrix2d discSlope(double u, double v) {
   const double a = std::sqrt(1.0 - 0.5 * v * v), b = std::sqrt(1.0 - 0.5 * u * u);
   return (Eigen::Matrix2d() << a, -0.5 * u * v / a, -0.5 * u * v / b, b).finished();
@@ -66,8 +68,10 @@ std::vector<Block> makeBlocks(const Skeleton& skeleton, bool sine) {
     const int axes = static_cast<int>(joint.axes.size());
     for (int k = 0; k < axes; ++k) {
       const AxisDof& dof = joint.axes[k];
-      const Range range = dof.isFullTurn() ? Range{-unlimited, unlimited, sine} : Range{dof.lower, dof.upper, sine};
-      blocks.push_back({Block::Kind::Axis, i, skeleton.qIndex(i) + k, skeleton.vIndex(i) + k, 1, offset, {range}});
+      const Range range =
+          dof.isFullTurn() ? Range{-unlimited, unlimited, sine} : Range{dof.lower, dof.upper, sine};
+      blocks.push_back(
+          {Block::Kind::Axis, i, skeleton.qIndex(i) + k, skeleton.vIndex(i) + k, 1, offset, {range}});
       offset += 1;
     }
     if (!joint.ball) continue;
@@ -75,7 +79,9 @@ std::vector<Block> makeBlocks(const Skeleton& skeleton, bool sine) {
     if (joint.ballLimit) {
       block.kind = Block::Kind::LimitedBall;
       block.size = 3;
-      block.ranges = {{-1.0, 1.0, sine}, {-1.0, 1.0, sine}, {joint.ballLimit->twistLower, joint.ballLimit->twistUpper, sine}};
+      block.ranges = {{-1.0, 1.0, sine},
+                      {-1.0, 1.0, sine},
+                      {joint.ballLimit->twistLower, joint.ballLimit->twistUpper, sine}};
     }
     offset += block.size;
     blocks.push_back(block);
@@ -121,10 +127,12 @@ class Chart {
         q.segment<4>(block.iq) = Eigen::Map<const Eigen::Vector4d>(x).normalized();
       } else {
         const BallLimit& limit = *skeleton_.joint(block.joint).ballLimit;
-        const Vector2d disc = discFromSquare(block.ranges[0].fromParameter(x[0]), block.ranges[1].fromParameter(x[1]));
+        const Vector2d disc =
+            discFromSquare(block.ranges[0].fromParameter(x[0]), block.ranges[1].fromParameter(x[1]));
         const Vector2d swing = limit.swingCentre + limit.swingRadii.cwiseProduct(disc);
-        setBallRotation(skeleton_, q, block.joint,
-                        fromSwingTwistCoordinates({swing.x(), swing.y(), block.ranges[2].fromParameter(x[2])}));
+        setBallRotation(
+            skeleton_, q, block.joint,
+            fromSwingTwistCoordinates({swing.x(), swing.y(), block.ranges[2].fromParameter(x[2])}));
       }
     }
   }
@@ -150,8 +158,9 @@ class Chart {
     }
     const BallLimit& limit = *skeleton_.joint(block.joint).ballLimit;
     Matrix3d slope = Matrix3d::Identity();
-    slope.topLeftCorner<2, 2>() = limit.swingRadii.asDiagonal() * discSlope(block.ranges[0].fromParameter(x[0]),
-                                                                            block.ranges[1].fromParameter(x[1]));
+    slope.topLeftCorner<2, 2>() =
+        limit.swingRadii.asDiagonal() *
+        discSlope(block.ranges[0].fromParameter(x[0]), block.ranges[1].fromParameter(x[1]));
     for (int k = 0; k < 3; ++k) slope.col(k) *= block.ranges[k].slope(x[k]);
     out = J.middleCols<3>(block.iv) * (swingTwistJacobian(rotation).inverse() * slope);
   }
@@ -194,7 +203,8 @@ class Residual final : public ceres::CostFunction {
 /// Ceres's progress, handed to the attempt: counts, traces and ends it when the goals are met.
 class Watch final : public ceres::IterationCallback {
  public:
-  Watch(Attempt& attempt, const Chart& chart) : attempt_(attempt), chart_(chart), q_(attempt.at.skeleton().nq()) {}
+  Watch(Attempt& attempt, const Chart& chart)
+      : attempt_(attempt), chart_(chart), q_(attempt.at.skeleton().nq()) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (summary.iteration == 0) return ceres::SOLVER_CONTINUE;
     attempt_.countIteration(summary.step_norm,

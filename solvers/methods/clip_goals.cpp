@@ -6,8 +6,9 @@
 
 namespace gelenk {
 
-ClipWithGoals withGoals(const Skeleton& skeleton, const MotionClip& clip, const std::function<std::vector<Goal>(int)>& goalsOfFrame,
-                        const IkSolver& solver, const Budget& budget, double stayNear) {
+ClipWithGoals withGoals(const Skeleton& skeleton, const MotionClip& clip,
+                        const std::function<std::vector<Goal>(int)>& goalsOfFrame, const IkSolver& solver,
+                        const Budget& budget, double stayNear) {
   validate(skeleton, clip);
   ClipWithGoals result{.clip = clip};
   for (int f = 0; f < clip.frameCount(); ++f) {
@@ -24,7 +25,8 @@ ClipWithGoals withGoals(const Skeleton& skeleton, const MotionClip& clip, const 
     const Frames frames = forwardKinematics(skeleton, result.clip.q.col(f));
     for (const Goal& goal : problem.goals)
       if (goal.kind == GoalKind::Position)
-        result.largestError = std::max(result.largestError, (frames[goal.joint] * goal.pointInJoint - goal.target).norm());
+        result.largestError =
+            std::max(result.largestError, (frames[goal.joint] * goal.pointInJoint - goal.target).norm());
   }
   return result;
 }

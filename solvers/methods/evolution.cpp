@@ -50,7 +50,8 @@ class Evolution {
   };
 
   void sort() {
-    std::sort(people_.begin(), people_.end(), [](const Individual& a, const Individual& b) { return a.cost < b.cost; });
+    std::sort(people_.begin(), people_.end(),
+              [](const Individual& a, const Individual& b) { return a.cost < b.cost; });
   }
 
   void evaluate(Attempt& attempt, Individual& one) {

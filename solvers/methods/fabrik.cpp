@@ -24,13 +24,16 @@ Vector3d pulled(const Vector3d& to, const Vector3d& from, double length, const V
   return to + (square > 1e-24 ? Vector3d(along * (length / std::sqrt(square))) : Vector3d(fallback * length));
 }
 
-/// A straight chain cannot bend by pulling along its own line: its inner points move aside by a hundredth of the first bone.
+/// A straight chain cannot bend by pulling along its own line: its inner points move aside by a hundredth of
+/// the first bone.
 void bendIfInLine(std::span<Vector3d> points, const Vector3d& target) {
   const Vector3d line = points.back() - points.front();
   const double length = line.norm();
   if (points.size() < 3 || length == 0.0) return;
   const Vector3d u = line / length;
-  const auto aside = [&](const Vector3d& p) { return (p - points.front() - u * u.dot(p - points.front())).norm(); };
+  const auto aside = [&](const Vector3d& p) {
+    return (p - points.front() - u * u.dot(p - points.front())).norm();
+  };
   double most = aside(target);
   for (const Vector3d& p : points) most = std::max(most, aside(p));
   if (most > 1e-6 * length) return;
@@ -38,15 +41,18 @@ void bendIfInLine(std::span<Vector3d> points, const Vector3d& target) {
   for (size_t i = 1; i + 1 < points.size(); i += 2) points[i] += u.unitOrthogonal() * by;
 }
 
-/// A joint on the path that can turn, and the next place below it (the next such joint, or the effector's point).
+/// A joint on the path that can turn, and the next place below it (the next such joint, or the effector's
+/// point).
 struct Pivot {
   int joint;
-  Isometry3d fromParentPivot;  ///< of the joint's zero frame, in the moved frame of the pivot above (the world for the first)
+  Isometry3d fromParentPivot;  ///< of the joint's zero frame, in the moved frame of the pivot above (the
+                               ///< world for the first)
 };
 
 class FabrikChain {
  public:
-  FabrikChain(const Skeleton& skeleton, const Goal& goal, const VectorXd& q) : skeleton_(skeleton), goal_(goal) {
+  FabrikChain(const Skeleton& skeleton, const Goal& goal, const VectorXd& q)
+      : skeleton_(skeleton), goal_(goal) {
     std::vector<int> path;
     for (int j = goal.joint; j >= 0; j = skeleton.parent(j)) path.push_back(j);
     Isometry3d since = Isometry3d::Identity(), worldFromPivot = Isometry3d::Identity();
@@ -54,7 +60,9 @@ class FabrikChain {
     for (auto j = path.rbegin(); j != path.rend(); ++j) {
       const Joint& joint = skeleton.joint(*j);
       since = since * joint.parentFromZero;
-      const bool turns = joint.ball || std::any_of(joint.axes.begin(), joint.axes.end(), [](const AxisDof& d) { return d.kind == AxisDof::Kind::Rotation; });
+      const bool turns =
+          joint.ball || std::any_of(joint.axes.begin(), joint.axes.end(),
+                                    [](const AxisDof& d) { return d.kind == AxisDof::Kind::Rotation; });
       if (!turns) {
         since = since * jointMotion(skeleton, q, *j);  // translations are held where they are
         continue;
@@ -82,7 +90,8 @@ class FabrikChain {
   void moveTo(const VectorXd& q) {
     Isometry3d above = Isometry3d::Identity();
     for (size_t i = 0; i < pivots_.size(); ++i) {
-      const Isometry3d here = above * pivots_[i].fromParentPivot * jointMotion(skeleton_, q, pivots_[i].joint);
+      const Isometry3d here =
+          above * pivots_[i].fromParentPivot * jointMotion(skeleton_, q, pivots_[i].joint);
       points_[i] = here.translation();
       above = here;
     }
@@ -145,24 +154,30 @@ class FabrikChain {
 
   void turnBall(size_t i, const Isometry3d& zero, VectorXd& q) const {
     const int j = pivots_[i].joint;
-    const Vector3d next = i + 1 == pivots_.size() ? tip_ : Vector3d(pivots_[i + 1].fromParentPivot.translation());
+    const Vector3d next =
+        i + 1 == pivots_.size() ? tip_ : Vector3d(pivots_[i + 1].fromParentPivot.translation());
     const Isometry3d here = zero * jointMotion(skeleton_, q, j);
     const Vector3d target = here.inverse() * points_[i + 1];
     if (next.norm() < 1e-12 || target.norm() < 1e-12) return;  // the next pivot is in the same place
-    setBallRotation(skeleton_, q, j, (ballRotation(skeleton_, q, j) * rotationBetween(next, target)).normalized());
-    if (skeleton_.joint(j).ballLimit && limitViolation(skeleton_, q, j) > 0.0) projectToLimits(skeleton_, q, q);
+    setBallRotation(skeleton_, q, j,
+                    (ballRotation(skeleton_, q, j) * rotationBetween(next, target)).normalized());
+    if (skeleton_.joint(j).ballLimit && limitViolation(skeleton_, q, j) > 0.0)
+      projectToLimits(skeleton_, q, q);
   }
 
-  /// In the plane the angle that brings the next place onto the line to where the backward pass wants it, as in the paper. A hinge
-  /// about another axis often cannot get it there, or does not move it at all (a twist): it takes the angle that brings all places
-  /// below closest to where they are wanted, in the sum of squares.
+  /// In the plane the angle that brings the next place onto the line to where the backward pass wants it, as
+  /// in the paper. A hinge about another axis often cannot get it there, or does not move it at all (a
+  /// twist): it takes the angle that brings all places below closest to where they are wanted, in the sum of
+  /// squares.
   void turnHinge(size_t i, int k, const Isometry3d& zero, VectorXd& q) const {
     const Joint& joint = skeleton_.joint(pivots_[i].joint);
     const int at = skeleton_.qIndex(pivots_[i].joint);
     Isometry3d axisFrame = zero;  // the frame in which this axis turns
     for (int m = 0; m < k; ++m) {
-      if (joint.axes[m].kind == AxisDof::Kind::Rotation) axisFrame.rotate(Eigen::AngleAxisd(q[at + m], joint.axes[m].axis));
-      else axisFrame.translate(joint.axes[m].axis * q[at + m]);
+      if (joint.axes[m].kind == AxisDof::Kind::Rotation)
+        axisFrame.rotate(Eigen::AngleAxisd(q[at + m], joint.axes[m].axis));
+      else
+        axisFrame.translate(joint.axes[m].axis * q[at + m]);
     }
     const AxisDof& dof = joint.axes[k];
     const Isometry3d axisFromWorld = axisFrame.inverse();
@@ -186,8 +201,8 @@ class FabrikChain {
   const Goal& goal_;
   std::vector<Pivot> pivots_;
   Vector3d tip_ = Vector3d::Zero();  ///< the effector's point in the last pivot's frame
-  std::vector<Vector3d> points_;  ///< of the pivots and the effector: where the passes want them
-  std::vector<Vector3d> here_;    ///< where they are
+  std::vector<Vector3d> points_;     ///< of the pivots and the effector: where the passes want them
+  std::vector<Vector3d> here_;       ///< where they are
   std::vector<double> lengths_;
   bool free_ = true;     ///< unlimited balls alone
   bool inPlane_ = true;  ///< hinges about parallel axes alone
@@ -197,7 +212,8 @@ class Fabrik final : public IkSolver {
  public:
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.goals.empty()) return {};
-    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Position) return "solves exactly one position goal";
+    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Position)
+      return "solves exactly one position goal";
     const FabrikChain chain(*problem.skeleton, problem.goals[0], neutral(*problem.skeleton));
     return chain.hasPivots() ? "" : "no joint on the path turns";
   }
@@ -210,7 +226,8 @@ class Fabrik final : public IkSolver {
       if (chain.isFree()) {
         VectorXd q = attempt.at.q();
         chain.moveTo(q);
-        const int iterations = chain.runOnPoints(q, 0.5 * problem.positionTolerance, budget.maxIterations - 1);
+        const int iterations =
+            chain.runOnPoints(q, 0.5 * problem.positionTolerance, budget.maxIterations - 1);
         attempt.propose(q);
         for (int i = 0; i < iterations; ++i) attempt.countIteration(0.0, 0.0);
       }
@@ -227,7 +244,8 @@ class Fabrik final : public IkSolver {
 
 }  // namespace
 
-FabrikResult fabrikPoints(std::span<Vector3d> points, const Vector3d& target, double tolerance, int maxIterations) {
+FabrikResult fabrikPoints(std::span<Vector3d> points, const Vector3d& target, double tolerance,
+                          int maxIterations) {
   FabrikResult result;
   const size_t n = points.size() - 1;
   constexpr size_t onStack = 64;
@@ -244,8 +262,10 @@ FabrikResult fabrikPoints(std::span<Vector3d> points, const Vector3d& target, do
     points[n] = target;
     for (size_t i = n; i-- > 0;) points[i] = pulled(points[i + 1], points[i], lengths[i], Vector3d::UnitZ());
     points[0] = root;
-    for (size_t i = 0; i < n; ++i) points[i + 1] = pulled(points[i], points[i + 1], lengths[i], Vector3d::UnitZ());
-    if ((points[n] - end).squaredNorm() < 1e-24 * (1.0 + target.squaredNorm())) break;  // out of reach: the chain is straight
+    for (size_t i = 0; i < n; ++i)
+      points[i + 1] = pulled(points[i], points[i + 1], lengths[i], Vector3d::UnitZ());
+    if ((points[n] - end).squaredNorm() < 1e-24 * (1.0 + target.squaredNorm()))
+      break;  // out of reach: the chain is straight
   }
   result.distance = (points[n] - target).norm();
   return result;

@@ -13,8 +13,8 @@ namespace gelenk {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::vector<NewtonStep1d> newton1d(const std::function<double(double)>& f, double start, double X, double delta, double tolerance,
-                                   int maxSteps) {
+std::vector<NewtonStep1d> newton1d(const std::function<double(double)>& f, double start, double X,
+                                   double delta, double tolerance, int maxSteps) {
   std::vector<NewtonStep1d> steps;
   double phi = start;
   for (int i = 0; i <= maxSteps; ++i) {
@@ -43,21 +43,28 @@ MatrixXd pseudoInverse(const MatrixXd& D) {
   return D.transpose() * (D * D.transpose()).llt().solve(MatrixXd::Identity(D.rows(), D.rows()));
 }
 
-NewtonRun newton(const VectorFunction& f, const MatrixFunction& D, const VectorXd& start, const VectorXd& X, double tolerance,
-                 int maxSteps) {
+NewtonRun newton(const VectorFunction& f, const MatrixFunction& D, const VectorXd& start, const VectorXd& X,
+                 double tolerance, int maxSteps) {
   NewtonRun run;
   VectorXd phi = start;
   for (int i = 0; i <= maxSteps; ++i) {
-    NewtonStep at{.phi = phi, .f = f(phi), .g = {}, .D = D(phi), .Dplus = {}, .singularValues = {}, .step = {}, .linearised = {}};
+    NewtonStep at{.phi = phi,
+                  .f = f(phi),
+                  .g = {},
+                  .D = D(phi),
+                  .Dplus = {},
+                  .singularValues = {},
+                  .step = {},
+                  .linearised = {}};
     at.g = at.f - X;
     at.singularValues = at.D.jacobiSvd().singularValues();
     at.Dplus = pseudoInverse(at.D);
     const bool finite = at.g.allFinite(), reached = finite && at.g.norm() <= tolerance;
     if (!finite || reached || at.Dplus.size() == 0 || i == maxSteps) {
-      run.why = reached               ? NewtonStop::Converged
-                : !finite             ? NewtonStop::NotFinite
-                : !at.Dplus.size()    ? NewtonStop::Singular
-                                      : NewtonStop::Budget;
+      run.why = reached            ? NewtonStop::Converged
+                : !finite          ? NewtonStop::NotFinite
+                : !at.Dplus.size() ? NewtonStop::Singular
+                                   : NewtonStop::Budget;
       run.steps.push_back(std::move(at));
       break;
     }
@@ -117,11 +124,12 @@ class NewtonSolver final : public IkSolver {
   std::string whyUnsupported(const IkProblem& problem) const override {
     int rows = 0;
     for (const Goal& goal : problem.goals) rows += residualRows(goal, *problem.skeleton);
-    const bool inPlane = isPlanar(*problem.skeleton) && problem.goals.size() == 1 && problem.goals[0].kind == GoalKind::Position;
+    const bool inPlane = isPlanar(*problem.skeleton) && problem.goals.size() == 1 &&
+                         problem.goals[0].kind == GoalKind::Position;
     if (inPlane) rows = 2;
     if (rows <= problem.skeleton->nv()) return {};
-    return "Newton's method of the lecture needs n >= m: " + std::to_string(problem.skeleton->nv()) + " degrees of freedom for " +
-           std::to_string(rows) + " conditions";
+    return "Newton's method of the lecture needs n >= m: " + std::to_string(problem.skeleton->nv()) +
+           " degrees of freedom for " + std::to_string(rows) + " conditions";
   }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
@@ -197,7 +205,8 @@ class Newton1dSolver final : public IkSolver {
  public:
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.skeleton->nv() == 1) return {};
-    return "one-dimensional Newton needs a skeleton of one degree of freedom, this one has " + std::to_string(problem.skeleton->nv());
+    return "one-dimensional Newton needs a skeleton of one degree of freedom, this one has " +
+           std::to_string(problem.skeleton->nv());
   }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
@@ -226,8 +235,12 @@ class Newton1dSolver final : public IkSolver {
       const double delta = 1e-6, g = gradient(q), slope = (gradient(q + delta) - g) / delta;
       const double dq = -g / slope;
       if (trace != TraceLevel::Off)
-        report.trace.push_back({.q = trace == TraceLevel::Full ? VectorXd(VectorXd::Constant(1, q)) : VectorXd(),
-                                .residual = residual, .stepNorm = std::abs(dq), .damping = 0.0, .seconds = at.seconds()});
+        report.trace.push_back(
+            {.q = trace == TraceLevel::Full ? VectorXd(VectorXd::Constant(1, q)) : VectorXd(),
+             .residual = residual,
+             .stepNorm = std::abs(dq),
+             .damping = 0.0,
+             .seconds = at.seconds()});
       if (slope == 0.0 || !std::isfinite(dq)) {
         at.moveTo(VectorXd::Constant(1, q));
         report.why = Stop::Failure;
@@ -252,6 +265,8 @@ class Newton1dSolver final : public IkSolver {
 
 std::unique_ptr<IkSolver> makeNewton1d() { return std::make_unique<Newton1dSolver>(); }
 std::unique_ptr<IkSolver> makeNewton() { return std::make_unique<NewtonSolver>(Derivative::Analytic); }
-std::unique_ptr<IkSolver> makeNewtonDifferenceQuotient() { return std::make_unique<NewtonSolver>(Derivative::DifferenceQuotient); }
+std::unique_ptr<IkSolver> makeNewtonDifferenceQuotient() {
+  return std::make_unique<NewtonSolver>(Derivative::DifferenceQuotient);
+}
 
 }  // namespace gelenk

@@ -9,7 +9,8 @@ namespace gelenk {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool ConvexQp::solve(const MatrixXd& H, const VectorXd& g, const MatrixXd& C, const VectorXd& b, VectorXd& x) {
+bool ConvexQp::solve(const MatrixXd& H, const VectorXd& g, const MatrixXd& C, const VectorXd& b,
+                     VectorXd& x) {
   const int n = static_cast<int>(H.rows()), k = static_cast<int>(C.rows());
   x.setZero(n);
   y_.setZero(k);
@@ -85,7 +86,8 @@ struct QpDifferential {
   explicit QpDifferential(const IkProblem&) {}
   double damping() const { return damping_; }
 
-  void step(CountedEvaluator&, const LimitSet& limits, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet& limits, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     const int n = static_cast<int>(J.cols());
     damping_ = 1e-3 * r.squaredNorm() + 1e-9;
     H.noalias() = J.transpose() * J;

@@ -8,15 +8,15 @@
 
 namespace gelenk {
 
-/// Strictly convex quadratic program: minimise 1/2 x^T H x - g^T x subject to C x <= b with b >= 0, so that x = 0 is
-/// feasible. Primal active-set method with the Schur complement of the working set (Nocedal, Wright 2006, ch. 16). Ends after
-/// finitely many changes of the working set; after 10 (n + k) of them the feasible point reached is returned.
-/// H: n x n positive definite, C: k x n, normals in rows. Keeps its storage.
+/// Strictly convex quadratic program: minimise 1/2 x^T H x - g^T x subject to C x <= b with b >= 0, so that x
+/// = 0 is feasible. Primal active-set method with the Schur complement of the working set (Nocedal, Wright
+/// 2006, ch. 16). Ends after finitely many changes of the working set; after 10 (n + k) of them the feasible
+/// point reached is returned. H: n x n positive definite, C: k x n, normals in rows. Keeps its storage.
 class ConvexQp {
  public:
   /// False if H is not positive definite; x is then 0.
-  bool solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const Eigen::MatrixXd& C, const Eigen::VectorXd& b,
-             Eigen::VectorXd& x);
+  bool solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const Eigen::MatrixXd& C,
+             const Eigen::VectorXd& b, Eigen::VectorXd& x);
   /// Lagrange multipliers of the last solve, k, all >= 0 at the optimum: H x - g + C^T y = 0.
   const Eigen::VectorXd& multipliers() const { return y_; }
   bool optimal() const { return optimal_; }
@@ -31,9 +31,9 @@ class ConvexQp {
   bool optimal_ = false;
 };
 
-/// Differential IK as a quadratic program: minimise |J dq - r|^2 + mu |dq|^2 within the linearised limits and |dq_k| <= 0.5, with
-/// mu = 1e-3 |r|^2 + 1e-9 (ours). The limits bound the step itself instead of correcting it. Escande, Mansard, Wieber 2014;
-/// the damping after Sugihara 2011.
+/// Differential IK as a quadratic program: minimise |J dq - r|^2 + mu |dq|^2 within the linearised limits and
+/// |dq_k| <= 0.5, with mu = 1e-3 |r|^2 + 1e-9 (ours). The limits bound the step itself instead of correcting
+/// it. Escande, Mansard, Wieber 2014; the damping after Sugihara 2011.
 std::unique_ptr<IkSolver> makeQpDifferential();
 
 }  // namespace gelenk

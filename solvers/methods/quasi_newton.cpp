@@ -77,7 +77,8 @@ class LimitedInverse {
 template <typename Inverse>
 class QuasiNewton {
  public:
-  explicit QuasiNewton(const IkProblem& problem) : inverse_(problem.skeleton->nv()), nv_(problem.skeleton->nv()) {}
+  explicit QuasiNewton(const IkProblem& problem)
+      : inverse_(problem.skeleton->nv()), nv_(problem.skeleton->nv()) {}
 
   void operator()(Attempt& attempt) {
     CountedEvaluator& at = attempt.at;
@@ -112,7 +113,8 @@ class QuasiNewton {
       if (d_.allFinite() && d_.dot(projected) > 1e-10 * d_.norm() * projected.norm()) return;
       inverse_.reset();
     }
-    moved_.noalias() = attempt.at.jacobian() * projected;  // steepest descent with the best length of the linear model
+    moved_.noalias() =
+        attempt.at.jacobian() * projected;  // steepest descent with the best length of the linear model
     const double bottom = moved_.squaredNorm();
     d_ = projected * (bottom > 0.0 ? attempt.at.residual().dot(moved_) / bottom : 1.0);
   }

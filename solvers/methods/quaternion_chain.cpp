@@ -14,7 +14,8 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// The unit-quaternion formula on any q, as it stands on paper: with ||q|| != 1 it is no rotation, and that is the point.
+/// The unit-quaternion formula on any q, as it stands on paper: with ||q|| != 1 it is no rotation, and that
+/// is the point.
 struct EndError {
   std::array<double, 3> lengths;
   std::array<double, 3> target;
@@ -53,22 +54,25 @@ Vector3d quaternionChainEnd(const std::vector<double>& lengths, const std::vecto
   return end;
 }
 
-QuaternionChainFit fitQuaternionChain(const std::vector<double>& lengths, const std::vector<Quaterniond>& start, const Vector3d& target,
+QuaternionChainFit fitQuaternionChain(const std::vector<double>& lengths,
+                                      const std::vector<Quaterniond>& start, const Vector3d& target,
                                       UnitConstraint constraint, double penaltyWeight) {
-  if (lengths.size() != 3 || start.size() != 3) throw std::invalid_argument("the quaternion chain has exactly three joints");
+  if (lengths.size() != 3 || start.size() != 3)
+    throw std::invalid_argument("the quaternion chain has exactly three joints");
   std::array<std::array<double, 4>, 3> q;
   for (int i = 0; i < 3; ++i) q[i] = {start[i].w(), start[i].x(), start[i].y(), start[i].z()};
   const EndError error{{lengths[0], lengths[1], lengths[2]}, {target.x(), target.y(), target.z()}};
 
   ceres::Problem problem;
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EndError, 3, 4, 4, 4>(new EndError(error)), nullptr, q[0].data(), q[1].data(),
-                           q[2].data());
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EndError, 3, 4, 4, 4>(new EndError(error)),
+                           nullptr, q[0].data(), q[1].data(), q[2].data());
   for (auto& block : q) {
     if (constraint == UnitConstraint::Manifold)
       problem.SetManifold(block.data(), new ceres::QuaternionManifold);
     else
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<UnitLengthPenalty, 1, 4>(new UnitLengthPenalty{penaltyWeight}), nullptr,
-                               block.data());
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<UnitLengthPenalty, 1, 4>(new UnitLengthPenalty{penaltyWeight}),
+          nullptr, block.data());
   }
   ceres::Solver::Summary summary;
   ceres::Solve(smallDenseOptions(500), &problem, &summary);

@@ -25,7 +25,8 @@ struct OpenRule {
 struct PseudoInverse : OpenRule {
   static constexpr double truncation = 0.01;
   using OpenRule::OpenRule;
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     svd.factorise(J);
     dq.setZero();
     for (Eigen::Index i = 0; i < svd.sigma().size(); ++i)
@@ -42,7 +43,8 @@ struct MinimalChangePath : PseudoInverse {
 
 struct JacobianTranspose : OpenRule {
   using OpenRule::OpenRule;
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     dq.noalias() = J.transpose() * r;
     moved.noalias() = J * dq;
     const double length = moved.squaredNorm();
@@ -54,7 +56,8 @@ struct JacobianTranspose : OpenRule {
 struct DampedLeastSquares : OpenRule {
   static constexpr double lambda = 0.05;
   using OpenRule::OpenRule;
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     damping_ = lambda;
     system.factorise(J, lambda * lambda);
     system.solve(J, r, dq);
@@ -65,7 +68,8 @@ struct DampedLeastSquares : OpenRule {
 struct Nakamura : OpenRule {
   static constexpr double largestLambda = 0.1, threshold = 0.02;
   using OpenRule::OpenRule;
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     svd.factorise(J);
     double w = J.rows() <= J.cols() ? 1.0 : 0.0;  // more rows than columns: J J^T is singular
     for (Eigen::Index i = 0; i < J.rows() && w > 0.0; ++i) {
@@ -86,7 +90,8 @@ struct Nakamura : OpenRule {
 struct Chiaverini : OpenRule {
   static constexpr double region = 0.04;
   using OpenRule::OpenRule;
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     svd.factorise(J);
     const VectorXd& sigma = svd.sigma();
     const double epsilon = region * sigma[0];
@@ -116,7 +121,8 @@ struct SelectivelyDamped : OpenRule {
       row = end;
     }
   }
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     clamped = r;
     for (const Block& block : blocks) {
       const double length = clamped.segment(block.row, block.rows).norm();
@@ -151,7 +157,8 @@ struct LmChan : OpenRule {
   static constexpr double lambda = 0.1;
   static constexpr double largestStep = 1.0;
   using OpenRule::OpenRule;
-  void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     damping_ = lambda * at.cost();
     system.factorise(J, damping_);
     system.solve(J, r, dq);
@@ -167,7 +174,8 @@ struct LmSugihara : OpenRule {
   static constexpr double base = 1e-3;
   static constexpr double largestStep = 1.0;
   using OpenRule::OpenRule;
-  void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     damping_ = at.cost() + base;
     system.factorise(J, damping_);
     system.solve(J, r, dq);
@@ -203,7 +211,8 @@ struct GainRatioRule {
 
 struct LmGainRatio : GainRatioRule {
   using GainRatioRule::GainRatioRule;
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     startDamping(J);
     system.factorise(J, mu_);
     system.solve(J, r, dq);
@@ -218,8 +227,8 @@ struct LmGainRatio : GainRatioRule {
 
 struct Halley : LmGainRatio {
   using LmGainRatio::LmGainRatio;
-  void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd& r, const VectorXd& fixed,
-            VectorXd& dq) {
+  void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd& r,
+            const VectorXd& fixed, VectorXd& dq) {
     LmGainRatio::step(at, limits, J, r, fixed, dq);
     const double length = dq.norm();
     if (!(length < 1.0)) return;  // too long for a second order to tell anything
@@ -236,8 +245,8 @@ struct Halley : LmGainRatio {
 
 struct Geodesic : LmGainRatio {
   using LmGainRatio::LmGainRatio;
-  void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd& r, const VectorXd& fixed,
-            VectorXd& dq) {
+  void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd& r,
+            const VectorXd& fixed, VectorXd& dq) {
     LmGainRatio::step(at, limits, J, r, fixed, dq);
     at.jacobianDerivative(dq, curved);
     bend.noalias() = curved * dq;
@@ -251,8 +260,8 @@ struct Geodesic : LmGainRatio {
 struct ExactHessian : GainRatioRule {
   using GainRatioRule::GainRatioRule;
   void begin() { mu_ = 1e-6; }
-  void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd&, const VectorXd& fixed,
-            VectorXd& dq) {
+  void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd&,
+            const VectorXd& fixed, VectorXd& dq) {
     H = at.hessian();
     gradient.noalias() = J.transpose() * at.residual();
     const double slope = gradient.norm();
@@ -295,12 +304,20 @@ struct ExactHessian : GainRatioRule {
 }  // namespace
 
 std::unique_ptr<IkSolver> makePseudoInverse() { return std::make_unique<StepSolver<PseudoInverse>>(); }
-std::unique_ptr<IkSolver> makeMinimalChangePath() { return std::make_unique<StepSolver<MinimalChangePath>>(); }
-std::unique_ptr<IkSolver> makeJacobianTranspose() { return std::make_unique<StepSolver<JacobianTranspose>>(); }
-std::unique_ptr<IkSolver> makeDampedLeastSquares() { return std::make_unique<StepSolver<DampedLeastSquares>>(); }
+std::unique_ptr<IkSolver> makeMinimalChangePath() {
+  return std::make_unique<StepSolver<MinimalChangePath>>();
+}
+std::unique_ptr<IkSolver> makeJacobianTranspose() {
+  return std::make_unique<StepSolver<JacobianTranspose>>();
+}
+std::unique_ptr<IkSolver> makeDampedLeastSquares() {
+  return std::make_unique<StepSolver<DampedLeastSquares>>();
+}
 std::unique_ptr<IkSolver> makeNakamura() { return std::make_unique<StepSolver<Nakamura>>(); }
 std::unique_ptr<IkSolver> makeChiaverini() { return std::make_unique<StepSolver<Chiaverini>>(); }
-std::unique_ptr<IkSolver> makeSelectivelyDamped() { return std::make_unique<StepSolver<SelectivelyDamped>>(); }
+std::unique_ptr<IkSolver> makeSelectivelyDamped() {
+  return std::make_unique<StepSolver<SelectivelyDamped>>();
+}
 std::unique_ptr<IkSolver> makeLmChan() { return std::make_unique<StepSolver<LmChan>>(); }
 std::unique_ptr<IkSolver> makeLmSugihara() { return std::make_unique<StepSolver<LmSugihara>>(); }
 std::unique_ptr<IkSolver> makeLmGainRatio() { return std::make_unique<StepSolver<LmGainRatio>>(); }

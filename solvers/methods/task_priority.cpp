@@ -22,12 +22,14 @@ struct TaskPriority {
     for (const Goal& goal : problem.goals) {
       const int rows = residualRows(goal, *problem.skeleton);
       const int priority = goal.kind == GoalKind::Posture ? std::numeric_limits<int>::max() : goal.priority;
-      auto level = std::find_if(levels.begin(), levels.end(), [&](const Level& l) { return l.priority == priority; });
+      auto level =
+          std::find_if(levels.begin(), levels.end(), [&](const Level& l) { return l.priority == priority; });
       if (level == levels.end()) level = levels.insert(levels.end(), Level{.priority = priority});
       for (int k = 0; k < rows; ++k) level->rows.push_back(row + k);
       row += rows;
     }
-    std::sort(levels.begin(), levels.end(), [](const Level& a, const Level& b) { return a.priority < b.priority; });
+    std::sort(levels.begin(), levels.end(),
+              [](const Level& a, const Level& b) { return a.priority < b.priority; });
     const int nv = problem.skeleton->nv();
     for (Level& level : levels) {
       level.J.resize(static_cast<Eigen::Index>(level.rows.size()), nv);
@@ -37,7 +39,8 @@ struct TaskPriority {
   }
   double damping() const { return 0.0; }
 
-  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&, VectorXd& dq) {
+  void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
+            VectorXd& dq) {
     dq.setZero();
     N.setIdentity();
     for (Level& level : levels) {
@@ -52,8 +55,10 @@ struct TaskPriority {
       const VectorXd& sigma = level.svd.sigma();
       for (Eigen::Index i = 0; i < sigma.size(); ++i) {
         if (!(sigma[i] > 1e-9)) continue;
-        dq += level.svd.U().col(i).dot(level.r) * sigma[i] / (sigma[i] * sigma[i] + lambda2) * level.svd.V().col(i);
-        if (sigma[i] > truncation * sigma[0]) N.noalias() -= level.svd.V().col(i) * level.svd.V().col(i).transpose();
+        dq += level.svd.U().col(i).dot(level.r) * sigma[i] / (sigma[i] * sigma[i] + lambda2) *
+              level.svd.V().col(i);
+        if (sigma[i] > truncation * sigma[0])
+          N.noalias() -= level.svd.V().col(i) * level.svd.V().col(i).transpose();
       }
     }
   }

@@ -32,15 +32,19 @@ void requireLengths(double l1, double l2) {
 }
 
 /// In units of l1 + l2: angle psi between base -> target and the first link, and phi_2, both in [0, pi], for
-/// |d| <= rho <= 1 with d = (l1 - l2) / (l1 + l2). Half-angle formulas of the law of cosines: only factors that are exact to
-/// rounding, the same in both angles, so that what is lost next to the borders is lost by neither link alone.
+/// |d| <= rho <= 1 with d = (l1 - l2) / (l1 + l2). Half-angle formulas of the law of cosines: only factors
+/// that are exact to rounding, the same in both angles, so that what is lost next to the borders is lost by
+/// neither link alone.
 struct Triangle {
   double psi, phi2;
 };
 Triangle solveTriangle(double d, double rho) {
-  const double beyondFold = std::max(rho - d, 0.0), beyondOtherFold = std::max(rho + d, 0.0), beforeReach = std::max(1.0 - rho, 0.0);
-  return {.psi = 2.0 * std::atan2(std::sqrt(beyondFold * beforeReach), std::sqrt((1.0 + rho) * beyondOtherFold)),
-          .phi2 = 2.0 * std::atan2(std::sqrt(beforeReach * (1.0 + rho)), std::sqrt(beyondFold * beyondOtherFold))};
+  const double beyondFold = std::max(rho - d, 0.0), beyondOtherFold = std::max(rho + d, 0.0),
+               beforeReach = std::max(1.0 - rho, 0.0);
+  return {
+      .psi = 2.0 * std::atan2(std::sqrt(beyondFold * beforeReach), std::sqrt((1.0 + rho) * beyondOtherFold)),
+      .phi2 =
+          2.0 * std::atan2(std::sqrt(beforeReach * (1.0 + rho)), std::sqrt(beyondFold * beyondOtherFold))};
 }
 
 TwoLinkSolution single(TwoLinkCase kind, double phi1, double phi2, double gap, bool exact) {
@@ -54,7 +58,8 @@ TwoLinkSolution single(TwoLinkCase kind, double phi1, double phi2, double gap, b
 
 TwoLinkSolution solveTwoLink(const Vector2d& P1, double l1, double l2, const Vector2d& X) {
   requireLengths(l1, l2);
-  if (!P1.allFinite() || !X.allFinite()) throw std::invalid_argument("base and target of a two-link arm must be finite");
+  if (!P1.allFinite() || !X.allFinite())
+    throw std::invalid_argument("base and target of a two-link arm must be finite");
   const double reach = l1 + l2, hole = std::abs(l1 - l2);
   const double dx = X.x() - P1.x(), dy = X.y() - P1.y();
   const double r = std::hypot(dx, dy);
@@ -63,7 +68,8 @@ TwoLinkSolution solveTwoLink(const Vector2d& P1, double l1, double l2, const Vec
 
   if (r >= reach) {
     const double gap = r - reach;
-    return single(gap <= slack ? TwoLinkCase::Straight : TwoLinkCase::TooFar, direction, 0.0, gap, gap <= slack);
+    return single(gap <= slack ? TwoLinkCase::Straight : TwoLinkCase::TooFar, direction, 0.0, gap,
+                  gap <= slack);
   }
   if (r <= hole && hole > 0.0) {  // folded; the longer link points at the target
     const double gap = hole - r;
@@ -79,15 +85,18 @@ TwoLinkSolution solveTwoLink(const Vector2d& P1, double l1, double l2, const Vec
   return solution;
 }
 
-std::array<ArctangentCandidate, 4> arctangentCandidates(const Vector2d& P1, double l1, double l2, const Vector2d& X) {
+std::array<ArctangentCandidate, 4> arctangentCandidates(const Vector2d& P1, double l1, double l2,
+                                                        const Vector2d& X) {
   requireLengths(l1, l2);
   const double dx = X.x() - P1.x(), dy = X.y() - P1.y();
-  const double principal = std::acos(std::clamp((dx * dx + dy * dy - l1 * l1 - l2 * l2) / (2 * l1 * l2), -1.0, 1.0));
+  const double principal =
+      std::acos(std::clamp((dx * dx + dy * dy - l1 * l1 - l2 * l2) / (2 * l1 * l2), -1.0, 1.0));
   std::array<ArctangentCandidate, 4> candidates;
   int at = 0;
   for (const double phi2 : {principal, -principal}) {
     const double c2 = std::cos(phi2), s2 = std::sin(phi2);
-    const double arctangent = std::atan((dy * (l1 + l2 * c2) - dx * l2 * s2) / (dx * (l1 + l2 * c2) + dy * l2 * s2));
+    const double arctangent =
+        std::atan((dy * (l1 + l2 * c2) - dx * l2 * s2) / (dx * (l1 + l2 * c2) + dy * l2 * s2));
     for (const double phi1 : {arctangent, arctangent + (arctangent <= 0.0 ? M_PI : -M_PI)}) {
       const Vector2d reached = P1 + l1 * Vector2d(std::cos(phi1), std::sin(phi1)) +
                                l2 * Vector2d(std::cos(phi1 + phi2), std::sin(phi1 + phi2));
@@ -107,14 +116,16 @@ Bend bendTowards(const Vector3d& base, double l1, double l2, const Vector3d& tar
   e = e.norm() > 1e-12 ? e.normalized() : u.unitOrthogonal();
   const TwoLinkSolution plane = solveTwoLink({0.0, 0.0}, l1, l2, {r, 0.0});
   const TwoLinkBranch& branch = plane.branch[1];  // phi_2 <= 0: phi_1 >= 0, the elbow on the side of e
-  const auto inPlane = [&](double length, double angle) -> Vector3d { return length * (std::cos(angle) * u + std::sin(angle) * e); };
+  const auto inPlane = [&](double length, double angle) -> Vector3d {
+    return length * (std::cos(angle) * u + std::sin(angle) * e);
+  };
   Bend bend{.elbow = base + inPlane(l1, branch.phi1), .end = {}, .exact = branch.exact};
   bend.end = bend.elbow + inPlane(l2, branch.phi1 + branch.phi2);
   return bend;
 }
 
-Vector3d carriedPole(const Vector3d& base, const Vector3d& elbowBefore, const Vector3d& endBefore, const Vector3d& target,
-                     const Vector3d& wantedPole) {
+Vector3d carriedPole(const Vector3d& base, const Vector3d& elbowBefore, const Vector3d& endBefore,
+                     const Vector3d& target, const Vector3d& wantedPole) {
   const Vector3d before = endBefore - base, after = target - base;
   if (before.norm() == 0.0 || after.norm() == 0.0) return elbowBefore - base;
   const Vector3d u = after.normalized();

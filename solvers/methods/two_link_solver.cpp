@@ -42,12 +42,14 @@ std::optional<EulerOrder> eulerOrderOf(const Joint& joint) {
   return findEulerOrder(name);
 }
 
-bool canAim(const Joint& joint) { return (joint.ball && joint.axes.empty()) || eulerOrderOf(joint).has_value(); }
+bool canAim(const Joint& joint) {
+  return (joint.ball && joint.axes.empty()) || eulerOrderOf(joint).has_value();
+}
 
 /// Shoulder, elbow and the point that is led to the target.
 struct Chain {
   int shoulder = -1, elbow = -1;
-  bool inPlane = false;  ///< the shoulder is a hinge parallel to the elbow's
+  bool inPlane = false;    ///< the shoulder is a hinge parallel to the elbow's
   bool turnsHand = false;  ///< a pose goal: its ball joint is turned last, so the joint's origin is led
 };
 
@@ -58,29 +60,34 @@ std::optional<Chain> shoulderAbove(const Skeleton& skeleton, const Frames& frame
     const Joint& joint = skeleton.joint(i);
     chain.shoulder = i;
     if (canAim(joint)) return chain;
-    chain.inPlane = hinge && joint.axes.size() == 1 && isHinge(joint) &&
-                    std::abs(hingeAxis(skeleton, frames, i).dot(hingeAxis(skeleton, frames, chain.elbow))) > 1.0 - 1e-9;
+    chain.inPlane =
+        hinge && joint.axes.size() == 1 && isHinge(joint) &&
+        std::abs(hingeAxis(skeleton, frames, i).dot(hingeAxis(skeleton, frames, chain.elbow))) > 1.0 - 1e-9;
     if (chain.inPlane) return chain;
   }
   return std::nullopt;
 }
 
-/// Of all pairs above the goal the one whose shorter link is longest: the arm rather than the finger. Hinges come before balls.
+/// Of all pairs above the goal the one whose shorter link is longest: the arm rather than the finger. Hinges
+/// come before balls.
 std::optional<Chain> chainAbove(const Skeleton& skeleton, const Goal& goal, const Frames& frames) {
   const bool turnsHand = goal.kind == GoalKind::Pose;
   const Joint& hand = skeleton.joint(goal.joint);
   if (turnsHand && (!hand.ball || !hand.axes.empty())) return std::nullopt;
-  const Vector3d end = turnsHand ? frames[goal.joint].translation() : Vector3d(frames[goal.joint] * goal.pointInJoint);
+  const Vector3d end =
+      turnsHand ? frames[goal.joint].translation() : Vector3d(frames[goal.joint] * goal.pointInJoint);
   for (const bool balls : {false, true}) {
     std::optional<Chain> best;
     double longest = 1e-9;
     for (int i = turnsHand ? hand.parent : goal.joint; i >= 0; i = skeleton.parent(i)) {
       const Joint& joint = skeleton.joint(i);
       if (balls ? !joint.ball || !joint.axes.empty() : !isHinge(joint)) continue;
-      const std::optional<Chain> chain = shoulderAbove(skeleton, frames, {.elbow = i, .turnsHand = turnsHand});
+      const std::optional<Chain> chain =
+          shoulderAbove(skeleton, frames, {.elbow = i, .turnsHand = turnsHand});
       if (!chain) continue;
       const Vector3d elbow = frames[i].translation();
-      const double shorter = std::min((end - elbow).norm(), (elbow - frames[chain->shoulder].translation()).norm());
+      const double shorter =
+          std::min((end - elbow).norm(), (elbow - frames[chain->shoulder].translation()).norm());
       if (shorter <= longest * (1.0 + 1e-9)) continue;
       longest = shorter;
       best = chain;
@@ -96,10 +103,12 @@ const Goal* poleOf(const IkProblem& problem, int elbow) {
   return nullptr;
 }
 
-/// The angle within limits at which the end is `distance` away from the shoulder, nearest to `now`; where there is none, the one
-/// that comes nearest to it. distance^2(theta) = K - 2 (A cos theta + B sin theta), from arm vectors in a frame
-/// whose z is the hinge: the law of cosines for any position of the points along the hinge.
-double elbowAngle(const Vector3d& shoulderInHinge, const Vector3d& endInHinge, double distance, double now, double lower, double upper) {
+/// The angle within limits at which the end is `distance` away from the shoulder, nearest to `now`; where
+/// there is none, the one that comes nearest to it. distance^2(theta) = K - 2 (A cos theta + B sin theta),
+/// from arm vectors in a frame whose z is the hinge: the law of cosines for any position of the points along
+/// the hinge.
+double elbowAngle(const Vector3d& shoulderInHinge, const Vector3d& endInHinge, double distance, double now,
+                  double lower, double upper) {
   const Vector3d& p = shoulderInHinge;
   const Vector3d& c = endInHinge;
   const double A = p.x() * c.x() + p.y() * c.y(), B = p.y() * c.x() - p.x() * c.y();
@@ -108,9 +117,11 @@ double elbowAngle(const Vector3d& shoulderInHinge, const Vector3d& endInHinge, d
   const double size = std::hypot(A, B);
   if (size == 0.0) return now;
   const double cosine = std::clamp((K - distance * distance) / (2.0 * size), -1.0, 1.0);
-  const double middle = std::atan2(B, A), spread = std::atan2(std::sqrt((1.0 - cosine) * (1.0 + cosine)), cosine);
+  const double middle = std::atan2(B, A),
+               spread = std::atan2(std::sqrt((1.0 - cosine) * (1.0 + cosine)), cosine);
   const auto error = [&](double theta) {
-    return std::abs(std::sqrt(std::max(0.0, K - 2.0 * (A * std::cos(theta) + B * std::sin(theta)))) - distance);
+    return std::abs(std::sqrt(std::max(0.0, K - 2.0 * (A * std::cos(theta) + B * std::sin(theta)))) -
+                    distance);
   };
   std::vector<double> candidates{std::clamp(now, lower, upper)};
   for (const double limit : {lower, upper})
@@ -147,7 +158,8 @@ class TwoLinkSolver final : public IkSolver {
       const std::optional<Chain> chain = chainAbove(skeleton, goal, frames);
       if (!chain) return "above '" + name + "' there is no joint that bends below one that aims";
       for (const int joint : {chain->shoulder, chain->elbow}) {
-        if (std::find(used.begin(), used.end(), joint) != used.end()) return "two goals share the joint '" + skeleton.joint(joint).name + "'";
+        if (std::find(used.begin(), used.end(), joint) != used.end())
+          return "two goals share the joint '" + skeleton.joint(joint).name + "'";
         used.push_back(joint);
       }
       any = true;
@@ -167,16 +179,20 @@ class TwoLinkSolver final : public IkSolver {
     }
     at.moveTo(projectToLimits(*problem.skeleton, problem.start));
     if (trace != TraceLevel::Off)
-      report.trace.push_back({.q = trace == TraceLevel::Full ? at.q() : VectorXd(), .residual = at.residual().norm()});
+      report.trace.push_back(
+          {.q = trace == TraceLevel::Full ? at.q() : VectorXd(), .residual = at.residual().norm()});
     for (const Goal* goal : fromTheRoot(problem, at.frames())) bend(at, *goal);
     at.counters().iterations = 1;
     report.q = at.q();
     report.residual = at.residual().norm();
-    report.why = !report.q.allFinite() ? Stop::Failure : at.withinTolerance() ? Stop::Converged : Stop::Stationary;
+    report.why = !report.q.allFinite()  ? Stop::Failure
+                 : at.withinTolerance() ? Stop::Converged
+                                        : Stop::Stationary;
     if (report.why == Stop::Failure) report.q = problem.start;
     report.counters = at.counters();
     report.seconds = at.seconds();
-    if (!report.trace.empty()) report.trace[0].stepNorm = difference(*problem.skeleton, problem.start, report.q).norm();
+    if (!report.trace.empty())
+      report.trace[0].stepNorm = difference(*problem.skeleton, problem.start, report.q).norm();
     return report;
   }
 
@@ -187,7 +203,8 @@ class TwoLinkSolver final : public IkSolver {
     for (const Goal& goal : problem.goals)
       if (goal.kind == GoalKind::Position || goal.kind == GoalKind::Pose)
         order.emplace_back(chainAbove(*problem.skeleton, goal, frames)->shoulder, &goal);
-    std::stable_sort(order.begin(), order.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto& x, const auto& y) { return x.first < y.first; });
     std::vector<const Goal*> goals;
     for (const auto& [shoulder, goal] : order) goals.push_back(goal);
     return goals;
@@ -198,17 +215,20 @@ class TwoLinkSolver final : public IkSolver {
     const std::optional<Chain> chain = chainAbove(skeleton, goal, at.frames());
     if (!chain) return;
     const Vector3d pointInJoint = chain->turnsHand ? Vector3d(Vector3d::Zero()) : goal.pointInJoint;
-    const Vector3d target = chain->turnsHand ? Vector3d(goal.target - goal.orientation * goal.pointInJoint) : goal.target;
+    const Vector3d target =
+        chain->turnsHand ? Vector3d(goal.target - goal.orientation * goal.pointInJoint) : goal.target;
     const auto end = [&] { return Vector3d(at.frames()[goal.joint] * pointInJoint); };
     const double step = (target - end()).norm();
     bendElbow(at, *chain, end(), target);
     aimShoulder(at, *chain, end(), target);
-    if (const Goal* pole = poleOf(at.problem(), chain->elbow); pole && !chain->inPlane) swivel(at, *chain, end(), pole->target, step);
+    if (const Goal* pole = poleOf(at.problem(), chain->elbow); pole && !chain->inPlane)
+      swivel(at, *chain, end(), pole->target, step);
     if (chain->turnsHand) turnHand(at, goal);
   }
 
   /// Brings the end to the target's distance from the shoulder.
-  static void bendElbow(CountedEvaluator& at, const Chain& chain, const Vector3d& end, const Vector3d& target) {
+  static void bendElbow(CountedEvaluator& at, const Chain& chain, const Vector3d& end,
+                        const Vector3d& target) {
     const Skeleton& skeleton = at.skeleton();
     const Joint& joint = skeleton.joint(chain.elbow);
     const Isometry3d& elbow = at.frames()[chain.elbow];
@@ -237,14 +257,17 @@ class TwoLinkSolver final : public IkSolver {
       const Quaterniond upright = rotationBetween(axis, Vector3d::UnitZ());
       const double angle = elbowAngle(upright * p, upright * c, distance, 0.0, -unlimited, unlimited);
       const Vector3d axisInJoint = elbow.linear().transpose() * axis;
-      setBallRotation(skeleton, q, chain.elbow, (ballRotation(skeleton, q, chain.elbow) * expRotation(angle * axisInJoint)).normalized());
+      setBallRotation(
+          skeleton, q, chain.elbow,
+          (ballRotation(skeleton, q, chain.elbow) * expRotation(angle * axisInJoint)).normalized());
       q = projectToLimits(skeleton, q);
     }
     at.moveTo(q);
   }
 
   /// Turns the shoulder by the smallest rotation that points the end at the target.
-  static void aimShoulder(CountedEvaluator& at, const Chain& chain, const Vector3d& end, const Vector3d& target) {
+  static void aimShoulder(CountedEvaluator& at, const Chain& chain, const Vector3d& end,
+                          const Vector3d& target) {
     const Isometry3d& frame = at.frames()[chain.shoulder];
     Vector3d from = end - frame.translation(), to = target - frame.translation();
     if (chain.inPlane) {
@@ -266,14 +289,17 @@ class TwoLinkSolver final : public IkSolver {
     turnShoulder(at, chain, rotationBetween(from, to));
   }
 
-  /// Turns the arm about the line shoulder - end towards the pole: no faster than twice the target's step moves the elbow, and,
-  /// when the target rests, by 0.05 rad at most.
-  static void swivel(CountedEvaluator& at, const Chain& chain, const Vector3d& end, const Vector3d& pole, double step) {
+  /// Turns the arm about the line shoulder - end towards the pole: no faster than twice the target's step
+  /// moves the elbow, and, when the target rests, by 0.05 rad at most.
+  static void swivel(CountedEvaluator& at, const Chain& chain, const Vector3d& end, const Vector3d& pole,
+                     double step) {
     const Vector3d shoulder = at.frames()[chain.shoulder].translation();
     const Vector3d reach = end - shoulder;
     if (reach.norm() < 1e-9) return;
     const Vector3d u = reach.normalized();
-    const auto beside = [&](const Vector3d& point) { return Vector3d(point - shoulder - u * u.dot(point - shoulder)); };
+    const auto beside = [&](const Vector3d& point) {
+      return Vector3d(point - shoulder - u * u.dot(point - shoulder));
+    };
     const Vector3d e = beside(at.frames()[chain.elbow].translation()), wanted = beside(pole);
     const double h = e.norm();
     if (h < 1e-3 * reach.norm() || wanted.norm() < 1e-9) return;
@@ -289,12 +315,14 @@ class TwoLinkSolver final : public IkSolver {
     VectorXd q = at.q();
     if (joint.ball) {
       const Quaterniond turnInJoint(F.transpose() * turnInWorld.toRotationMatrix() * F);
-      setBallRotation(skeleton, q, chain.shoulder, (ballRotation(skeleton, q, chain.shoulder) * turnInJoint).normalized());
+      setBallRotation(skeleton, q, chain.shoulder,
+                      (ballRotation(skeleton, q, chain.shoulder) * turnInJoint).normalized());
     } else {
       const EulerOrder order = *eulerOrderOf(joint);
       const int index = skeleton.qIndex(chain.shoulder);
       const Vector3d before = q.segment<3>(index);
-      const Matrix3d motion = rotationFromEuler(order, before) * F.transpose() * turnInWorld.toRotationMatrix() * F;
+      const Matrix3d motion =
+          rotationFromEuler(order, before) * F.transpose() * turnInWorld.toRotationMatrix() * F;
       q.segment<3>(index) = nearestEuler(order, motion, before);
     }
     at.moveTo(projectToLimits(skeleton, q));
@@ -303,9 +331,11 @@ class TwoLinkSolver final : public IkSolver {
   /// Of the angles that give the same rotation those nearest to what they were.
   static Vector3d nearestEuler(const EulerOrder& order, const Matrix3d& R, const Vector3d& before) {
     Vector3d one = eulerFromRotation(order, R);
-    Vector3d other = order.isProper() ? Vector3d(one[0] + M_PI, -one[1], one[2] + M_PI) : Vector3d(one[0] + M_PI, M_PI - one[1], one[2] + M_PI);
+    Vector3d other = order.isProper() ? Vector3d(one[0] + M_PI, -one[1], one[2] + M_PI)
+                                      : Vector3d(one[0] + M_PI, M_PI - one[1], one[2] + M_PI);
     for (Vector3d* angles : {&one, &other})
-      for (int k = 0; k < 3; ++k) (*angles)[k] += 2.0 * M_PI * std::round((before[k] - (*angles)[k]) / (2.0 * M_PI));
+      for (int k = 0; k < 3; ++k)
+        (*angles)[k] += 2.0 * M_PI * std::round((before[k] - (*angles)[k]) / (2.0 * M_PI));
     return (one - before).squaredNorm() <= (other - before).squaredNorm() ? one : other;
   }
 
@@ -313,7 +343,9 @@ class TwoLinkSolver final : public IkSolver {
     const Skeleton& skeleton = at.skeleton();
     VectorXd q = at.q();
     const Quaterniond now(at.frames()[goal.joint].linear());
-    setBallRotation(skeleton, q, goal.joint, (ballRotation(skeleton, q, goal.joint) * now.conjugate() * goal.orientation).normalized());
+    setBallRotation(
+        skeleton, q, goal.joint,
+        (ballRotation(skeleton, q, goal.joint) * now.conjugate() * goal.orientation).normalized());
     at.moveTo(projectToLimits(skeleton, q));
   }
 };

@@ -25,7 +25,8 @@ using Eigen::VectorXd;
 KDL::Frame toKdl(const Eigen::Isometry3d& frame) {
   const auto& R = frame.linear();
   const auto& p = frame.translation();
-  return {KDL::Rotation(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)), KDL::Vector(p.x(), p.y(), p.z())};
+  return {KDL::Rotation(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
+          KDL::Vector(p.x(), p.y(), p.z())};
 }
 
 /// The fixed part of link i, before its joint moves.
@@ -38,8 +39,9 @@ KDL::Frame linkOffset(const SerialChain& chain, int i) {
 KDL::Chain toKdl(const SerialChain& chain) {
   KDL::Chain out;
   for (int i = 0; i < chain.n; ++i)
-    out.addSegment(KDL::Segment(KDL::Joint(chain.constants.revolute[i] != 0.0 ? KDL::Joint::RotZ : KDL::Joint::TransZ),
-                                i + 1 < chain.n ? linkOffset(chain, i + 1) : toKdl(chain.lastFromTip)));
+    out.addSegment(
+        KDL::Segment(KDL::Joint(chain.constants.revolute[i] != 0.0 ? KDL::Joint::RotZ : KDL::Joint::TransZ),
+                     i + 1 < chain.n ? linkOffset(chain, i + 1) : toKdl(chain.lastFromTip)));
   return out;
 }
 
@@ -62,9 +64,15 @@ enum class Method { Newton, NewtonWithLimits, LevenbergMarquardt };
 class KdlChainSolver {
  public:
   KdlChainSolver(Method method, const SerialChain& chain, int iterations)
-      : serial(chain), method_(method), chain_(toKdl(chain)), forward_(chain_), pseudoInverse_(chain_), damped_(chain_),
+      : serial(chain),
+        method_(method),
+        chain_(toKdl(chain)),
+        forward_(chain_),
+        pseudoInverse_(chain_),
+        damped_(chain_),
         newton_(chain_, forward_, pseudoInverse_, iterations, 5e-7),
-        limited_(chain_, toKdl(finite(chain.lower)), toKdl(finite(chain.upper)), forward_, damped_, iterations, 5e-7),
+        limited_(chain_, toKdl(finite(chain.lower)), toKdl(finite(chain.upper)), forward_, damped_,
+                 iterations, 5e-7),
         marquardt_(chain_, Eigen::Matrix<double, 6, 1>::Ones(), 9e-7, iterations) {
     damped_.setLambda(0.01);
   }
@@ -110,12 +118,15 @@ class KdlPeer final : public IkSolver {
   void prepare(const Skeleton& skeleton) override {
     const int tip = skeleton.jointCount() - 1;
     SerialChainResult result = extractSerialChain(skeleton, tip);
-    prepared_ = result.whyNot.empty() && whyNot(result.chain).empty() ? std::make_unique<KdlChainSolver>(method_, result.chain, defaultIterations) : nullptr;
+    prepared_ = result.whyNot.empty() && whyNot(result.chain).empty()
+                    ? std::make_unique<KdlChainSolver>(method_, result.chain, defaultIterations)
+                    : nullptr;
     skeleton_ = &skeleton;
   }
 
   std::string whyUnsupported(const IkProblem& problem) const override {
-    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Pose) return "solves exactly one pose goal";
+    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Pose)
+      return "solves exactly one pose goal";
     const SerialChainResult result = extractSerialChain(*problem.skeleton, problem.goals[0].joint);
     return result.whyNot.empty() ? whyNot(result.chain) : result.whyNot;
   }
@@ -130,14 +141,16 @@ class KdlPeer final : public IkSolver {
     const Goal& goal = problem.goals[0];
     std::unique_ptr<KdlChainSolver> fresh;
     KdlChainSolver* solver = prepared_.get();
-    if (!solver || problem.skeleton != skeleton_ || goal.joint != skeleton_->jointCount() - 1 || budget.maxIterations != defaultIterations) {
+    if (!solver || problem.skeleton != skeleton_ || goal.joint != skeleton_->jointCount() - 1 ||
+        budget.maxIterations != defaultIterations) {
       const SerialChainResult result = extractSerialChain(*problem.skeleton, goal.joint);
       if (!result.whyNot.empty() || !whyNot(result.chain).empty()) return report;
       fresh = std::make_unique<KdlChainSolver>(method_, result.chain, budget.maxIterations);
       solver = fresh.get();
     }
     report.why = Stop::Failure;
-    if (!problem.start.allFinite() || !goal.target.allFinite() || !goal.orientation.coeffs().allFinite()) return report;
+    if (!problem.start.allFinite() || !goal.target.allFinite() || !goal.orientation.coeffs().allFinite())
+      return report;
 
     const SerialChain& chain = solver->serial;
     Eigen::Isometry3d worldFromTip = Eigen::Translation3d(goal.target) * goal.orientation.normalized();
@@ -156,7 +169,8 @@ class KdlPeer final : public IkSolver {
       }
       for (int i = 0; i < chain.n; ++i) {
         const ChainConstants& C = chain.constants;
-        q(i) = attempt == 0 ? start[chain.qIndex[i]] : C.seedLower[i] + (C.seedUpper[i] - C.seedLower[i]) * uniform01(random);
+        q(i) = attempt == 0 ? start[chain.qIndex[i]]
+                            : C.seedLower[i] + (C.seedUpper[i] - C.seedLower[i]) * uniform01(random);
       }
       solver->solve(wanted, q);
       if (!q.data.allFinite()) continue;
@@ -190,10 +204,12 @@ class KdlPeer final : public IkSolver {
     return verdict.finite ? std::hypot(verdict.goals[0].position, verdict.goals[0].orientation) : INFINITY;
   }
 
-  /// KDL 1.5.1's damped velocities end the program (an assertion of the library) where the Jacobian has fewer columns than rows.
+  /// KDL 1.5.1's damped velocities end the program (an assertion of the library) where the Jacobian has fewer
+  /// columns than rows.
   std::string whyNot(const SerialChain& chain) const {
     if (method_ != Method::NewtonWithLimits || chain.n >= 6) return {};
-    return "KDL's damped velocity solver needs six or more degrees of freedom, this chain has " + std::to_string(chain.n);
+    return "KDL's damped velocity solver needs six or more degrees of freedom, this chain has " +
+           std::to_string(chain.n);
   }
 
   Method method_;
@@ -204,8 +220,12 @@ class KdlPeer final : public IkSolver {
 }  // namespace
 
 std::unique_ptr<IkSolver> makeKdlNewton() { return std::make_unique<KdlPeer>(Method::Newton); }
-std::unique_ptr<IkSolver> makeKdlNewtonWithLimits() { return std::make_unique<KdlPeer>(Method::NewtonWithLimits); }
-std::unique_ptr<IkSolver> makeKdlLevenbergMarquardt() { return std::make_unique<KdlPeer>(Method::LevenbergMarquardt); }
+std::unique_ptr<IkSolver> makeKdlNewtonWithLimits() {
+  return std::make_unique<KdlPeer>(Method::NewtonWithLimits);
+}
+std::unique_ptr<IkSolver> makeKdlLevenbergMarquardt() {
+  return std::make_unique<KdlPeer>(Method::LevenbergMarquardt);
+}
 
 }  // namespace gelenk
 

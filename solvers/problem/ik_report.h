@@ -5,7 +5,8 @@
 
 namespace gelenk {
 
-/// Why a solver stopped. That it stopped and that the goal is reached are different facts: judge.h decides the second.
+/// Why a solver stopped. That it stopped and that the goal is reached are different facts: judge.h decides
+/// the second.
 enum class Stop {
   Converged,    ///< every goal within its tolerance and all limits kept, by the solver's own evaluation
   Stationary,   ///< no descent direction is left: the best point near the start of a goal that is not met
@@ -38,8 +39,8 @@ struct Counters {
 
 struct IterationRecord {
   Eigen::VectorXd q;
-  double residual = 0.0;  ///< weighted root of the summed squares before the step, metres and radians alike; the last
-                          ///< record of an attempt describes where it ended and has no step
+  double residual = 0.0;  ///< weighted root of the summed squares before the step, metres and radians alike;
+                          ///< the last record of an attempt describes where it ended and has no step
   double stepNorm = 0.0;  ///< |dq|
   double damping = 0.0;   ///< lambda or mu where the method has one
   double seconds = 0.0;   ///< since the solve began
@@ -49,8 +50,9 @@ enum class TraceLevel { Off, Residuals, Full };  ///< Full keeps q of every iter
 
 struct Budget {
   int maxIterations = 200;  ///< of one attempt; every restart has as many again
-  double maxSeconds = 1.0;  ///< of the whole solve; answers are the same from run to run as long as it does not bind
-  int restarts = 0;           ///< random restarts allowed beyond the first attempt
+  double maxSeconds =
+      1.0;           ///< of the whole solve; answers are the same from run to run as long as it does not bind
+  int restarts = 0;  ///< random restarts allowed beyond the first attempt
   unsigned long long seed = 1;  ///< of the restarts and of stochastic solvers
 };
 

@@ -10,7 +10,8 @@
 
 namespace gelenk {
 
-/// One inverse-kinematics method. Stateless between solves: the same problem, budget and seed give the same answer.
+/// One inverse-kinematics method. Stateless between solves: the same problem, budget and seed give the same
+/// answer.
 class IkSolver {
  public:
   virtual ~IkSolver() = default;
@@ -28,11 +29,12 @@ class IkSolver {
 
 /// A row of the solver catalogue.
 struct SolverEntry {
-  std::string_view name;       ///< as typed on the command line and shown in the sandbox, e.g. "pseudo-inverse"
-  std::string_view title;      ///< "Pseudo-inverse Newton"
+  std::string_view name;   ///< as typed on the command line and shown in the sandbox, e.g. "pseudo-inverse"
+  std::string_view title;  ///< "Pseudo-inverse Newton"
   std::string_view reference;  ///< paper or slide
   std::unique_ptr<IkSolver> (*make)();
-  bool stochastic = false;     ///< the method itself draws random numbers, beyond the restarts that all have: judge it over many seeds
+  bool stochastic = false;  ///< the method itself draws random numbers, beyond the restarts that all have:
+                            ///< judge it over many seeds
 };
 
 /// Every solver there is, an explicit table in solver_catalogue.cpp.

@@ -15,9 +15,10 @@ struct NearestSolution {
   int iterations = 0;      ///< of Ceres, all starts together
 };
 
-/// Augmented Lagrangian on Ceres' Levenberg-Marquardt, from phi_old, from `hint`, and from 16 seeded starts around them; the best that fulfils
-/// the constraint to 1e-10 of the chain's length. X must be reachable, or the violation tells by how much it is not.
-NearestSolution nearestSolution(const PlanarChain& chain, const Eigen::VectorXd& phiOld, const Eigen::Vector2d& X,
-                                const Eigen::VectorXd& hint);
+/// Augmented Lagrangian on Ceres' Levenberg-Marquardt, from phi_old, from `hint`, and from 16 seeded starts
+/// around them; the best that fulfils the constraint to 1e-10 of the chain's length. X must be reachable, or
+/// the violation tells by how much it is not.
+NearestSolution nearestSolution(const PlanarChain& chain, const Eigen::VectorXd& phiOld,
+                                const Eigen::Vector2d& X, const Eigen::VectorXd& hint);
 
 }  // namespace gelenk

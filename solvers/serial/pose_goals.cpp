@@ -6,7 +6,8 @@ namespace gelenk {
 namespace {
 
 bool makeOnePose(const Goal& a, const Goal& b) {
-  return a.kind == GoalKind::Position && b.kind == GoalKind::Orientation && a.joint == b.joint && a.weight == b.weight && a.priority == b.priority;
+  return a.kind == GoalKind::Position && b.kind == GoalKind::Orientation && a.joint == b.joint &&
+         a.weight == b.weight && a.priority == b.priority;
 }
 
 bool anyToMerge(const IkProblem& problem) {
@@ -21,10 +22,12 @@ class MergingPoseGoals final : public IkSolver {
   explicit MergingPoseGoals(std::unique_ptr<IkSolver> solver) : solver_(std::move(solver)) {}
   void prepare(const Skeleton& skeleton) override { solver_->prepare(skeleton); }
   std::string whyUnsupported(const IkProblem& problem) const override {
-    return anyToMerge(problem) ? solver_->whyUnsupported(withPoseGoals(problem)) : solver_->whyUnsupported(problem);
+    return anyToMerge(problem) ? solver_->whyUnsupported(withPoseGoals(problem))
+                               : solver_->whyUnsupported(problem);
   }
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
-    return anyToMerge(problem) ? solver_->solve(withPoseGoals(problem), budget, trace) : solver_->solve(problem, budget, trace);
+    return anyToMerge(problem) ? solver_->solve(withPoseGoals(problem), budget, trace)
+                               : solver_->solve(problem, budget, trace);
   }
 
  private:
@@ -36,7 +39,8 @@ class MergingPoseGoals final : public IkSolver {
 IkProblem withPoseGoals(const IkProblem& problem) {
   IkProblem merged = problem;
   for (std::size_t i = 0; i < merged.goals.size(); ++i) {
-    const auto other = std::find_if(merged.goals.begin(), merged.goals.end(), [&](const Goal& b) { return makeOnePose(merged.goals[i], b); });
+    const auto other = std::find_if(merged.goals.begin(), merged.goals.end(),
+                                    [&](const Goal& b) { return makeOnePose(merged.goals[i], b); });
     if (other == merged.goals.end()) continue;
     merged.goals[i].kind = GoalKind::Pose;
     merged.goals[i].orientation = other->orientation;
@@ -47,6 +51,8 @@ IkProblem withPoseGoals(const IkProblem& problem) {
   return merged;
 }
 
-std::unique_ptr<IkSolver> mergingPoseGoals(std::unique_ptr<IkSolver> solver) { return std::make_unique<MergingPoseGoals>(std::move(solver)); }
+std::unique_ptr<IkSolver> mergingPoseGoals(std::unique_ptr<IkSolver> solver) {
+  return std::make_unique<MergingPoseGoals>(std::move(solver));
+}
 
 }  // namespace gelenk

@@ -23,7 +23,8 @@ struct Sample {
   double q[maxChainDofs], frame[12];
 };
 
-/// Grows with the angle of (x, y) from 0 to 1 over the turn, without trigonometry: the perimeter of a square instead of a circle.
+/// Grows with the angle of (x, y) from 0 to 1 over the turn, without trigonometry: the perimeter of a square
+/// instead of a circle.
 double turnOf(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (sum == 0.0) return 0.0;
@@ -34,12 +35,13 @@ double turnOf(double x, double y) {
 
 int SeedTable::cellOf(double radius, double height, double cosine, double turn) const {
   const auto bin = [&](double unit) { return std::clamp(static_cast<int>(unit * side_), 0, side_ - 1); };
-  const int i = bin(radius / radius_), j = bin((height - lowest_) / (highest_ - lowest_)), k = bin(0.5 * (cosine + 1.0)),
-            l = bin(turn);
+  const int i = bin(radius / radius_), j = bin((height - lowest_) / (highest_ - lowest_)),
+            k = bin(0.5 * (cosine + 1.0)), l = bin(turn);
   return ((i * side_ + j) * side_ + k) * side_ + l;
 }
 
-std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const SerialKernel& kernel, const SeedTableOptions& options) {
+std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const SerialKernel& kernel,
+                                          const SeedTableOptions& options) {
   if (n < 3 || C.revolute[0] == 0.0 || C.revolute[n - 1] == 0.0) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
   SeedTable table;
@@ -49,7 +51,8 @@ std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const 
   const double base[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, origin[3] = {0, 0, 0};
   double jacobian[6 * maxChainDofs];
   const auto draw = [&](Sample& s) {
-    for (int i = 0; i < n; ++i) s.q[i] = C.seedLower[i] + (C.seedUpper[i] - C.seedLower[i]) * uniform01(random);
+    for (int i = 0; i < n; ++i)
+      s.q[i] = C.seedLower[i] + (C.seedUpper[i] - C.seedLower[i]) * uniform01(random);
     s.q[0] = s.q[n - 1] = 0.0;
     kernel.frameAndJacobian(C, base, origin, s.q, s.frame, jacobian);
   };
@@ -87,14 +90,16 @@ std::optional<SeedTable> SeedTable::build(const ChainConstants& C, int n, const 
     SeedCell& starts = table.cells_[cell];
     for (int i = 0; i < n; ++i) starts.q[i][slot] = static_cast<float>(s.q[i]);
     starts.q[0][slot] = static_cast<float>(-azimuth);
-    for (int k = 0; k < 3; ++k) starts.x[k][slot] = static_cast<float>(x[k]), starts.y[k][slot] = static_cast<float>(y[k]);
+    for (int k = 0; k < 3; ++k)
+      starts.x[k][slot] = static_cast<float>(x[k]), starts.y[k][slot] = static_cast<float>(y[k]);
   }
   for (int cell = 0; cell < cells; ++cell) table.order(C, kernel, cell);
   table.seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return table;
 }
 
-/// Greedy cover: the start that leads to most of the cell's poses first, then the one that adds most, soonest.
+/// Greedy cover: the start that leads to most of the cell's poses first, then the one that adds most,
+/// soonest.
 void SeedTable::order(const ChainConstants& C, const SerialKernel& kernel, int cell) {
   constexpr int most = kernelLanes;
   const SeedCell from = cells_[cell];
@@ -110,7 +115,9 @@ void SeedTable::order(const ChainConstants& C, const SerialKernel& kernel, int c
     q[0] = middle;  // the pose in the middle of the first joint's range
     kernel.frameAndJacobian(C, base, origin, q, frame, jacobian);
     KernelTarget target;
-    for (int k = 0; k < 3; ++k) target.x[k] = frame[k], target.y[k] = frame[3 + k], target.z[k] = frame[6 + k], target.p[k] = frame[9 + k];
+    for (int k = 0; k < 3; ++k)
+      target.x[k] = frame[k], target.y[k] = frame[3 + k], target.z[k] = frame[6 + k],
+      target.p[k] = frame[9 + k];
     LaneStarts turned;
     kernel.turnSeeds(C, target, from, count, turned);
     for (int s = 0; s < count; ++s) {
@@ -118,7 +125,8 @@ void SeedTable::order(const ChainConstants& C, const SerialKernel& kernel, int c
       for (int i = 0; i < n_; ++i) starts[(t * count + s) * n_ + i] = turned.q[i][s];
     }
   }
-  kernel.batch(C, KernelTask{.attemptIterations = trainingIterations}, targets, count * count, starts, 1, 1, 1, answers);
+  kernel.batch(C, KernelTask{.attemptIterations = trainingIterations}, targets, count * count, starts, 1, 1,
+               1, answers);
   unsigned covered = 0, taken = 0;
   for (int place = 0; place < count; ++place) {
     int best = -1, bestValue = -1;
@@ -137,7 +145,8 @@ void SeedTable::order(const ChainConstants& C, const SerialKernel& kernel, int c
     taken |= 1u << best;
     covered |= bestReach;
     for (int i = 0; i < n_; ++i) cells_[cell].q[i][place] = from.q[i][best];
-    for (int k = 0; k < 3; ++k) cells_[cell].x[k][place] = from.x[k][best], cells_[cell].y[k][place] = from.y[k][best];
+    for (int k = 0; k < 3; ++k)
+      cells_[cell].x[k][place] = from.x[k][best], cells_[cell].y[k][place] = from.y[k][best];
   }
 }
 
@@ -149,7 +158,8 @@ int SeedTable::cellOf(const KernelTarget& target) const {
   return cellOf(radius, target.p[2], z[2], turnOf(z[0], z[1]));
 }
 
-bool SeedTable::lookUp(const ChainConstants& C, const SerialKernel& kernel, const KernelTarget& target, LaneStarts& starts) const {
+bool SeedTable::lookUp(const ChainConstants& C, const SerialKernel& kernel, const KernelTarget& target,
+                       LaneStarts& starts) const {
   const int cell = cellOf(target);
   starts.valid = 0;
   if (counts_[cell] == 0) return false;
@@ -158,7 +168,8 @@ bool SeedTable::lookUp(const ChainConstants& C, const SerialKernel& kernel, cons
 }
 
 double SeedTable::filledCells() const {
-  return static_cast<double>(std::count_if(counts_.begin(), counts_.end(), [](auto c) { return c > 0; })) / static_cast<double>(counts_.size());
+  return static_cast<double>(std::count_if(counts_.begin(), counts_.end(), [](auto c) { return c > 0; })) /
+         static_cast<double>(counts_.size());
 }
 
 }  // namespace gelenk

@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double noWall = 1e300;
-constexpr double parallelSine = 1e-11;  // axes closer than this are parallel: the error, 1e-11 of a length, is below rounding's reach
+constexpr double parallelSine =
+    1e-11;  // axes closer than this are parallel: the error, 1e-11 of a length, is below rounding's reach
 
 /// The axis of a dof at the chain's zero, in the world.
 struct AxisLine {
@@ -32,11 +33,12 @@ std::vector<int> pathFromRoot(const Skeleton& skeleton, int joint) {
 
 Vector3d anyPerpendicular(const Vector3d& v) { return v.unitOrthogonal(); }
 
-/// Where the common normal of two lines leaves `from` and meets `to`, and its direction; `previousFoot` lies on `from` and is
-/// kept where the lines are parallel, `previousX` where they coincide.
+/// Where the common normal of two lines leaves `from` and meets `to`, and its direction; `previousFoot` lies
+/// on `from` and is kept where the lines are parallel, `previousX` where they coincide.
 struct CommonNormal {
   Vector3d footOnFrom, footOnTo, x;
-  CommonNormal(const AxisLine& from, const AxisLine& to, const Vector3d& previousFoot, const Vector3d& previousX) {
+  CommonNormal(const AxisLine& from, const AxisLine& to, const Vector3d& previousFoot,
+               const Vector3d& previousX) {
     const Vector3d normal = from.direction.cross(to.direction), between = to.point - from.point;
     const double sine = normal.norm();
     if (sine > parallelSine) {
@@ -46,7 +48,8 @@ struct CommonNormal {
       return;
     }
     footOnFrom = previousFoot;
-    const Vector3d across = to.point - previousFoot - from.direction * (to.point - previousFoot).dot(from.direction);
+    const Vector3d across =
+        to.point - previousFoot - from.direction * (to.point - previousFoot).dot(from.direction);
     footOnTo = previousFoot + across;
     const double length = across.norm();
     x = length > 1e-12 ? Vector3d(across / length) : previousX;
@@ -151,8 +154,12 @@ SerialChainResult extractSerialChain(const Skeleton& skeleton, int tipJoint) {
       C.lower[i] = wraps || dof.lower == -unlimited ? -noWall : dof.lower;
       C.upper[i] = wraps || dof.upper == unlimited ? noWall : dof.upper;
       const double halfRange = revolute ? M_PI : 1.0;
-      C.seedLower[i] = C.lower[i] > -noWall ? C.lower[i] : C.upper[i] < noWall ? C.upper[i] - 2.0 * halfRange : -halfRange;
-      C.seedUpper[i] = C.upper[i] < noWall ? C.upper[i] : C.lower[i] > -noWall ? C.lower[i] + 2.0 * halfRange : halfRange;
+      C.seedLower[i] = C.lower[i] > -noWall  ? C.lower[i]
+                       : C.upper[i] < noWall ? C.upper[i] - 2.0 * halfRange
+                                             : -halfRange;
+      C.seedUpper[i] = C.upper[i] < noWall    ? C.upper[i]
+                       : C.lower[i] > -noWall ? C.lower[i] + 2.0 * halfRange
+                                              : halfRange;
       if (!revolute && std::isfinite(dof.lower) && std::isfinite(dof.upper))
         chain.length += std::max(std::abs(dof.lower), std::abs(dof.upper));
     }
@@ -167,7 +174,8 @@ SerialChainResult extractSerialChain(const Skeleton& skeleton, int tipJoint) {
   const Isometry3d worldFromLast = setParameters(lines, chain);
   chain.lastFromTip = worldFromLast.inverse() * world;
   if (!agrees(skeleton, tipJoint, chain))
-    result.whyNot = "two neighbouring axes are so nearly parallel that Denavit-Hartenberg parameters lose precision";
+    result.whyNot =
+        "two neighbouring axes are so nearly parallel that Denavit-Hartenberg parameters lose precision";
   return result;
 }
 

@@ -21,8 +21,9 @@ bool processorHas(InstructionSet set) {
     case InstructionSet::Baseline: return true;
     case InstructionSet::Avx2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case InstructionSet::Avx512:
-      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-             __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+             __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx2") &&
+             __builtin_cpu_supports("fma");
   }
   return false;
 #else
@@ -53,7 +54,8 @@ const char* toString(InstructionSet set) {
 const SerialKernel& serialKernel(InstructionSet set, int n, bool prismatic) {
   const SerialKernel* kernel = processorHas(set) ? find(set, n, prismatic) : nullptr;
   if (!kernel)
-    throw std::invalid_argument("no kernel for " + std::to_string(n) + " dofs with the instruction set '" + toString(set) + "' here");
+    throw std::invalid_argument("no kernel for " + std::to_string(n) + " dofs with the instruction set '" +
+                                toString(set) + "' here");
   return *kernel;
 }
 

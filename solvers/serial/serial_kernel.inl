@@ -1,11 +1,12 @@
 // The inner loops of the flagship, for one instruction set: include with GELENK_KERNEL_FUNCTION (the name of
-// the function that hands them out) defined. Everything has internal linkage: nothing compiled here may leak into other files.
+// the function that hands them out) defined. Everything has internal linkage: nothing compiled here may leak
+// into other files.
 //
-// One template serves a single problem (V = double), sixteen starts or problems side by side in single precision (V = Floats), which
-// only has to come close, and eight in double precision (V = Doubles) that are finished together.
-// An iteration is Levenberg-Marquardt with damping proportional to the error (Chan and Lawrence 1988), columns of joints that
-// stand at a wall and are pushed against it taken out (active set), and the Cayley rotation error
-// 2 tan(theta/2) axis, which needs no trigonometry and has no wrong half turn.
+// One template serves a single problem (V = double), sixteen starts or problems side by side in single
+// precision (V = Floats), which only has to come close, and eight in double precision (V = Doubles) that are
+// finished together. An iteration is Levenberg-Marquardt with damping proportional to the error (Chan and
+// Lawrence 1988), columns of joints that stand at a wall and are pushed against it taken out (active set),
+// and the Cayley rotation error 2 tan(theta/2) axis, which needs no trigonometry and has no wrong half turn.
 
 #include <type_traits>
 
@@ -27,7 +28,8 @@
 namespace gelenk {
 namespace {
 
-/// Registers of this instruction set. Sixteen float lanes and eight double lanes are as many registers of them as it takes.
+/// Registers of this instruction set. Sixteen float lanes and eight double lanes are as many registers of
+/// them as it takes.
 #if defined(__AVX512F__)
 constexpr int width = 8;
 #elif defined(__AVX2__)
@@ -128,15 +130,18 @@ GELENK_INLINE int bits(FloatsMask mask) {
 #endif
 }
 
-/// Sine and cosine to about 1e-15 (double, |x| < 1e5) or 3e-7 (float, |x| < 1e3): reduction by multiples of pi/2 in two parts (the
-/// first is short, so that its multiples are exact), then Taylor polynomials on [-pi/4, pi/4].
+/// Sine and cosine to about 1e-15 (double, |x| < 1e5) or 3e-7 (float, |x| < 1e3): reduction by multiples of
+/// pi/2 in two parts (the first is short, so that its multiples are exact), then Taylor polynomials on
+/// [-pi/4, pi/4].
 template <typename V>
 GELENK_INLINE void sineCosine(V x, V& sine, V& cosine) {
   using S = Scalar<V>;
   using Bits = typename Of<V>::Bits;
   constexpr bool wide = sizeof(S) == 8;
-  constexpr S roundToInteger = wide ? 6755399441055744.0 : 12582912.0;  // 1.5 * 2^52 or 2^23: the sum's low bits hold the integer
-  constexpr S halfPiHigh = wide ? 0x1.921fb544p+0 : 0x1.92p+0, halfPiLow = wide ? 0x1.0b4611a626331p-34 : 0x1.fb5444p-12;
+  constexpr S roundToInteger =
+      wide ? 6755399441055744.0 : 12582912.0;  // 1.5 * 2^52 or 2^23: the sum's low bits hold the integer
+  constexpr S halfPiHigh = wide ? 0x1.921fb544p+0 : 0x1.92p+0,
+              halfPiLow = wide ? 0x1.0b4611a626331p-34 : 0x1.fb5444p-12;
   const V shifted = x * S(0.63661977236758134308) + roundToInteger;
   const Bits k = __builtin_bit_cast(Bits, shifted);
   const V turns = shifted - roundToInteger;
@@ -170,7 +175,8 @@ GELENK_INLINE void sineCosine(V x, V& sine, V& cosine) {
   const V swappedSine = select(quarter, c, s), swappedCosine = select(quarter, s, c);
   constexpr int toSign = 8 * sizeof(S) - 2;
   sine = __builtin_bit_cast(V, __builtin_bit_cast(Bits, swappedSine) ^ ((k & Word(2)) << toSign));
-  cosine = __builtin_bit_cast(V, __builtin_bit_cast(Bits, swappedCosine) ^ (((k + Word(1)) & Word(2)) << toSign));
+  cosine =
+      __builtin_bit_cast(V, __builtin_bit_cast(Bits, swappedCosine) ^ (((k + Word(1)) & Word(2)) << toSign));
 }
 
 template <typename V, typename W>
@@ -186,7 +192,8 @@ GELENK_INLINE void cross(const V* a, const V* b, V* out) {
 
 /// The chain's constants in single precision; where there is no wall a far one.
 struct FloatConstants {
-  float a[maxChainDofs], d[maxChainDofs], cosAlpha[maxChainDofs], sinAlpha[maxChainDofs], theta[maxChainDofs], revolute[maxChainDofs];
+  float a[maxChainDofs], d[maxChainDofs], cosAlpha[maxChainDofs], sinAlpha[maxChainDofs], theta[maxChainDofs],
+      revolute[maxChainDofs];
   float lower[maxChainDofs], upper[maxChainDofs], seedLower[maxChainDofs], seedRange[maxChainDofs];
 
   explicit FloatConstants(const ChainConstants& C) {
@@ -223,7 +230,8 @@ GELENK_INLINE void jointSinesCosines(const Constants<V>& C, const V* q, V* s, V*
   using S = Scalar<V>;
   if constexpr (lanesIn<V> == 1) {  // a single problem: the joints take the lanes
     alignas(64) double angle[maxChainDofs] = {}, sine[maxChainDofs], cosine[maxChainDofs];
-    GELENK_UNROLL for (int i = 0; i < N; ++i) angle[i] = C.theta[i] + (Prismatic ? C.revolute[i] * q[i] : q[i]);
+    GELENK_UNROLL for (int i = 0; i < N; ++i) angle[i] =
+        C.theta[i] + (Prismatic ? C.revolute[i] * q[i] : q[i]);
     GELENK_UNROLL for (int first = 0; first < N; first += width) {
       Doubles a, b;
       sineCosine(load<Doubles>(angle + first), a, b);
@@ -232,7 +240,8 @@ GELENK_INLINE void jointSinesCosines(const Constants<V>& C, const V* q, V* s, V*
     }
     GELENK_UNROLL for (int i = 0; i < N; ++i) s[i] = sine[i], c[i] = cosine[i];
   } else {
-    GELENK_UNROLL for (int i = 0; i < N; ++i) sineCosine<V>((Prismatic ? q[i] * S(C.revolute[i]) : q[i]) + S(C.theta[i]), s[i], c[i]);
+    GELENK_UNROLL for (int i = 0; i < N; ++i)
+        sineCosine<V>((Prismatic ? q[i] * S(C.revolute[i]) : q[i]) + S(C.theta[i]), s[i], c[i]);
   }
 }
 
@@ -273,7 +282,8 @@ struct Error {
 };
 
 template <typename V, int N, bool Pose>
-GELENK_INLINE void errorAt(const KernelTask& task, const Place<V, N>& at, const Target<V>& target, Error<V>& error) {
+GELENK_INLINE void errorAt(const KernelTask& task, const Place<V, N>& at, const Target<V>& target,
+                           Error<V>& error) {
   using S = Scalar<V>;
   GELENK_UNROLL for (int k = 0; k < 3; ++k) {
     error.e[k] = Pose || task.position ? target.p[k] - at.point[k] : fill<V>(0);
@@ -286,7 +296,8 @@ GELENK_INLINE void errorAt(const KernelTask& task, const Place<V, N>& at, const 
     cross(at.y, target.y, b);
     cross(at.z[N - 1], target.z, c);
     const V trace = dot(at.x, target.x) + dot(at.y, target.y) + dot(at.z[N - 1], target.z);
-    const V factor = S(2) / larger<V>(S(1) + trace, fill<V>(0.25));  // 4 cos^2(theta/2), bounded below near the half turn
+    const V factor =
+        S(2) / larger<V>(S(1) + trace, fill<V>(0.25));  // 4 cos^2(theta/2), bounded below near the half turn
     GELENK_UNROLL for (int k = 0; k < 3; ++k) error.w[k] = factor * (a[k] + b[k] + c[k]);
     error.faces = trace > fill<V>(0);
   }
@@ -296,7 +307,8 @@ GELENK_INLINE void errorAt(const KernelTask& task, const Place<V, N>& at, const 
 }
 
 template <typename V, int N, bool Prismatic, bool Pose>
-GELENK_INLINE void evaluate(const Constants<V>& C, const KernelTask& task, const Target<V>& target, const V* q, Place<V, N>& at, Error<V>& error) {
+GELENK_INLINE void evaluate(const Constants<V>& C, const KernelTask& task, const Target<V>& target,
+                            const V* q, Place<V, N>& at, Error<V>& error) {
   place<V, N, Prismatic, Pose>(C, task, q, at);
   errorAt<V, N, Pose>(task, at, target, error);
 }
@@ -307,8 +319,9 @@ GELENK_INLINE typename Of<V>::Mask isWithin(const Error<V>& error, double positi
   return (error.position2 <= S(position2)) & (error.orientation2 <= S(orientation2)) & error.faces;
 }
 
-/// Solves A d = b in place: A = L D L^T, lower triangle in A[j][i], i <= j. Positive definite by the damping. The second pivot of a
-/// pair comes from the pair's determinant, so that its division need not wait for the first one's.
+/// Solves A d = b in place: A = L D L^T, lower triangle in A[j][i], i <= j. Positive definite by the damping.
+/// The second pivot of a pair comes from the pair's determinant, so that its division need not wait for the
+/// first one's.
 template <typename V, int N>
 GELENK_INLINE void solveSymmetric(V A[N][N], V* b) {
   using S = Scalar<V>;
@@ -318,7 +331,8 @@ GELENK_INLINE void solveSymmetric(V A[N][N], V* b) {
     if (i % 2 == 0) {
       const V pivot = larger<V>(A[i][i], fill<V>(least));
       inverse = S(1) / pivot;
-      if (i + 1 < N) next = pivot / larger<V>(pivot * A[i + 1][i + 1] - A[i + 1][i] * A[i + 1][i], least * pivot);
+      if (i + 1 < N)
+        next = pivot / larger<V>(pivot * A[i + 1][i + 1] - A[i + 1][i] * A[i + 1][i], least * pivot);
     } else {
       inverse = next;
     }
@@ -330,30 +344,34 @@ GELENK_INLINE void solveSymmetric(V A[N][N], V* b) {
     GELENK_UNROLL for (int j = i + 1; j < N; ++j) A[j][i] = A[j][i] * inverse;
     b[i] = b[i] * inverse;
   }
-  GELENK_UNROLL for (int i = N - 1; i >= 0; --i) GELENK_UNROLL for (int j = i + 1; j < N; ++j) b[i] = b[i] - A[j][i] * b[j];
+  GELENK_UNROLL for (int i = N - 1; i >= 0; --i) GELENK_UNROLL for (int j = i + 1; j < N; ++j) b[i] =
+      b[i] - A[j][i] * b[j];
 }
 
 template <typename V, int N, bool Prismatic, bool Pose>
-GELENK_INLINE void jacobianColumn(const Constants<V>& C, const KernelTask& task, const Place<V, N>& at, int i, V* J) {
+GELENK_INLINE void jacobianColumn(const Constants<V>& C, const KernelTask& task, const Place<V, N>& at, int i,
+                                  V* J) {
   using S = Scalar<V>;
   if (i == N - 1 && (Pose || !task.hasPoint)) {  // the point is the origin of the last frame: on its own axis
     J[0] = J[1] = J[2] = fill<V>(0);
   } else {
-    const V arm[3] = {at.point[0] - at.origin[i][0], at.point[1] - at.origin[i][1], at.point[2] - at.origin[i][2]};
+    const V arm[3] = {at.point[0] - at.origin[i][0], at.point[1] - at.origin[i][1],
+                      at.point[2] - at.origin[i][2]};
     cross(at.z[i], arm, J);
   }
   GELENK_UNROLL for (int k = 0; k < 3; ++k) J[3 + k] = at.z[i][k];
   if constexpr (Prismatic) GELENK_UNROLL for (int k = 0; k < 3; ++k) {
-    J[k] = J[k] * C.revolute[i] + at.z[i][k] * (S(1) - C.revolute[i]);
-    J[3 + k] = J[3 + k] * C.revolute[i];
-  }
+      J[k] = J[k] * C.revolute[i] + at.z[i][k] * (S(1) - C.revolute[i]);
+      J[3 + k] = J[3 + k] * C.revolute[i];
+    }
   if (!Pose && !task.position) J[0] = J[1] = J[2] = fill<V>(0);
   if (!Pose && !task.orientation) J[3] = J[4] = J[5] = fill<V>(0);
 }
 
 /// Moves q by one step. Returns what the linear model promises to take off the squared error.
 template <typename V, int N, bool Prismatic, bool Pose>
-GELENK_INLINE V step(const Constants<V>& C, const KernelTask& task, const Place<V, N>& at, const Error<V>& error, V* q) {
+GELENK_INLINE V step(const Constants<V>& C, const KernelTask& task, const Place<V, N>& at,
+                     const Error<V>& error, V* q) {
   using S = Scalar<V>;
   constexpr S dampingPerError = 0.05, longestStep = 1.2;
   constexpr S leastDamping = sizeof(S) == sizeof(double) ? 1e-9 : 1e-5;  // above the rounding of J^T J
@@ -364,10 +382,12 @@ GELENK_INLINE V step(const Constants<V>& C, const KernelTask& task, const Place<
     const V slope = dot(J[i], error.e) + dot(J[i] + 3, error.w);
     const V toLower = q[i] - S(C.lower[i]), toUpper = S(C.upper[i]) - q[i];
     const V room = select(slope < fill<V>(0), toLower, toUpper);
-    const V isFree = select(room <= fill<V>(0), fill<V>(0), fill<V>(1));  // at the wall that it is driven towards: locked
+    const V isFree =
+        select(room <= fill<V>(0), fill<V>(0), fill<V>(1));  // at the wall that it is driven towards: locked
     GELENK_UNROLL for (int k = 0; k < 6; ++k) J[i][k] = J[i][k] * isFree;
     d[i] = downhill[i] = slope * isFree;
-    // A joint that is driven towards its wall is damped the more the closer it is, so that a redundant arm moves others.
+    // A joint that is driven towards its wall is damped the more the closer it is, so that a redundant arm
+    // moves others.
     A[i][i] = damping + damping / (room * room + S(0.05));
   }
   GELENK_UNROLL for (int i = 0; i < N; ++i) {
@@ -381,12 +401,12 @@ GELENK_INLINE V step(const Constants<V>& C, const KernelTask& task, const Place<
     longest = larger<V>(longest, magnitude(d[i]));
   }
   const V scale = smaller<V>(fill<V>(1), longestStep / larger<V>(longest, fill<V>(S(1e-30))));
-  GELENK_UNROLL for (int i = 0; i < N; ++i)
-    q[i] = clamped<V>(q[i] + d[i] * scale, C.lower[i], C.upper[i]);
+  GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = clamped<V>(q[i] + d[i] * scale, C.lower[i], C.upper[i]);
   return promise;
 }
 
-/// A well mixed 32-bit word of a counter (constants of Wellons's hash prospector, 2018): the n-th random start follows from n alone.
+/// A well mixed 32-bit word of a counter (constants of Wellons's hash prospector, 2018): the n-th random
+/// start follows from n alone.
 template <typename Word>
 GELENK_INLINE Word mixed(Word x) {
   x = (x ^ (x >> 16)) * 0x7feb352dU;
@@ -442,15 +462,18 @@ struct LaneEvents {
   int close, spent;
 };
 
-/// An attempt is over when the linear model promises to take away less than this share of the squared error: a local minimum.
+/// An attempt is over when the linear model promises to take away less than this share of the squared error:
+/// a local minimum.
 constexpr double leastPromise = 0.1;
-/// Squared error (chain lengths, radians) from which the step to be taken leads to where double precision finishes in one or two.
+/// Squared error (chain lengths, radians) from which the step to be taken leads to where double precision
+/// finishes in one or two.
 constexpr double close2 = 5e-7;
 constexpr int finishSteps = 8;  // at most, in double precision
 
 /// One iteration of all lanes.
 template <int N, bool Prismatic, bool Pose>
-static __attribute__((noinline)) LaneEvents iterateLanes(const FloatConstants& C, const KernelTask& task, LaneState<Floats, N>& state) {
+static __attribute__((noinline)) LaneEvents iterateLanes(const FloatConstants& C, const KernelTask& task,
+                                                         LaneState<Floats, N>& state) {
   LaneEvents events{0, 0};
   for (int first = 0; first < kernelLanes; first += lanesIn<Floats>) {
     Floats q[N];
@@ -463,7 +486,9 @@ static __attribute__((noinline)) LaneEvents iterateLanes(const FloatConstants& C
     const Floats age = load<Floats>(state.age + first) + 1.0f;
     const FloatsMask spent = (age >= fill<Floats>(static_cast<float>(task.attemptIterations))) |
                              ((age >= 3.0f) & (promise < static_cast<float>(leastPromise) * error.squared));
-    events.close |= bits(isWithin(error, larger(close2, task.positionTolerance2), larger(close2, task.orientationTolerance2))) << first;
+    events.close |= bits(isWithin(error, larger(close2, task.positionTolerance2),
+                                  larger(close2, task.orientationTolerance2)))
+                    << first;
     events.spent |= bits(spent) << first;
     store(age, state.age + first);
     GELENK_UNROLL for (int i = 0; i < N; ++i) store(q[i], state.q[i] + first);
@@ -473,10 +498,11 @@ static __attribute__((noinline)) LaneEvents iterateLanes(const FloatConstants& C
   return events;
 }
 
-/// One problem in double precision from answer.q on, until within the tolerances, after `most` steps, or (early) when a step promises little.
-/// answer: the solution, or the best point met; its counts grow.
+/// One problem in double precision from answer.q on, until within the tolerances, after `most` steps, or
+/// (early) when a step promises little. answer: the solution, or the best point met; its counts grow.
 template <int N, bool Prismatic, bool Pose>
-static __attribute__((noinline)) bool descend(const ChainConstants& C, const KernelTask& task, const Target<double>& target, int most, bool early,
+static __attribute__((noinline)) bool descend(const ChainConstants& C, const KernelTask& task,
+                                              const Target<double>& target, int most, bool early,
                                               KernelAnswer& answer) {
   double q[N];
   for (int i = 0; i < N; ++i) q[i] = clamped<double>(answer.q[i], C.lower[i], C.upper[i]);
@@ -502,7 +528,8 @@ static __attribute__((noinline)) bool descend(const ChainConstants& C, const Ker
 /// atan2(s, c) of any length to about 1e-3: for starts.
 GELENK_INLINE Floats roughAngle(Floats c, Floats s) {
   const Floats ac = magnitude(c), as = magnitude(s);
-  const Floats t = smaller<Floats>(ac, as) / larger<Floats>(larger<Floats>(ac, as), fill<Floats>(1e-30f)), t2 = t * t;
+  const Floats t = smaller<Floats>(ac, as) / larger<Floats>(larger<Floats>(ac, as), fill<Floats>(1e-30f)),
+               t2 = t * t;
   Floats angle = t * (0.9986f + t2 * (-0.3076f + t2 * 0.0945f));  // least squares for atan on [0, 1]
   angle = select(as > ac, 1.57079633f - angle, angle);
   angle = select(c < 0.0f, 3.14159265f - angle, angle);
@@ -528,18 +555,22 @@ struct Loops {
     return C.seedLower[i] + C.seedRange[i] * (static_cast<float>(static_cast<int>(word >> 8)) * 0x1p-24f);
   }
 
-  static void randomStart(const FloatConstants& C, unsigned int seed, int number, LaneState<Floats, N>& state, int lane) {
+  static void randomStart(const FloatConstants& C, unsigned int seed, int number, LaneState<Floats, N>& state,
+                          int lane) {
     for (int i = 0; i < N; ++i) state.q[i][lane] = randomDof(C, seed, number, i);
   }
 
   /// The starts given, and random ones in the other lanes, numbered by the lane.
-  static void firstStarts(const FloatConstants& C, const LaneStarts& starts, unsigned int seed, LaneState<Floats, N>& state) {
+  static void firstStarts(const FloatConstants& C, const LaneStarts& starts, unsigned int seed,
+                          LaneState<Floats, N>& state) {
     for (int i = 0; i < N; ++i)
-      for (int l = 0; l < kernelLanes; ++l) state.q[i][l] = starts.valid >> l & 1 ? starts.q[i][l] : randomDof(C, seed, l, i);
+      for (int l = 0; l < kernelLanes; ++l)
+        state.q[i][l] = starts.valid >> l & 1 ? starts.q[i][l] : randomDof(C, seed, l, i);
     for (int l = 0; l < kernelLanes; ++l) state.age[l] = 0.0f;
   }
 
-  static void attempt(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* start, KernelAnswer& answer) {
+  static void attempt(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal,
+                      const double* start, KernelAnswer& answer) {
     Target<double> target;
     broadcast(goal, target);
     for (int i = 0; i < N; ++i) answer.q[i] = answer.start[i] = start[i];
@@ -549,14 +580,15 @@ struct Loops {
   }
 
   /// Finishes a lane that came close.
-  static bool finish(const ChainConstants& C, const KernelTask& task, const Target<double>& target, const LaneState<Floats, N>& state, int lane,
-                     KernelAnswer& answer) {
+  static bool finish(const ChainConstants& C, const KernelTask& task, const Target<double>& target,
+                     const LaneState<Floats, N>& state, int lane, KernelAnswer& answer) {
     for (int i = 0; i < N; ++i) answer.q[i] = state.q[i][lane];
     return descend<N, Prismatic, Pose>(C, task, target, finishSteps, true, answer);
   }
 
-  static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const LaneStarts& starts, int maxAttempts,
-                   std::uint64_t randomSeed, KernelAnswer& answer) {
+  static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal,
+                   const LaneStarts& starts, int maxAttempts, std::uint64_t randomSeed,
+                   KernelAnswer& answer) {
     const FloatConstants rough(C);
     LaneState<Floats, N> state;
     Target<double> target;
@@ -600,7 +632,8 @@ struct Loops {
     answer.error2 = best;
   }
 
-  /// Lanes of problems in work; those that come close wait until finishLanes of them are finished side by side.
+  /// Lanes of problems in work; those that come close wait until finishLanes of them are finished side by
+  /// side.
   struct Batch {
     const ChainConstants& C;
     const KernelTask& task;
@@ -624,7 +657,8 @@ struct Loops {
         const double* seed = seeds + (static_cast<long>(problem[lane]) * seedsEach + answer.attempts) * N;
         for (int i = 0; i < N; ++i) state.q[i][lane] = static_cast<float>(seed[i]);
       } else {  // numbers of the problem and the attempt alone
-        const std::uint64_t seed = randomSeed + 0xd1342543de82ef95ULL * static_cast<std::uint64_t>(problem[lane] + 1);
+        const std::uint64_t seed =
+            randomSeed + 0xd1342543de82ef95ULL * static_cast<std::uint64_t>(problem[lane] + 1);
         randomStart(rough, folded(seed), answer.attempts, state, lane);
       }
       ++answer.attempts;
@@ -660,7 +694,7 @@ struct Loops {
         Target<Doubles> target;
         waiting.read(first, q, target);
         GELENK_UNROLL for (int i = 0; i < N; ++i) q[i] = clamped<Doubles>(q[i], C.lower[i], C.upper[i]);
-        constexpr int all = (1 << lanesIn<Doubles>) - 1;
+        constexpr int all = (1 << lanesIn<Doubles>)-1;
         Doubles steps = fill<Doubles>(0);
         for (int taken = 0;; ++taken) {
           Place<Doubles, N> at;
@@ -734,19 +768,23 @@ struct Loops {
             answer.error2 = state.error2[l];
             for (int i = 0; i < N; ++i) answer.q[i] = state.q[i][l];
           }
-          if (answer.attempts < maxAttempts) nextStart(l);
-          else nextProblem(l);
+          if (answer.attempts < maxAttempts)
+            nextStart(l);
+          else
+            nextProblem(l);
         }
       }
     }
   };
 
-  static void batch(const ChainConstants& C, const KernelTask& task, const KernelTarget* goals, int count, const double* seeds,
-                    int seedsEach, int maxAttempts, std::uint64_t randomSeed, KernelAnswer* answers) {
+  static void batch(const ChainConstants& C, const KernelTask& task, const KernelTarget* goals, int count,
+                    const double* seeds, int seedsEach, int maxAttempts, std::uint64_t randomSeed,
+                    KernelAnswer* answers) {
     Batch{C, task, goals, count, seeds, seedsEach, maxAttempts, randomSeed, answers}.run();
   }
 
-  static void frameAndJacobian(const ChainConstants& C, const double* base, const double* point, const double* q, double* frame, double* J) {
+  static void frameAndJacobian(const ChainConstants& C, const double* base, const double* point,
+                               const double* q, double* frame, double* J) {
     double s[N], c[N];
     jointSinesCosines<double, N, Prismatic>(C, q, s, c);
     double x[3], y[3], z[3], p[3], axis[N][3], origin[N][3];
@@ -790,27 +828,34 @@ struct Loops {
     }
   }
 
-  static void turnSeeds(const ChainConstants& C, const KernelTarget& goal, const SeedCell& cell, int count, LaneStarts& starts) {
+  static void turnSeeds(const ChainConstants& C, const KernelTarget& goal, const SeedCell& cell, int count,
+                        LaneStarts& starts) {
     const double radius2 = goal.p[0] * goal.p[0] + goal.p[1] * goal.p[1];
     const double perRadius = radius2 > 0.0 ? 1.0 / __builtin_sqrt(radius2) : 0.0;
     const double c = radius2 > 0.0 ? goal.p[0] * perRadius : 1.0, s = goal.p[1] * perRadius;
-    const float x[3] = {float(c * goal.x[0] + s * goal.x[1]), float(c * goal.x[1] - s * goal.x[0]), float(goal.x[2])};
-    const float y[3] = {float(c * goal.y[0] + s * goal.y[1]), float(c * goal.y[1] - s * goal.y[0]), float(goal.y[2])};
+    const float x[3] = {float(c * goal.x[0] + s * goal.x[1]), float(c * goal.x[1] - s * goal.x[0]),
+                        float(goal.x[2])};
+    const float y[3] = {float(c * goal.y[0] + s * goal.y[1]), float(c * goal.y[1] - s * goal.y[0]),
+                        float(goal.y[2])};
     starts.valid = 0;
     for (int first = 0; first < kernelLanes; first += lanesIn<Floats>) {
       Floats ex[3], ey[3];
-      for (int k = 0; k < 3; ++k) ex[k] = load<Floats>(cell.x[k] + first), ey[k] = load<Floats>(cell.y[k] + first);
+      for (int k = 0; k < 3; ++k)
+        ex[k] = load<Floats>(cell.x[k] + first), ey[k] = load<Floats>(cell.y[k] + first);
       const Floats cosineRoll = dot(ex, x) + dot(ey, y), sineRoll = dot(ey, x) - dot(ex, y);
       for (int i = 1; i < N - 1; ++i) store(load<Floats>(cell.q[i] + first), starts.q[i] + first);
       const Floats azimuth = roughAngle(fill<Floats>(float(c)), fill<Floats>(float(s)));
-      const FloatsMask spins = intoRange(load<Floats>(cell.q[0] + first) + azimuth, C.lower[0], C.upper[0], starts.q[0] + first);
-      const FloatsMask rolls = intoRange(roughAngle(cosineRoll, sineRoll), C.lower[N - 1], C.upper[N - 1], starts.q[N - 1] + first);
+      const FloatsMask spins =
+          intoRange(load<Floats>(cell.q[0] + first) + azimuth, C.lower[0], C.upper[0], starts.q[0] + first);
+      const FloatsMask rolls = intoRange(roughAngle(cosineRoll, sineRoll), C.lower[N - 1], C.upper[N - 1],
+                                         starts.q[N - 1] + first);
       starts.valid |= bits(spins & rolls) << first;
     }
     starts.valid &= (1 << count) - 1;
   }
 
-  static double error(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* q) {
+  static double error(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal,
+                      const double* q) {
     Target<double> target;
     Place<double, N> at;
     Error<double> error;
@@ -820,25 +865,31 @@ struct Loops {
   }
 };
 
-/// The loops for one kind of chain: a pose of the last frame has loops of its own where Pose is set, the other goals share one.
+/// The loops for one kind of chain: a pose of the last frame has loops of its own where Pose is set, the
+/// other goals share one.
 template <int N, bool Prismatic>
 struct Dispatch {
   using General = Loops<N, Prismatic, false>;
   using Pose = Loops<N, Prismatic, !Prismatic>;
   static bool isPose(const KernelTask& task) { return task.position && task.orientation && !task.hasPoint; }
 
-  static void attempt(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const double* start, KernelAnswer& answer) {
+  static void attempt(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal,
+                      const double* start, KernelAnswer& answer) {
     (isPose(task) ? Pose::attempt : General::attempt)(C, task, goal, start, answer);
   }
-  static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal, const LaneStarts& starts, int maxAttempts,
-                   std::uint64_t randomSeed, KernelAnswer& answer) {
+  static void race(const ChainConstants& C, const KernelTask& task, const KernelTarget& goal,
+                   const LaneStarts& starts, int maxAttempts, std::uint64_t randomSeed,
+                   KernelAnswer& answer) {
     (isPose(task) ? Pose::race : General::race)(C, task, goal, starts, maxAttempts, randomSeed, answer);
   }
-  static void batch(const ChainConstants& C, const KernelTask& task, const KernelTarget* goals, int count, const double* seeds, int seedsEach,
-                    int maxAttempts, std::uint64_t randomSeed, KernelAnswer* answers) {
-    (isPose(task) ? Pose::batch : General::batch)(C, task, goals, count, seeds, seedsEach, maxAttempts, randomSeed, answers);
+  static void batch(const ChainConstants& C, const KernelTask& task, const KernelTarget* goals, int count,
+                    const double* seeds, int seedsEach, int maxAttempts, std::uint64_t randomSeed,
+                    KernelAnswer* answers) {
+    (isPose(task) ? Pose::batch : General::batch)(C, task, goals, count, seeds, seedsEach, maxAttempts,
+                                                  randomSeed, answers);
   }
-  static constexpr SerialKernel table{&attempt, &race, &batch, &General::frameAndJacobian, &General::turnSeeds, &General::error};
+  static constexpr SerialKernel table{
+      &attempt, &race, &batch, &General::frameAndJacobian, &General::turnSeeds, &General::error};
 };
 
 template <bool Prismatic>

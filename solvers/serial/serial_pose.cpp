@@ -22,8 +22,10 @@ using Clock = std::chrono::steady_clock;
 using ChainMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, maxChainDofs, maxChainDofs>;
 using Twist = Eigen::Matrix<double, 6, 1>;
 
-constexpr double farJump = 0.5;  // radians or chain lengths: more than a dragged goal should ask of a joint at once
-constexpr double margin = 0.98;  // of the tolerances: what the kernel accepts, the judge's own arithmetic accepts too
+constexpr double farJump =
+    0.5;  // radians or chain lengths: more than a dragged goal should ask of a joint at once
+constexpr double margin =
+    0.98;  // of the tolerances: what the kernel accepts, the judge's own arithmetic accepts too
 
 bool hasPosition(GoalKind kind) { return kind == GoalKind::Position || kind == GoalKind::Pose; }
 bool hasOrientation(GoalKind kind) { return kind == GoalKind::Orientation || kind == GoalKind::Pose; }
@@ -38,22 +40,27 @@ TipError tipError(const TipGoal& goal, const Isometry3d& worldFromTip) {
   TipError error;
   if (hasPosition(goal.kind)) error.position = goal.target - worldFromTip * goal.pointInTip;
   if (hasOrientation(goal.kind))
-    error.rotation = logRotation(Eigen::Quaterniond(goal.orientation) * Eigen::Quaterniond(worldFromTip.linear()).conjugate());
+    error.rotation = logRotation(Eigen::Quaterniond(goal.orientation) *
+                                 Eigen::Quaterniond(worldFromTip.linear()).conjugate());
   return error;
 }
 
-/// Hessian of half the squared error. J: columns of the controlled point. With e, w the errors and theta = |w|, for i <= j:
+/// Hessian of half the squared error. J: columns of the controlled point. With e, w the errors and theta =
+/// |w|, for i <= j:
 ///   position: Jp_i . Jp_j - e . (z_i x Jp_j)
 ///   rotation: z_i . z_j - 1/2 w . (z_i x z_j) + c ((w.z_i)(w.z_j) - theta^2 z_i . z_j),
 ///             c = 1/theta^2 - cot(theta/2) / (2 theta), the curvature of the rotation vector.
-void exactHessian(const ChainJacobian& J, const TipError& error, bool position, bool rotation, ChainMatrix& H) {
+void exactHessian(const ChainJacobian& J, const TipError& error, bool position, bool rotation,
+                  ChainMatrix& H) {
   const Eigen::Index n = J.cols();
   const Vector3d &e = error.position, &w = error.rotation;
   const double theta = w.norm();
-  const double c = theta > 1e-3 ? 1.0 / (theta * theta) - 1.0 / (std::tan(0.5 * theta) * 2.0 * theta) : 1.0 / 12.0;
+  const double c =
+      theta > 1e-3 ? 1.0 / (theta * theta) - 1.0 / (std::tan(0.5 * theta) * 2.0 * theta) : 1.0 / 12.0;
   for (Eigen::Index j = 0; j < n; ++j)
     for (Eigen::Index i = 0; i <= j; ++i) {
-      const Vector3d pi = J.col(i).head<3>(), pj = J.col(j).head<3>(), zi = J.col(i).tail<3>(), zj = J.col(j).tail<3>();
+      const Vector3d pi = J.col(i).head<3>(), pj = J.col(j).head<3>(), zi = J.col(i).tail<3>(),
+                     zj = J.col(j).tail<3>();
       double h = 0.0;
       if (position) h += pi.dot(pj) - e.dot(zi.cross(pj));
       if (rotation) {
@@ -79,13 +86,16 @@ struct SerialPoseSolver::Prepared {
 };
 
 SerialPoseSolver::SerialPoseSolver(SerialChain chain, InstructionSet set)
-    : chain_(std::move(chain)), scaled_(chain_.constants), kernel_(&serialKernel(set, chain_.n, chain_.hasPrismatic)) {
+    : chain_(std::move(chain)),
+      scaled_(chain_.constants),
+      kernel_(&serialKernel(set, chain_.n, chain_.hasPrismatic)) {
   const double perLength = 1.0 / chain_.length;
   for (int i = 0; i < chain_.n; ++i) {
     scaled_.a[i] *= perLength;
     scaled_.d[i] *= perLength;
     if (scaled_.revolute[i] != 0.0) continue;
-    for (double* bound : {scaled_.lower, scaled_.upper, scaled_.seedLower, scaled_.seedUpper}) bound[i] *= perLength;
+    for (double* bound : {scaled_.lower, scaled_.upper, scaled_.seedLower, scaled_.seedUpper})
+      bound[i] *= perLength;
   }
 }
 
@@ -99,7 +109,8 @@ Isometry3d SerialPoseSolver::frameAndJacobian(const ChainVector& q, ChainJacobia
   J.resize(6, chain_.n);
   Eigen::Matrix<double, 3, 4> worldFromLast;
   const Eigen::Matrix<double, 3, 4> start = base.affine();
-  kernel_->frameAndJacobian(chain_.constants, start.data(), chain_.lastFromTip.translation().data(), q.data(), worldFromLast.data(), J.data());
+  kernel_->frameAndJacobian(chain_.constants, start.data(), chain_.lastFromTip.translation().data(), q.data(),
+                            worldFromLast.data(), J.data());
   Isometry3d tip = Isometry3d::Identity();
   tip.linear() = worldFromLast.leftCols<3>() * chain_.lastFromTip.linear();
   tip.translation() = worldFromLast.col(3);
@@ -125,9 +136,10 @@ KernelTarget SerialPoseSolver::kernelTarget(const TipGoal& goal) const {
   return target;
 }
 
-/// A pose goal moves to the last frame's origin, where columns and lengths are simplest; its position tolerance then shares with the
-/// lever of the rotation tolerance.
-SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal, const SerialPoseOptions& options) const {
+/// A pose goal moves to the last frame's origin, where columns and lengths are simplest; its position
+/// tolerance then shares with the lever of the rotation tolerance.
+SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal,
+                                                     const SerialPoseOptions& options) const {
   Prepared prepared;
   prepared.target = kernelTarget(goal);
   KernelTask& task = prepared.task;
@@ -154,11 +166,13 @@ SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal, const 
 void SerialPoseSolver::toLimits(double* q, const double* start) const {
   for (int i = 0; i < chain_.n; ++i) {
     if (chain_.constants.revolute[i] == 0.0) q[i] *= chain_.length;
-    q[i] = chain_.wraps[i] ? nearestWithin(q[i], start[i], chain_.lower[i], chain_.upper[i]) : std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
+    q[i] = chain_.wraps[i] ? nearestWithin(q[i], start[i], chain_.lower[i], chain_.upper[i])
+                           : std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
   }
 }
 
-/// The largest change of a dof (radians, chain lengths) between a start and a solution; infinite where there is none.
+/// The largest change of a dof (radians, chain lengths) between a start and a solution; infinite where there
+/// is none.
 double SerialPoseSolver::jump(const double* start, const KernelAnswer& found) const {
   if (!found.solved) return std::numeric_limits<double>::infinity();
   double largest = 0.0;
@@ -169,7 +183,8 @@ double SerialPoseSolver::jump(const double* start, const KernelAnswer& found) co
   return largest;
 }
 
-/// Starts close to one whose own descent failed or led far away: the goal is near, and so should the answer be.
+/// Starts close to one whose own descent failed or led far away: the goal is near, and so should the answer
+/// be.
 void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const {
   constexpr double most = 0.3;  // radians or chain lengths
   std::uint64_t state = seed;
@@ -223,7 +238,8 @@ struct SerialPoseSolver::Search {
     if (solver.jump(start, other) < solver.jump(start, found)) found = other;
   }
 
-  /// The race: the given starts, the problem's own, then random ones, in portions to look at the clock in between.
+  /// The race: the given starts, the problem's own, then random ones, in portions to look at the clock in
+  /// between.
   void anywhere(LaneStarts& starts) {
     if (starts.valid != (1 << kernelLanes) - 1) {
       const int lane = __builtin_ctz(~starts.valid);
@@ -236,7 +252,8 @@ struct SerialPoseSolver::Search {
       const int portion = std::min(left, 64);
       race(starts, portion, seed, found);
       if (found.solved) return;
-      if (left == options.restarts) begin = Clock::now();  // a portion takes microseconds: the clock is for those that need many
+      if (left == options.restarts)
+        begin = Clock::now();  // a portion takes microseconds: the clock is for those that need many
       left -= portion;
       starts.valid = 0;
       seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -245,7 +262,8 @@ struct SerialPoseSolver::Search {
   }
 };
 
-SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector& wantedStart, const SerialPoseOptions& options) const {
+SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector& wantedStart,
+                                         const SerialPoseOptions& options) const {
   const int n = chain_.n;
   if (!wantedStart.allFinite() || !goal.target.allFinite() || !goal.orientation.allFinite())
     throw std::invalid_argument("the start and the goal of a solve must be finite numbers");
@@ -259,7 +277,8 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
   if (options.restarts == 0 || search.isNear()) search.nearStart();
   if (!search.found.solved && options.restarts > 0) {
     LaneStarts starts;
-    if (table_ && goal.kind == GoalKind::Pose) table_->lookUp(scaled_, *kernel_, search.prepared.target, starts);
+    if (table_ && goal.kind == GoalKind::Pose)
+      table_->lookUp(scaled_, *kernel_, search.prepared.target, starts);
     search.anywhere(starts);
   }
 
@@ -275,7 +294,8 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
   if (found.solved || !options.closestPose) {
     answer.why = found.solved ? Stop::Converged : Stop::Stalled;
     if (found.solved)
-      for (int i = 0; i < n; ++i) answer.from[i] = found.start[i] * (scaled_.revolute[i] != 0.0 ? 1.0 : chain_.length);
+      for (int i = 0; i < n; ++i)
+        answer.from[i] = found.start[i] * (scaled_.revolute[i] != 0.0 ? 1.0 : chain_.length);
     reportErrors(goal, search.prepared, found, answer);
     answer.counters = search.counters;
   } else {
@@ -283,17 +303,23 @@ SerialPoseAnswer SerialPoseSolver::solve(const TipGoal& goal, const ChainVector&
     answer = closest(goal, start, options);
     if (hasPose) {
       SerialPoseAnswer fromBest = closest(goal, best, options);
-      const auto cost = [](const SerialPoseAnswer& a) { return std::hypot(a.positionError, a.orientationError); };
+      const auto cost = [](const SerialPoseAnswer& a) {
+        return std::hypot(a.positionError, a.orientationError);
+      };
       fromBest.from = best;
-      if ((fromBest.why == Stop::Converged && answer.why != Stop::Converged) || cost(fromBest) < 0.99 * cost(answer)) answer = std::move(fromBest);
+      if ((fromBest.why == Stop::Converged && answer.why != Stop::Converged) ||
+          cost(fromBest) < 0.99 * cost(answer))
+        answer = std::move(fromBest);
     }
     answer.counters += search.counters;
   }
   return answer;
 }
 
-/// The judge's errors. Of a small error the kernel's own values say the same to the last digits: the point hangs on a lever.
-void SerialPoseSolver::reportErrors(const TipGoal& goal, const Prepared& prepared, const KernelAnswer& found, SerialPoseAnswer& answer) const {
+/// The judge's errors. Of a small error the kernel's own values say the same to the last digits: the point
+/// hangs on a lever.
+void SerialPoseSolver::reportErrors(const TipGoal& goal, const Prepared& prepared, const KernelAnswer& found,
+                                    SerialPoseAnswer& answer) const {
   if (found.solved && found.error2 < 1e-10) {
     const Vector3d e(found.e), w(found.w);
     Vector3d lever = Vector3d::Zero();  // from the last frame's origin to the point, base frame
@@ -312,9 +338,10 @@ void SerialPoseSolver::reportErrors(const TipGoal& goal, const Prepared& prepare
   answer.orientationError = error.rotation.norm();
 }
 
-/// Newton on half the judge's squared error with the exact Hessian, joints at walls taken out while the slope pushes them
-/// outward, a shift that grows until the step is downhill and shrinks when it is good.
-SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVector& start, const SerialPoseOptions& options) const {
+/// Newton on half the judge's squared error with the exact Hessian, joints at walls taken out while the slope
+/// pushes them outward, a shift that grows until the step is downhill and shrinks when it is good.
+SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVector& start,
+                                           const SerialPoseOptions& options) const {
   const int n = chain_.n;
   const bool position = hasPosition(goal.kind), rotation = hasOrientation(goal.kind);
   SerialPoseAnswer answer;
@@ -391,7 +418,8 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
         const ChainVector slopeThere = slopeOf(moved, there);
         // Close to the bottom the cost no longer resolves; there the slope must fall instead.
         const bool resolves = std::abs(there.squared() - error.squared()) > 1e-13 * error.squared();
-        improved = resolves ? there.squared() < error.squared() : freeSlope(q, slopeThere) < freeSlope(answer.q, slope);
+        improved = resolves ? there.squared() < error.squared()
+                            : freeSlope(q, slopeThere) < freeSlope(answer.q, slope);
         if (improved) {
           answer.q = q;
           error = there;
@@ -404,7 +432,8 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       shift = std::max(4.0 * shift, 1e-3 * slope.norm());
     }
     if (!improved) {
-      answer.why = freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) ? Stop::Stationary : Stop::Stalled;
+      answer.why =
+          freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) ? Stop::Stationary : Stop::Stalled;
       break;
     }
   }
@@ -415,8 +444,8 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
   return answer;
 }
 
-void SerialPoseSolver::solveBatch(std::span<const Isometry3d> worldFromTip, std::span<const double> starts, std::span<KernelAnswer> answers,
-                                  const SerialPoseOptions& options) const {
+void SerialPoseSolver::solveBatch(std::span<const Isometry3d> worldFromTip, std::span<const double> starts,
+                                  std::span<KernelAnswer> answers, const SerialPoseOptions& options) const {
   const int n = chain_.n, count = static_cast<int>(worldFromTip.size());
   if (answers.size() != worldFromTip.size() || starts.size() != worldFromTip.size() * static_cast<size_t>(n))
     throw std::invalid_argument("a batch needs one answer and n start angles for each of its targets");
@@ -441,17 +470,20 @@ void SerialPoseSolver::solveBatch(std::span<const Isometry3d> worldFromTip, std:
       }
       for (; given < each; ++given, row += n)  // where the table is short: the caller's start
         for (int k = 0; k < n; ++k)
-          row[k] = starts[static_cast<size_t>(first + i) * n + k] / (scaled_.revolute[k] != 0.0 ? 1.0 : chain_.length);
+          row[k] = starts[static_cast<size_t>(first + i) * n + k] /
+                   (scaled_.revolute[k] != 0.0 ? 1.0 : chain_.length);
     }
-    kernel_->batch(scaled_, task, targets.data(), size, seeds.data(), each, 1 + options.restarts, options.seed + first, &answers[first]);
-    for (int i = 0; i < size; ++i) toLimits(answers[first + i].q, &starts[static_cast<size_t>(first + i) * n]);
+    kernel_->batch(scaled_, task, targets.data(), size, seeds.data(), each, 1 + options.restarts,
+                   options.seed + first, &answers[first]);
+    for (int i = 0; i < size; ++i)
+      toLimits(answers[first + i].q, &starts[static_cast<size_t>(first + i) * n]);
   }
 }
 
 namespace {
 
-/// The solver interface around SerialPoseSolver. prepare() keeps a solver for every joint that ends a chain; a solve for another
-/// skeleton, or without prepare, extracts its chain on the spot.
+/// The solver interface around SerialPoseSolver. prepare() keeps a solver for every joint that ends a chain;
+/// a solve for another skeleton, or without prepare, extracts its chain on the spot.
 class SerialPose final : public IkSolver {
  public:
   explicit SerialPose(bool withTable) : withTable_(withTable) {}
@@ -471,10 +503,13 @@ class SerialPose final : public IkSolver {
   }
 
   std::string whyUnsupported(const IkProblem& problem) const override {
-    if (problem.goals.size() != 1) return "solves exactly one goal, not " + std::to_string(problem.goals.size());
+    if (problem.goals.size() != 1)
+      return "solves exactly one goal, not " + std::to_string(problem.goals.size());
     const Goal& goal = problem.goals.front();
-    if (!hasPosition(goal.kind) && !hasOrientation(goal.kind)) return "solves position, orientation and pose goals only";
-    return isPreparedFor(*problem.skeleton) ? reasons_[goal.joint] : extractSerialChain(*problem.skeleton, goal.joint).whyNot;
+    if (!hasPosition(goal.kind) && !hasOrientation(goal.kind))
+      return "solves position, orientation and pose goals only";
+    return isPreparedFor(*problem.skeleton) ? reasons_[goal.joint]
+                                            : extractSerialChain(*problem.skeleton, goal.joint).whyNot;
   }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
@@ -501,10 +536,14 @@ class SerialPose final : public IkSolver {
   }
 
  private:
-  static void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget, TraceLevel trace, IkReport& report) {
+  static void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget,
+                  TraceLevel trace, IkReport& report) {
     const Goal& goal = problem.goals.front();
     const SerialChain& chain = solver.chain();
-    TipGoal tip{.kind = goal.kind, .pointInTip = goal.pointInJoint, .target = goal.target, .orientation = goal.orientation.normalized().toRotationMatrix()};
+    TipGoal tip{.kind = goal.kind,
+                .pointInTip = goal.pointInJoint,
+                .target = goal.target,
+                .orientation = goal.orientation.normalized().toRotationMatrix()};
     ChainVector start(chain.n);
     for (int i = 0; i < chain.n; ++i) start[i] = problem.start[chain.qIndex[i]];
     report.why = Stop::Failure;
@@ -525,9 +564,10 @@ class SerialPose final : public IkSolver {
     recordPath(solver, tip, answer, problem, trace, report);
   }
 
-  /// The inner loops keep no history: the descent that won is run again from its start, in double precision and a step longer each time.
-  static void recordPath(const SerialPoseSolver& solver, const TipGoal& tip, const SerialPoseAnswer& answer, const IkProblem& problem, TraceLevel trace,
-                         IkReport& report) {
+  /// The inner loops keep no history: the descent that won is run again from its start, in double precision
+  /// and a step longer each time.
+  static void recordPath(const SerialPoseSolver& solver, const TipGoal& tip, const SerialPoseAnswer& answer,
+                         const IkProblem& problem, TraceLevel trace, IkReport& report) {
     const SerialChain& chain = solver.chain();
     const double weight = std::sqrt(problem.goals.front().weight);
     VectorXd q = report.q, before = problem.start;
@@ -536,8 +576,9 @@ class SerialPose final : public IkSolver {
       for (int i = 0; i < chain.n; ++i) q[chain.qIndex[i]] = dofs[i];
       if (!report.trace.empty()) report.trace.back().stepNorm = (q - before).norm();
       before = q;
-      report.trace.push_back({.q = trace == TraceLevel::Full ? q : VectorXd(),
-                              .residual = weight * std::sqrt(tipError(tip, solver.frameAndJacobian(dofs, J)).squared())});
+      report.trace.push_back(
+          {.q = trace == TraceLevel::Full ? q : VectorXd(),
+           .residual = weight * std::sqrt(tipError(tip, solver.frameAndJacobian(dofs, J)).squared())});
     };
     ChainVector start(chain.n);
     for (int i = 0; i < chain.n; ++i) start[i] = problem.start[chain.qIndex[i]];
@@ -546,7 +587,8 @@ class SerialPose final : public IkSolver {
     const bool newton = answer.why != Stop::Converged;
     for (int steps = 1; steps < 30; ++steps) {
       const SerialPoseOptions options{.restarts = 0, .maxIterations = steps, .closestPose = newton};
-      const SerialPoseAnswer along = newton ? solver.closest(tip, answer.from, options) : solver.solve(tip, answer.from, options);
+      const SerialPoseAnswer along =
+          newton ? solver.closest(tip, answer.from, options) : solver.solve(tip, answer.from, options);
       if (along.why == Stop::Converged || along.why == Stop::Stationary) break;
       record(along.q);
     }
@@ -558,11 +600,12 @@ class SerialPose final : public IkSolver {
     if (prepared_.empty() || prepared_.size() != skeleton.joints().size()) return false;
     for (size_t j = 0; j < prepared_.size(); ++j) {
       const Joint &a = prepared_[j], &b = skeleton.joints()[j];
-      if (a.parent != b.parent || a.ball != b.ball || a.axes.size() != b.axes.size() || a.parentFromZero.matrix() != b.parentFromZero.matrix())
+      if (a.parent != b.parent || a.ball != b.ball || a.axes.size() != b.axes.size() ||
+          a.parentFromZero.matrix() != b.parentFromZero.matrix())
         return false;
       for (size_t k = 0; k < a.axes.size(); ++k)
-        if (a.axes[k].kind != b.axes[k].kind || a.axes[k].axis != b.axes[k].axis || a.axes[k].lower != b.axes[k].lower ||
-            a.axes[k].upper != b.axes[k].upper)
+        if (a.axes[k].kind != b.axes[k].kind || a.axes[k].axis != b.axes[k].axis ||
+            a.axes[k].lower != b.axes[k].lower || a.axes[k].upper != b.axes[k].upper)
           return false;
     }
     return true;

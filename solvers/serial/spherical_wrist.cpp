@@ -18,7 +18,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr double same = 1e-9;           // of the arm's length, and of sines: makers' figures are exact or off by far more
+constexpr double same =
+    1e-9;  // of the arm's length, and of sines: makers' figures are exact or off by far more
 constexpr double reachRounding = 1e-9;  // a cosine may exceed 1 by this and still mean a stretched arm
 
 Matrix3d aboutX(double cosine, double sine) {
@@ -48,7 +49,8 @@ double arcSine(double value, bool& exact) {
   return std::asin(std::clamp(value, -1.0, 1.0));
 }
 
-/// The point turned about axis 2 (parallel to 3) has a constant height along it: that alone gives q_1, in two ways.
+/// The point turned about axis 2 (parallel to 3) has a constant height along it: that alone gives q_1, in two
+/// ways.
 ///     u . (Rz(-q_1) p) = height + u . (a_2, 0, 0),   u = (0, -sin alpha_2, cos alpha_2)
 struct Shoulder {
   double q1;
@@ -91,7 +93,8 @@ bool intoLimits(double& angle, double lower, double upper, double reference) {
   return inside;
 }
 
-void addBranch(const SerialChain& chain, const Vector6d& turned, const Vector6d& reference, bool exact, std::vector<ArmBranch>& branches) {
+void addBranch(const SerialChain& chain, const Vector6d& turned, const Vector6d& reference, bool exact,
+               std::vector<ArmBranch>& branches) {
   ArmBranch branch{.q = turned, .exact = exact, .withinLimits = true};
   for (int i = 0; i < 6; ++i) {
     branch.q[i] -= chain.constants.theta[i];
@@ -101,7 +104,8 @@ void addBranch(const SerialChain& chain, const Vector6d& turned, const Vector6d&
 }
 
 /// M = Rz(a) Rx(alpha_5) Rz(b) Rx(alpha_6) Rz(c): two solutions (a, b, c).
-std::vector<Vector3d> wristAngles(const ChainConstants& C, const Matrix3d& M, double referenceA, bool& exact) {
+std::vector<Vector3d> wristAngles(const ChainConstants& C, const Matrix3d& M, double referenceA,
+                                  bool& exact) {
   const double c5 = C.cosAlpha[4], s5 = C.sinAlpha[4], c6 = C.cosAlpha[5], s6 = C.sinAlpha[5];
   const double bend = arcCosine((c5 * c6 - M(2, 2)) / (s5 * s6), exact);
   std::vector<Vector3d> both;
@@ -115,11 +119,13 @@ std::vector<Vector3d> wristAngles(const ChainConstants& C, const Matrix3d& M, do
   return both;
 }
 
-std::vector<ArmBranch> sphericalWristBranches(const SerialChain& chain, const Isometry3d& target, const Vector6d& reference) {
+std::vector<ArmBranch> sphericalWristBranches(const SerialChain& chain, const Isometry3d& target,
+                                              const Vector6d& reference) {
   const ChainConstants& C = chain.constants;
   const Isometry3d fourth = link(C, 3, 0.0);
-  const Vector3d wristInThird = fourth * (link(C, 4, 0.0) * link(C, 5, 0.0)).translation();  // on axis 4: no q_4 in it
-  const double mirror = C.cosAlpha[2] > 0.0 ? 1.0 : -1.0;  // axis 3 along or against axis 2
+  const Vector3d wristInThird =
+      fourth * (link(C, 4, 0.0) * link(C, 5, 0.0)).translation();  // on axis 4: no q_4 in it
+  const double mirror = C.cosAlpha[2] > 0.0 ? 1.0 : -1.0;          // axis 3 along or against axis 2
   const Vector2d forearm(wristInThird.x(), mirror * wristInThird.y());
   const double height = C.d[1] + mirror * (C.d[2] + wristInThird.z());
   const Vector3d wrist = target.translation();
@@ -141,9 +147,11 @@ std::vector<ArmBranch> sphericalWristBranches(const SerialChain& chain, const Is
   return branches;
 }
 
-std::vector<ArmBranch> parallelBranches(const SerialChain& chain, const Isometry3d& target, const Vector6d& reference) {
+std::vector<ArmBranch> parallelBranches(const SerialChain& chain, const Isometry3d& target,
+                                        const Vector6d& reference) {
   const ChainConstants& C = chain.constants;
-  const double third = C.cosAlpha[2] > 0.0 ? 1.0 : -1.0, fourth = third * (C.cosAlpha[3] > 0.0 ? 1.0 : -1.0);  // against axis 2
+  const double third = C.cosAlpha[2] > 0.0 ? 1.0 : -1.0,
+               fourth = third * (C.cosAlpha[3] > 0.0 ? 1.0 : -1.0);                    // against axis 2
   const Vector3d meetingInFourth = (link(C, 4, 0.0) * link(C, 5, 0.0)).translation();  // of axes 5 and 6
   const double height = C.d[1] + third * C.d[2] + fourth * (C.d[3] + meetingInFourth.z());
   std::vector<ArmBranch> branches;
@@ -153,12 +161,15 @@ std::vector<ArmBranch> parallelBranches(const SerialChain& chain, const Isometry
     const Matrix3d wanted = view * target.linear();
     // Axis 4 is fourth * z there: z_4 . z_6 = c5 c6 - s5 s6 cos(b).
     bool exact = shoulder.exact;
-    const double bend = arcCosine((C.cosAlpha[4] * C.cosAlpha[5] - fourth * wanted(2, 2)) / (C.sinAlpha[4] * C.sinAlpha[5]), exact);
+    const double bend = arcCosine(
+        (C.cosAlpha[4] * C.cosAlpha[5] - fourth * wanted(2, 2)) / (C.sinAlpha[4] * C.sinAlpha[5]), exact);
     for (const double b : {bend, -bend}) {
       const Matrix3d N = tilt(C, 4) * aboutZ(b) * tilt(C, 5);
-      const Vector3d seen = fourth * wanted.row(2).transpose(), own = N.row(2).transpose();  // axis 4 in frame 6, before and after q_6
+      const Vector3d seen = fourth * wanted.row(2).transpose(),
+                     own = N.row(2).transpose();  // axis 4 in frame 6, before and after q_6
       const bool inLine = std::hypot(own.x(), own.y()) < 1e-9;
-      const double c = inLine ? reference[5] + C.theta[5] : std::atan2(own.y(), own.x()) - std::atan2(seen.y(), seen.x());
+      const double c =
+          inLine ? reference[5] + C.theta[5] : std::atan2(own.y(), own.x()) - std::atan2(seen.y(), seen.x());
       Isometry3d goal = Isometry3d::Identity();
       goal.linear() = wanted;
       goal.translation() = view * target.translation() - tilt(C, 1).transpose() * Vector3d(C.a[1], 0, 0);
@@ -184,7 +195,8 @@ Isometry3d baseFromLast(const SerialChain& chain, const Isometry3d& worldFromTip
 class ClosedForm final : public IkSolver {
  public:
   std::string whyUnsupported(const IkProblem& problem) const override {
-    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Pose) return "solves exactly one pose goal";
+    if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Pose)
+      return "solves exactly one pose goal";
     const SerialChainResult result = extractSerialChain(*problem.skeleton, problem.goals[0].joint);
     if (!result.whyNot.empty()) return result.whyNot;
     std::string whyNot;
@@ -202,12 +214,14 @@ class ClosedForm final : public IkSolver {
     if (!whyUnsupported(problem).empty()) return report;
     const Goal& goal = problem.goals[0];
     report.why = Stop::Failure;
-    if (!problem.start.allFinite() || !goal.target.allFinite() || !goal.orientation.coeffs().allFinite()) return report;
+    if (!problem.start.allFinite() || !goal.target.allFinite() || !goal.orientation.coeffs().allFinite())
+      return report;
     const SerialChain chain = extractSerialChain(*problem.skeleton, goal.joint).chain;
     report.q = projectToLimits(*problem.skeleton, problem.start);
     Vector6d start;
     for (int i = 0; i < 6; ++i) start[i] = report.q[chain.qIndex[i]];
-    const Isometry3d target = Isometry3d(Eigen::Translation3d(goal.target) * goal.orientation.normalized()) * Eigen::Translation3d(-goal.pointInJoint);
+    const Isometry3d target = Isometry3d(Eigen::Translation3d(goal.target) * goal.orientation.normalized()) *
+                              Eigen::Translation3d(-goal.pointInJoint);
     VectorXd best = report.q;
     double bestError = INFINITY, bestDistance = INFINITY;
     bool solved = false;
@@ -217,7 +231,8 @@ class ClosedForm final : public IkSolver {
       q = projectToLimits(*problem.skeleton, q);
       const Judgement verdict = judge(problem, q);
       if (!verdict.finite || (solved && !verdict.solved)) continue;
-      const double error = std::hypot(verdict.goals[0].position, verdict.goals[0].orientation), distance = (branch.q - start).norm();
+      const double error = std::hypot(verdict.goals[0].position, verdict.goals[0].orientation),
+                   distance = (branch.q - start).norm();
       if ((verdict.solved && !solved) || (verdict.solved ? distance < bestDistance : error < bestError)) {
         best = q;
         bestError = error;
@@ -229,7 +244,8 @@ class ClosedForm final : public IkSolver {
     report.why = solved ? Stop::Converged : Stop::Stalled;
     if (std::isfinite(bestError)) report.q = best;
     const Judgement atBest = judge(problem, report.q);
-    report.residual = std::sqrt(goal.weight) * std::hypot(atBest.goals[0].position, atBest.goals[0].orientation);
+    report.residual =
+        std::sqrt(goal.weight) * std::hypot(atBest.goals[0].position, atBest.goals[0].orientation);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return report;
   }
@@ -255,7 +271,8 @@ ArmFamily armFamily(const SerialChain& chain, std::string* whyNot) {
   return no("neither do axes 4, 5 and 6 meet in a point nor are axes 2, 3 and 4 parallel");
 }
 
-std::vector<ArmBranch> armBranches(const SerialChain& chain, const Isometry3d& worldFromTip, const Vector6d& reference) {
+std::vector<ArmBranch> armBranches(const SerialChain& chain, const Isometry3d& worldFromTip,
+                                   const Vector6d& reference) {
   const Isometry3d target = baseFromLast(chain, worldFromTip);
   switch (armFamily(chain)) {
     case ArmFamily::SphericalWrist: return sphericalWristBranches(chain, target, reference);

@@ -44,7 +44,8 @@ bool usable(const Goal& goal) {
 std::vector<double> postureStiffness(const Skeleton& skeleton) {
   std::vector<double> s(skeleton.nv(), 0.3);
   const auto byRange = [](double halfRange) {
-    return std::isfinite(halfRange) ? std::clamp(0.36 / std::max(halfRange * halfRange, 1e-12), 0.3, 2.0) : 0.3;
+    return std::isfinite(halfRange) ? std::clamp(0.36 / std::max(halfRange * halfRange, 1e-12), 0.3, 2.0)
+                                    : 0.3;
   };
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
@@ -69,17 +70,18 @@ double characteristicLength(const Skeleton& skeleton) {
 DragSolver::DragSolver(const Skeleton& skeleton, DragOptions options)
     : options_(std::move(options)),
       descent_(skeleton, options_.unit > 0.0 ? options_.unit : characteristicLength(skeleton),
-               options_.stiffness.empty() ? postureStiffness(skeleton) : options_.stiffness, skeleton.rest()) {
+               options_.stiffness.empty() ? postureStiffness(skeleton) : options_.stiffness,
+               skeleton.rest()) {
   if (!options_.stiffness.empty() && static_cast<int>(options_.stiffness.size()) != skeleton.nv())
-    throw std::invalid_argument("the drag solver needs nv = " + std::to_string(skeleton.nv()) + " stiffnesses, found " +
-                                std::to_string(options_.stiffness.size()));
+    throw std::invalid_argument("the drag solver needs nv = " + std::to_string(skeleton.nv()) +
+                                " stiffnesses, found " + std::to_string(options_.stiffness.size()));
   reset(skeleton.rest());
 }
 
 void DragSolver::reset(const VectorXd& q) {
   if (q.size() != skeleton().nq())
-    throw std::invalid_argument("the drag solver needs nq = " + std::to_string(skeleton().nq()) + " values, found " +
-                                std::to_string(q.size()));
+    throw std::invalid_argument("the drag solver needs nq = " + std::to_string(skeleton().nq()) +
+                                " values, found " + std::to_string(q.size()));
   report_.q = projectToLimits(skeleton(), q);
   fresh_ = true;
   memory_.clear();
@@ -88,7 +90,8 @@ void DragSolver::reset(const VectorXd& q) {
 bool DragSolver::sameStructure(std::span<const DragGoal> goals) const {
   if (fresh_ || goals.size() != memory_.size()) return false;
   for (std::size_t i = 0; i < goals.size(); ++i)
-    if (goals[i].goal.joint != memory_[i].joint || goals[i].goal.kind != memory_[i].kind || goals[i].role != memory_[i].role)
+    if (goals[i].goal.joint != memory_[i].joint || goals[i].goal.kind != memory_[i].kind ||
+        goals[i].role != memory_[i].role)
       return false;
   return true;
 }
@@ -103,11 +106,19 @@ void DragSolver::rebuild(std::span<const DragGoal> goals) {
     if (joint < 0 || joint >= skeleton().jointCount())
       throw std::invalid_argument("a drag goal names joint " + std::to_string(joint) + "; the skeleton has " +
                                   std::to_string(skeleton().jointCount()));
-    if (goal.goal.kind == GoalKind::Pole && (skeleton().parent(joint) < 0 || skeleton().children(joint).empty()))
-      throw std::invalid_argument("a pole goal needs a joint with a parent and a child; '" + skeleton().joint(joint).name +
-                                  "' has not both");
-    Memory memory{.joint = joint, .kind = goal.goal.kind, .role = goal.role, .firstPoint = points,
-                  .pointCount = pointsOf(goal.goal.kind), .bias = {}, .a = {}, .b = {}, .c = {}};
+    if (goal.goal.kind == GoalKind::Pole &&
+        (skeleton().parent(joint) < 0 || skeleton().children(joint).empty()))
+      throw std::invalid_argument("a pole goal needs a joint with a parent and a child; '" +
+                                  skeleton().joint(joint).name + "' has not both");
+    Memory memory{.joint = joint,
+                  .kind = goal.goal.kind,
+                  .role = goal.role,
+                  .firstPoint = points,
+                  .pointCount = pointsOf(goal.goal.kind),
+                  .bias = {},
+                  .a = {},
+                  .b = {},
+                  .c = {}};
     for (Vector3d& bias : memory.bias) bias.setZero();
     for (Memory& old : previous_)
       if (old.joint == joint && old.kind == memory.kind && old.role == memory.role) {
@@ -119,7 +130,8 @@ void DragSolver::rebuild(std::span<const DragGoal> goals) {
     if (goal.goal.kind != GoalKind::Posture) joints_.push_back(joint);
     memory_.push_back(memory);
   }
-  // The origin of the inner frame lies near the body: far from the world's origin nothing is lost to rounding.
+  // The origin of the inner frame lies near the body: far from the world's origin nothing is lost to
+  // rounding.
   Vector3d origin = skeleton().joint(0).parentFromZero.translation();
   descent_.build(joints_, origin);
   descent_.points().resize(points);
@@ -137,14 +149,20 @@ void DragSolver::setTargets(std::span<const DragGoal> goals) {
   for (std::size_t i = 0; i < goals.size(); ++i) {
     const Goal& goal = goals[i].goal;
     Memory& memory = memory_[i];
-    const double weight = usable(goal) ? goal.weight * (goals[i].role == GoalRole::Pin ? options_.pinWeight : options_.dragWeight) : 0.0;
+    const double weight = usable(goal) ? goal.weight * (goals[i].role == GoalRole::Pin ? options_.pinWeight
+                                                                                       : options_.dragWeight)
+                                       : 0.0;
     const double reported = usable(goal) ? goal.weight : 0.0;
     const int carrier = tree.carrier(goal.joint);
     int at = memory.firstPoint;
     const auto put = [&](bool direction, double share, const Vector3d& local, const Vector3d& target) {
       TreePoint& point = descent_.points()[at];
       moved = moved || wanted_[at] != target;
-      point = {.node = carrier, .direction = direction, .weight = share * weight, .local = local, .target = target};
+      point = {.node = carrier,
+               .direction = direction,
+               .weight = share * weight,
+               .local = local,
+               .target = target};
       wanted_[at] = target;
       reportWeight_[at] = share * reported;
       if (!direction) point.cut = options_.cut;
@@ -158,16 +176,20 @@ void DragSolver::setTargets(std::span<const DragGoal> goals) {
     if (goal.kind == GoalKind::Position || goal.kind == GoalKind::Pose)
       put(false, 1.0, tree.toCarrier(goal.joint, goal.pointInJoint), tree.toTree(goal.target));
     if (goal.kind == GoalKind::Orientation || goal.kind == GoalKind::Pose) {
-      const Matrix3d wanted = goal.orientation.normalized().toRotationMatrix(), local = tree.carrierFromJoint(goal.joint);
-      for (int k = 0; k < 3; ++k) put(true, 1.0 / 3.0, options_.poseArm * local.col(k), options_.poseArm * wanted.col(k));
+      const Matrix3d wanted = goal.orientation.normalized().toRotationMatrix(),
+                     local = tree.carrierFromJoint(goal.joint);
+      for (int k = 0; k < 3; ++k)
+        put(true, 1.0 / 3.0, options_.poseArm * local.col(k), options_.poseArm * wanted.col(k));
     }
     if (goal.kind == GoalKind::Aim)
-        put(true, 1.0, options_.poseArm * (tree.carrierFromJoint(goal.joint) * goal.axisInJoint), tree.toTree(goal.target));
+      put(true, 1.0, options_.poseArm * (tree.carrierFromJoint(goal.joint) * goal.axisInJoint),
+          tree.toTree(goal.target));
     if (goal.kind == GoalKind::Pole) {
       const int parent = skeleton().parent(goal.joint), child = skeleton().children(goal.joint).front();
       memory.a = {.node = tree.carrier(parent), .local = tree.toCarrier(parent, Vector3d::Zero())};
       memory.b = {.node = carrier, .local = tree.toCarrier(goal.joint, Vector3d::Zero())};
-      memory.c = {.node = carrier, .local = tree.toCarrier(goal.joint, skeleton().joint(child).parentFromZero.translation())};
+      memory.c = {.node = carrier,
+                  .local = tree.toCarrier(goal.joint, skeleton().joint(child).parentFromZero.translation())};
       put(false, 1.0, memory.b.local, tree.toTree(goal.target));
     }
   }
@@ -176,7 +198,8 @@ void DragSolver::setTargets(std::span<const DragGoal> goals) {
   restoreTargets();
 }
 
-/// Targets that depend on the pose: the direction of an aim, the place of the elbow on its circle. Held during one iteration.
+/// Targets that depend on the pose: the direction of an aim, the place of the elbow on its circle. Held
+/// during one iteration.
 void DragSolver::updateMovingTargets(std::span<const DragGoal> goals) {
   const GoalTree& tree = descent_.tree();
   for (std::size_t i = 0; i < goals.size(); ++i) {
@@ -189,7 +212,8 @@ void DragSolver::updateMovingTargets(std::span<const DragGoal> goals) {
       const TreePoint origin{.node = point.node, .local = tree.toCarrier(memory.joint, Vector3d::Zero())};
       const Vector3d wanted = goal - tree.at(descent_.pose(), origin);
       const double length = wanted.norm();
-      point.target = length > 1e-9 ? Vector3d(options_.poseArm / length * wanted) : tree.at(descent_.pose(), point);
+      point.target =
+          length > 1e-9 ? Vector3d(options_.poseArm / length * wanted) : tree.at(descent_.pose(), point);
     } else {
       const Vector3d a = tree.at(descent_.pose(), memory.a), b = tree.at(descent_.pose(), memory.b),
                      c = tree.at(descent_.pose(), memory.c);
@@ -210,8 +234,9 @@ void DragSolver::updateBiases() {
     for (int k = 0; k < memory.pointCount; ++k) {
       const TreePoint& point = descent_.points()[memory.firstPoint + k];
       if (point.weight == 0.0) continue;
-      const double bound = point.direction ? options_.poseBias
-                                           : memory.role == GoalRole::Pin ? options_.pinBias : options_.dragBias;
+      const double bound = point.direction                ? options_.poseBias
+                           : memory.role == GoalRole::Pin ? options_.pinBias
+                                                          : options_.dragBias;
       const Vector3d error = wanted_[memory.firstPoint + k] - descent_.tree().at(descent_.pose(), point);
       memory.bias[k] = clipped(memory.bias[k] + error, bound);
     }
@@ -239,30 +264,38 @@ double DragSolver::largestError(GoalRole role) const {
     if (memory.role == role && memory.kind != GoalKind::Pole && memory.kind != GoalKind::Aim)
       for (int k = memory.firstPoint; k < memory.firstPoint + memory.pointCount; ++k)
         if (descent_.points()[k].weight > 0.0)
-          largest = std::max(largest, (wanted_[k] - descent_.tree().at(descent_.pose(), descent_.points()[k])).norm());
+          largest = std::max(largest,
+                             (wanted_[k] - descent_.tree().at(descent_.pose(), descent_.points()[k])).norm());
   return largest;
 }
 
 double DragSolver::residual() const {
   double sum = 0.0;
   for (std::size_t k = 0; k < wanted_.size(); ++k)
-    sum += reportWeight_[k] * (wanted_[k] - descent_.tree().at(descent_.pose(), descent_.points()[k])).squaredNorm();
+    sum += reportWeight_[k] *
+           (wanted_[k] - descent_.tree().at(descent_.pose(), descent_.points()[k])).squaredNorm();
   return unit() * std::sqrt(sum);
 }
 
 void DragSolver::record(TraceLevel trace, const StepOutcome& outcome, double before, double seconds) {
-  report_.trace.push_back({.q = {}, .residual = before, .stepNorm = outcome.step, .damping = outcome.damping, .seconds = seconds});
+  report_.trace.push_back({.q = {},
+                           .residual = before,
+                           .stepNorm = outcome.step,
+                           .damping = outcome.damping,
+                           .seconds = seconds});
   if (trace != TraceLevel::Full) return;
   report_.trace.back().q = report_.q;
   descent_.tree().store(descent_.pose(), report_.trace.back().q);
 }
 
-/// Up to `iterations` steps, and the repair of the pins where the rotation budget is spent. True where the pose settled.
+/// Up to `iterations` steps, and the repair of the pins where the rotation budget is spent. True where the
+/// pose settled.
 bool DragSolver::descend(std::span<const DragGoal> goals, double budget, int iterations, TraceLevel trace,
                          Clock::time_point begin) {
   HybridDescent::Settings settings;
   settings.lambda = options_.posture;
-  settings.kappa = options_.change * std::max(options_.heldChange, std::pow(0.7, std::max(0, framesHeld_ - 2)));
+  settings.kappa =
+      options_.change * std::max(options_.heldChange, std::pow(0.7, std::max(0, framesHeld_ - 2)));
   settings.rotationBudget = budget;
   spent_ = false;
   for (int done = 0; iterations > 0; --iterations, ++done) {
@@ -273,7 +306,8 @@ bool DragSolver::descend(std::span<const DragGoal> goals, double budget, int ite
     report_.counters.forwardKinematics += outcome.placements;
     report_.counters.factorisations += outcome.factorisations;
     ++(outcome.kind == StepKind::ExactHessian ? report_.counters.hessians : report_.counters.jacobians);
-    if (trace != TraceLevel::Off) record(trace, outcome, before, std::chrono::duration<double>(Clock::now() - begin).count());
+    if (trace != TraceLevel::Off)
+      record(trace, outcome, before, std::chrono::duration<double>(Clock::now() - begin).count());
     if (outcome.budgetSpent && !spent_) {
       spent_ = true;
       iterations = options_.repairs + 1;
@@ -304,13 +338,15 @@ const IkReport& DragSolver::frame(std::span<const DragGoal> goals, TraceLevel tr
   double budget = budgetShare_ * options_.rotationBudget;
   bool settled = descend(goals, budget, iterations, trace, begin);
   // A long step may leave the pins too far off for the repair: take a shorter one instead.
-  for (int again = 0; again < 2 && largestError(GoalRole::Pin) > std::max(options_.pinTolerance, pinsBefore); ++again) {
+  for (int again = 0; again < 2 && largestError(GoalRole::Pin) > std::max(options_.pinTolerance, pinsBefore);
+       ++again) {
     descent_.returnToAnchor();
     setTargets(goals);
     budget *= 0.4;
     settled = descend(goals, budget, iterations, trace, begin);
   }
-  // Cut steps and repairs can go round in a circle between two poses when the targets stand still: tighten the budget.
+  // Cut steps and repairs can go round in a circle between two poses when the targets stand still: tighten
+  // the budget.
   if (spent_) {
     for (Memory& memory : memory_)  // corrections found at rest are stale in a glide
       if (memory.role == GoalRole::Pin)
@@ -325,7 +361,9 @@ const IkReport& DragSolver::frame(std::span<const DragGoal> goals, TraceLevel tr
   strained_ = largestError(GoalRole::Drag) > options_.strain;
   descent_.tree().store(descent_.pose(), report_.q);
   report_.residual = residual();
-  report_.why = !settled ? Stop::Budget : report_.residual <= 1e-4 * unit() ? Stop::Converged : Stop::Stationary;
+  report_.why = !settled                            ? Stop::Budget
+                : report_.residual <= 1e-4 * unit() ? Stop::Converged
+                                                    : Stop::Stationary;
   report_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return report_;
 }
@@ -345,7 +383,8 @@ bool DragSolver::met(double positionTolerance, double orientationTolerance) cons
         return false;
       }
     }
-    // Turned by the angle a, one unit direction moves by at most 2 sin(a / 2), three orthogonal ones by sqrt(8) sin(a / 2).
+    // Turned by the angle a, one unit direction moves by at most 2 sin(a / 2), three orthogonal ones by
+    // sqrt(8) sin(a / 2).
     const double sine = std::sqrt(chord) / options_.poseArm / (directions == 3 ? std::sqrt(8.0) : 2.0);
     if (directions > 0 && !(2.0 * std::asin(std::min(1.0, sine)) <= orientationTolerance)) return false;
   }
@@ -376,12 +415,17 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
     }
     rebuild(goals);
     setTargets(goals);
-    HybridDescent::Settings settings{.lambda = 1e-3, .kappa = 0.0, .smallestStep = 1e-14, .leastDamping = 1e-8};
+    HybridDescent::Settings settings{
+        .lambda = 1e-3, .kappa = 0.0, .smallestStep = 1e-14, .leastDamping = 1e-8};
     int stuck = 0;
     for (;; settings.lambda = settings.lambda > 1e-10 ? 0.1 * settings.lambda : 0.0) {
       updateMovingTargets(goals);
-      why = met(rounding * problem.positionTolerance, rounding * problem.orientationTolerance) ? Stop::Converged : Stop::Budget;
-      if (why == Stop::Converged || report_.counters.iterations >= budget.maxIterations || seconds() > budget.maxSeconds) break;
+      why = met(rounding * problem.positionTolerance, rounding * problem.orientationTolerance)
+                ? Stop::Converged
+                : Stop::Budget;
+      if (why == Stop::Converged || report_.counters.iterations >= budget.maxIterations ||
+          seconds() > budget.maxSeconds)
+        break;
       const double before = trace == TraceLevel::Off ? 0.0 : residual();
       const StepOutcome outcome = descent_.step(settings);
       ++report_.counters.iterations;

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "solvers/tree/hybrid_descent.h"
 #include "solvers/problem/ik_problem.h"
 #include "solvers/problem/ik_report.h"
+#include "solvers/tree/hybrid_descent.h"
 
 namespace gelenk {
 
@@ -19,43 +19,48 @@ struct DragGoal {
   GoalRole role = GoalRole::Drag;
 };
 
-/// Constants of the drag solver. Lengths are in units of DragSolver::unit(), about a metre for a figure of human size, so that the
-/// same constants serve an arm of hundreds of metres. Defaults: docs/solvers/hybrid.md.
+/// Constants of the drag solver. Lengths are in units of DragSolver::unit(), about a metre for a figure of
+/// human size, so that the same constants serve an arm of hundreds of metres. Defaults:
+/// docs/solvers/hybrid.md.
 struct DragOptions {
-  double posture = 1e-3;        ///< lambda: pull towards the rest pose, the soft reach
-  double change = 5e-3;         ///< kappa: cost of the change within a frame
-  double heldChange = 0.01;     ///< share of it that is left when the targets have stood still for a while
-  double dragWeight = 1.0;      ///< on the squared distance, times Goal::weight
+  double posture = 1e-3;     ///< lambda: pull towards the rest pose, the soft reach
+  double change = 5e-3;      ///< kappa: cost of the change within a frame
+  double heldChange = 0.01;  ///< share of it that is left when the targets have stood still for a while
+  double dragWeight = 1.0;   ///< on the squared distance, times Goal::weight
   double pinWeight = 1000.0;
-  double poseArm = 0.3;         ///< orientations count as three points on arms of this length, units
-  double dragBias = 0.01;       ///< largest correction of a drag's target against the posture's pull, units
-  double pinBias = 0.002;       ///< likewise of a pin's
-  double poseBias = 0.03;       ///< likewise of the orientation part, at the arm's end
-  double cut = 0.6;             ///< a target farther away pulls as if it were this far, units
-  double rotationBudget = 0.18; ///< radians a joint and frame; the repair of the pins may add a fifth
-  int iterations = 4;           ///< a frame
-  int strainedIterations = 6;   ///< a frame after one that left a drag farther than `strain` from its target
-  double strain = 0.02;         ///< units
-  int repairs = 3;              ///< further iterations that restore the pins when the budget is spent
-  double pinTolerance = 7e-4;   ///< a frame that would leave a pin farther off is taken again with a smaller budget, units
-  double settled = 1e-3;        ///< a frame ends with the first step below, radians or units
-  double unit = 0.0;            ///< metres a unit; 0: from the skeleton's size
-  std::vector<double> stiffness = {};  ///< s of every tangent dimension, nv; empty: postureStiffness(skeleton)
+  double poseArm = 0.3;          ///< orientations count as three points on arms of this length, units
+  double dragBias = 0.01;        ///< largest correction of a drag's target against the posture's pull, units
+  double pinBias = 0.002;        ///< likewise of a pin's
+  double poseBias = 0.03;        ///< likewise of the orientation part, at the arm's end
+  double cut = 0.6;              ///< a target farther away pulls as if it were this far, units
+  double rotationBudget = 0.18;  ///< radians a joint and frame; the repair of the pins may add a fifth
+  int iterations = 4;            ///< a frame
+  int strainedIterations = 6;    ///< a frame after one that left a drag farther than `strain` from its target
+  double strain = 0.02;          ///< units
+  int repairs = 3;               ///< further iterations that restore the pins when the budget is spent
+  double pinTolerance =
+      7e-4;  ///< a frame that would leave a pin farther off is taken again with a smaller budget, units
+  double settled = 1e-3;  ///< a frame ends with the first step below, radians or units
+  double unit = 0.0;      ///< metres a unit; 0: from the skeleton's size
+  std::vector<double> stiffness =
+      {};  ///< s of every tangent dimension, nv; empty: postureStiffness(skeleton)
 };
 
-/// s_i of the posture term for each tangent dimension, by the range of motion: a joint of half range r (radians) gets
-/// (0.6 / r)^2 within [0.3, 2], so that a spine is stiff and a shoulder gives. Translations and free root balls 0.5 and 0.7.
+/// s_i of the posture term for each tangent dimension, by the range of motion: a joint of half range r
+/// (radians) gets (0.6 / r)^2 within [0.3, 2], so that a spine is stiff and a shoulder gives. Translations
+/// and free root balls 0.5 and 0.7.
 std::vector<double> postureStiffness(const Skeleton& skeleton);
 
 /// Metres that stand for one unit: the longest chain of bones from the root, divided by that of the figure.
 double characteristicLength(const Skeleton& skeleton);
 
-/// Drags a skeleton frame by frame: a few damped Newton steps a frame, exact Hessian far from a solution and Gauss-Newton near
-/// one, on the joints between goals and root. The others stay as they are. Damping, target corrections and the structure persist
-/// from frame to frame; after the first frame with the same goals nothing allocates (traces aside).
+/// Drags a skeleton frame by frame: a few damped Newton steps a frame, exact Hessian far from a solution and
+/// Gauss-Newton near one, on the joints between goals and root. The others stay as they are. Damping, target
+/// corrections and the structure persist from frame to frame; after the first frame with the same goals
+/// nothing allocates (traces aside).
 ///
-/// Goals may come, go and change joint, point, kind and role between frames. Position, Orientation, Pose, Aim and Pole are
-/// served (a Pole wants a small weight: it is a preference); Posture goals are ignored: the
+/// Goals may come, go and change joint, point, kind and role between frames. Position, Orientation, Pose, Aim
+/// and Pole are served (a Pole wants a small weight: it is a preference); Posture goals are ignored: the
 /// posture term always pulls towards the skeleton's rest pose.
 /// Targets that are not finite are left out.
 class DragSolver {
@@ -65,12 +70,13 @@ class DragSolver {
 
   /// Begins anew at q (nq), moved into the limits.
   void reset(const Eigen::VectorXd& q);
-  /// One frame. The report is valid until the next call: q, why (Converged: goals met within 1e-4 units; Stationary: at rest short
-  /// of them; Budget: still moving), the goals' residual (weighted root of summed squares, metres; orientation by its arm; pins
-  /// by their Goal::weight), work done and, on demand, a record an iteration.
+  /// One frame. The report is valid until the next call: q, why (Converged: goals met within 1e-4 units;
+  /// Stationary: at rest short of them; Budget: still moving), the goals' residual (weighted root of summed
+  /// squares, metres; orientation by its arm; pins by their Goal::weight), work done and, on demand, a record
+  /// an iteration.
   const IkReport& frame(std::span<const DragGoal> goals, TraceLevel trace = TraceLevel::Off);
-  /// From problem.start (nq) to a solution at once: no target corrections, cut, rotation budget or cost of change, and a posture
-  /// term that fades. Reset before the next frame().
+  /// From problem.start (nq) to a solution at once: no target corrections, cut, rotation budget or cost of
+  /// change, and a posture term that fades. Reset before the next frame().
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace = TraceLevel::Off);
 
   const Eigen::VectorXd& q() const { return report_.q; }
@@ -101,7 +107,8 @@ class DragSolver {
   void updateBiases();
   void holdDragsWhereTheyAre();
   double largestError(GoalRole role) const;
-  bool descend(std::span<const DragGoal> goals, double budget, int iterations, TraceLevel trace, Clock::time_point begin);
+  bool descend(std::span<const DragGoal> goals, double budget, int iterations, TraceLevel trace,
+               Clock::time_point begin);
   double residual() const;
   void record(TraceLevel trace, const StepOutcome& outcome, double before, double seconds);
 

@@ -21,7 +21,8 @@ namespace {
 /// The swing's coordinates have a pole at a half turn (w = 0): stay below 150 degrees, |c| = 2 sin(75 deg).
 constexpr double largestSwing = 1.9318516525781366;
 
-/// The limit's ellipse where it stays inside |c| <= largestSwing, else the largest one of its shape about its centre that does.
+/// The limit's ellipse where it stays inside |c| <= largestSwing, else the largest one of its shape about its
+/// centre that does.
 void setSwingLimit(const BallLimit& limit, TreeNode& node) {
   node.swingCentre = limit.swingCentre;
   node.swingRadii = limit.swingRadii;
@@ -60,7 +61,9 @@ GELENK_INLINE Matrix3d rotationMatrix(const std::array<double, 4>& q) {
   return R;
 }
 
-GELENK_INLINE double swingCosine(double x, double y) { return std::sqrt(std::max(0.05, 1.0 - x * x - y * y)); }
+GELENK_INLINE double swingCosine(double x, double y) {
+  return std::sqrt(std::max(0.05, 1.0 - x * x - y * y));
+}
 
 }  // namespace
 
@@ -132,7 +135,9 @@ void GoalTree::build(std::span<const int> joints, const Vector3d& origin) {
         node.motion = TreeMotion::FreeBall;
       }
       for (int d = 0; d < node.dofs(); ++d)
-        dofParent_.push_back(d > 0 ? dofs_ + d - 1 : parent < 0 ? -1 : nodes_[parent].dof + nodes_[parent].dofs() - 1);
+        dofParent_.push_back(d > 0        ? dofs_ + d - 1
+                             : parent < 0 ? -1
+                                          : nodes_[parent].dof + nodes_[parent].dofs() - 1);
       dofs_ += node.dofs();
       coordinates_ += node.coordinates();
       deepest = std::max(deepest, node.depth + node.dofs());
@@ -183,13 +188,15 @@ void GoalTree::load(const VectorXd& q, TreePose& pose) const {
       case TreeMotion::RotationAxis: c[0] = std::clamp(value[0], node.lower, node.upper); break;
       case TreeMotion::TranslationAxis: c[0] = std::clamp(value[0] / unit_, node.lower, node.upper); break;
       case TreeMotion::LimitedBall: {
-        const Vector3d read = swingTwistCoordinates(Quaterniond(value[0], value[1], value[2], value[3]).normalized());
+        const Vector3d read =
+            swingTwistCoordinates(Quaterniond(value[0], value[1], value[2], value[3]).normalized());
         std::copy_n(read.data(), 3, c);
         project(node, c);
         break;
       }
       case TreeMotion::FreeBall: {
-        const double scale = 1.0 / std::sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2] + value[3] * value[3]);
+        const double scale = 1.0 / std::sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2] +
+                                             value[3] * value[3]);
         for (int k = 0; k < 4; ++k) c[k] = scale * value[k];
         break;
       }
@@ -291,7 +298,8 @@ void GoalTree::gather(const TreePose& pose, std::span<const TreePoint> points) {
     const Vector3d p = at(pose, point), e = point.target - p;
     // Beyond the cut the quadratic that touches the cost there and lies above it everywhere.
     const double squared = e.squaredNorm();
-    const double weight = squared <= point.cut * point.cut ? point.weight : point.weight * point.cut / std::sqrt(squared);
+    const double weight =
+        squared <= point.cut * point.cut ? point.weight : point.weight * point.cut / std::sqrt(squared);
     const Vector3d f = weight * e, wp = weight * p;
     if (!point.direction) {  // a direction only turns: no mass, no force, but inertia and moment
       s.m += weight;
@@ -323,8 +331,8 @@ void GoalTree::gather(const TreePose& pose, std::span<const TreePoint> points) {
 namespace {
 
 /// entries[0 .. length) = w . M + v . N for the twists of the path; length is a multiple of four.
-GELENK_INLINE void rowOfPath(const double* __restrict twists, int stride, const Vector3d& M, const Vector3d& N, int length,
-                             double* __restrict entries) {
+GELENK_INLINE void rowOfPath(const double* __restrict twists, int stride, const Vector3d& M,
+                             const Vector3d& N, int length, double* __restrict entries) {
   const double m0 = M[0], m1 = M[1], m2 = M[2], n0 = N[0], n1 = N[1], n2 = N[2];
   for (int j = 0; j < length; j += 4) {
     const double* t = twists + j;
@@ -348,7 +356,8 @@ void GoalTree::gradientAndHessian(const TreePose& pose, double beta, double* gra
     const Vector3d& p = frame.p;
 
     Vector3d w[3];
-    Vector3d dw11 = Vector3d::Zero(), dw22 = Vector3d::Zero(), dw12 = Vector3d::Zero();  // of the swing: dw1/dc1, dw2/dc2, dw1/dc2
+    Vector3d dw11 = Vector3d::Zero(), dw22 = Vector3d::Zero(),
+             dw12 = Vector3d::Zero();  // of the swing: dw1/dc1, dw2/dc2, dw1/dc2
     const int dofs = node.dofs();
     switch (node.motion) {
       case TreeMotion::TranslationAxis: break;
@@ -360,13 +369,17 @@ void GoalTree::gradientAndHessian(const TreePose& pose, double beta, double* gra
         break;
       case TreeMotion::LimitedBall: {
         const double* c = pose.coordinates.data() + node.coordinate;
-        const double x = 0.5 * c[0], y = 0.5 * c[1], cosine = swingCosine(x, y), r = 1.0 / cosine, r3 = r * r * r;
+        const double x = 0.5 * c[0], y = 0.5 * c[1], cosine = swingCosine(x, y), r = 1.0 / cosine,
+                     r3 = r * r * r;
         w[0].noalias() = frame.zero * Vector3d(cosine + x * x * r, x * y * r, -y);
         w[1].noalias() = frame.zero * Vector3d(x * y * r, cosine + y * y * r, x);
         w[2] = frame.R.col(2);
-        dw11.noalias() = frame.zero * Vector3d(0.5 * (x * r + x * x * x * r3), 0.5 * (y * r + x * x * y * r3), 0.0);
-        dw22.noalias() = frame.zero * Vector3d(0.5 * (x * r + x * y * y * r3), 0.5 * (y * r + y * y * y * r3), 0.0);
-        dw12.noalias() = frame.zero * Vector3d(0.5 * (-y * r + x * x * y * r3), 0.5 * (x * r + x * y * y * r3), -0.5);
+        dw11.noalias() =
+            frame.zero * Vector3d(0.5 * (x * r + x * x * x * r3), 0.5 * (y * r + x * x * y * r3), 0.0);
+        dw22.noalias() =
+            frame.zero * Vector3d(0.5 * (x * r + x * y * y * r3), 0.5 * (y * r + y * y * y * r3), 0.0);
+        dw12.noalias() =
+            frame.zero * Vector3d(0.5 * (-y * r + x * x * y * r3), 0.5 * (x * r + x * y * y * r3), -0.5);
         break;
       }
       case TreeMotion::FreeBall:
@@ -414,7 +427,8 @@ void GoalTree::gradientAndHessian(const TreePose& pose, double beta, double* gra
       H.row(k + 1)[depth + 1] -= beta * dw22.dot(moment);
       H.row(k + 1)[depth] -= beta * dw12.dot(moment);
     } else {
-      // exp is symmetric to second order: the commutator w_i x w_j that the ordered product leaves is split evenly.
+      // exp is symmetric to second order: the commutator w_i x w_j that the ordered product leaves is split
+      // evenly.
       for (int a = 0; a < 3; ++a)
         for (int b = a + 1; b < 3; ++b) H.row(k + b)[depth + a] += 0.5 * beta * w[a].cross(w[b]).dot(moment);
     }

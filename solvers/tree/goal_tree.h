@@ -15,33 +15,35 @@ enum class TreeMotion : unsigned char {
   RotationAxis,     ///< 1 dof, coordinate = angle (radians)
   TranslationAxis,  ///< 1 dof, coordinate = displacement (units)
   LimitedBall,      ///< 3 dof, coordinates c = (2x, 2y, tau) of rotation.h
-  FreeBall,         ///< 3 dof, coordinates = quaternion (w, x, y, z); tangent in the moved frame, q <- q exp(d)
+  FreeBall,  ///< 3 dof, coordinates = quaternion (w, x, y, z); tangent in the moved frame, q <- q exp(d)
 };
 
 /// One axis or one ball of a joint that lies between a goal and the root.
 struct TreeNode {
   TreeMotion motion = TreeMotion::FreeBall;
-  int parent = -1;     ///< node, -1: fixed to the world
-  int joint = 0;       ///< joint of the skeleton
-  int qIndex = 0;      ///< first entry in q
-  int dof = 0;         ///< first degree of freedom
-  int coordinate = 0;  ///< first entry among the coordinates
-  int depth = 0;       ///< degrees of freedom above
-  int coordinateAxis = -1;       ///< 0, 1, 2 where the axis is +x, +y, +z; else -1
+  int parent = -1;          ///< node, -1: fixed to the world
+  int joint = 0;            ///< joint of the skeleton
+  int qIndex = 0;           ///< first entry in q
+  int dof = 0;              ///< first degree of freedom
+  int coordinate = 0;       ///< first entry among the coordinates
+  int depth = 0;            ///< degrees of freedom above
+  int coordinateAxis = -1;  ///< 0, 1, 2 where the axis is +x, +y, +z; else -1
   bool offsetIsIdentity = false;
-  bool offsetTurns = true;       ///< false where offsetRotation is the identity
+  bool offsetTurns = true;  ///< false where offsetRotation is the identity
   Eigen::Matrix3d offsetRotation = Eigen::Matrix3d::Identity();  ///< parentFromNode before the motion
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();              ///< units
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-  double lower = -unlimited, upper = unlimited;                  ///< of an axis (radians, units), or of the twist
+  double lower = -unlimited, upper = unlimited;  ///< of an axis (radians, units), or of the twist
   Eigen::Vector2d swingCentre = Eigen::Vector2d::Zero(), swingRadii = Eigen::Vector2d::Ones();
 
   int dofs() const { return motion >= TreeMotion::LimitedBall ? 3 : 1; }
-  int coordinates() const { return motion == TreeMotion::FreeBall ? 4 : motion == TreeMotion::LimitedBall ? 3 : 1; }
+  int coordinates() const {
+    return motion == TreeMotion::FreeBall ? 4 : motion == TreeMotion::LimitedBall ? 3 : 1;
+  }
 };
 
-/// A point, or a direction, fixed to a node and drawn to a target t by the cost 1/2 weight |t - x|^2, which goes on with
-/// the same slope where |t - x| > cut: weight cut (|t - x| - cut / 2). (Huber 1964)
+/// A point, or a direction, fixed to a node and drawn to a target t by the cost 1/2 weight |t - x|^2, which
+/// goes on with the same slope where |t - x| > cut: weight cut (|t - x| - cut / 2). (Huber 1964)
 struct TreePoint {
   int node = -1;           ///< -1: fixed to the world, cannot move
   bool direction = false;  ///< x = R local instead of R local + p
@@ -54,24 +56,25 @@ struct TreePoint {
 /// Where the nodes are.
 struct TreePose {
   struct NodeFrame {
-    Eigen::Matrix3d R;     ///< after the node's motion
+    Eigen::Matrix3d R;  ///< after the node's motion
     Eigen::Vector3d p;
-    Eigen::Matrix3d zero;  ///< balls alone: rotation before the motion
+    Eigen::Matrix3d zero;     ///< balls alone: rotation before the motion
     std::array<double, 4> q;  ///< balls alone: the motion as a unit quaternion (w, x, y, z)
   };
   std::vector<double> coordinates;
   std::vector<NodeFrame> frames;
 };
 
-/// The degrees of freedom of a skeleton that lie between some joints and the root, as flat arrays in depth-first order: what
-/// gradient and Hessian of all goals are assembled on in one sweep. Lengths inside are the caller's unit, points are relative
-/// to origin(); both are applied by load(), store() and toTree().
+/// The degrees of freedom of a skeleton that lie between some joints and the root, as flat arrays in
+/// depth-first order: what gradient and Hessian of all goals are assembled on in one sweep. Lengths inside
+/// are the caller's unit, points are relative to origin(); both are applied by load(), store() and toTree().
 class GoalTree {
  public:
   /// skeleton must outlive the tree. unit: metres a unit of length, > 0.
   GoalTree(const Skeleton& skeleton, double unit);
 
-  /// Rebuilds the structure for goals on these joints. Allocates only where it outgrows all earlier structures.
+  /// Rebuilds the structure for goals on these joints. Allocates only where it outgrows all earlier
+  /// structures.
   void build(std::span<const int> joints, const Eigen::Vector3d& origin);
 
   const Skeleton& skeleton() const { return *skeleton_; }
@@ -83,7 +86,8 @@ class GoalTree {
   std::span<TreeNode> nodes() { return nodes_; }
   std::span<const int> dofParents() const { return dofParent_; }
 
-  /// The last node at or above the joint, -1 where nothing moves it. The joint's path must be part of the structure.
+  /// The last node at or above the joint, -1 where nothing moves it. The joint's path must be part of the
+  /// structure.
   int carrier(int joint) const { return carrier_[joint]; }
   /// nodeFromJoint, units: a point of the joint seen from its carrier (from the origin where there is none).
   Eigen::Vector3d toCarrier(int joint, const Eigen::Vector3d& pointInJoint) const;
@@ -98,7 +102,8 @@ class GoalTree {
   /// The frames from the coordinates.
   void place(TreePose& pose) const;
 
-  /// Moves the node's coordinates into its limits: box, or nearest point of the swing's ellipse. True where they moved.
+  /// Moves the node's coordinates into its limits: box, or nearest point of the swing's ellipse. True where
+  /// they moved.
   static bool project(const TreeNode& node, double* coordinates);
 
   /// World position (or direction) of a point, units from the origin.
@@ -108,11 +113,13 @@ class GoalTree {
 
   /// Sums over the goals below every node; gradientAndHessian needs them at the same pose.
   void gather(const TreePose& pose, std::span<const TreePoint> points);
-  /// gradient: dofCount(); H: structure dofParents(). beta = 1: the exact Hessian of the cost; 0: Gauss-Newton.
+  /// gradient: dofCount(); H: structure dofParents(). beta = 1: the exact Hessian of the cost; 0:
+  /// Gauss-Newton.
   void gradientAndHessian(const TreePose& pose, double beta, double* gradient, TreeMatrix& H);
 
  private:
-  /// m = sum w, h = sum w p, A = sum w p p^T (xx, yy, zz, xy, xz, yz), F = sum f, T = sum p x f, P = sum p f^T.
+  /// m = sum w, h = sum w p, A = sum w p p^T (xx, yy, zz, xy, xz, yz), F = sum f, T = sum p x f, P = sum p
+  /// f^T.
   struct Sums {
     double m;
     Eigen::Vector3d h, F, T;

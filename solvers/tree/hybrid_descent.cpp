@@ -28,7 +28,8 @@ Vector3d rotationVector(const double* a, const double* b) {
   return logRotation(Quaterniond(a[0], -a[1], -a[2], -a[3]) * Quaterniond(b[0], b[1], b[2], b[3]));
 }
 
-/// Hessian of 1/2 |log R|^2 for R <- R exp(d): n n^T + (angle/2) cot(angle/2) (I - n n^T). Positive below a half turn.
+/// Hessian of 1/2 |log R|^2 for R <- R exp(d): n n^T + (angle/2) cot(angle/2) (I - n n^T). Positive below a
+/// half turn.
 Matrix3d squaredAngleHessian(const Vector3d& log) {
   const double angle = log.norm();
   const double across = angle < 1e-4 ? 1.0 - angle * angle / 12.0 : 0.5 * angle / std::tan(0.5 * angle);
@@ -39,7 +40,8 @@ Matrix3d squaredAngleHessian(const Vector3d& log) {
 
 }  // namespace
 
-HybridDescent::HybridDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness, const VectorXd& rest)
+HybridDescent::HybridDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness,
+                             const VectorXd& rest)
     : tree_(skeleton, unit), stiffnessOfDof_(std::move(stiffness)), rest_(rest) {}
 
 void HybridDescent::build(std::span<const int> joints, const Vector3d& origin) {
@@ -137,9 +139,11 @@ void HybridDescent::derivatives(const Settings& settings, double beta, double* g
   H.copyValues(H_);
 }
 
-// ---- limits -------------------------------------------------------------------------------------------------------------
+// ---- limits
+// -------------------------------------------------------------------------------------------------------------
 
-/// Where the swing at c stands on its cone: the unit tangent of the ellipse and its length by the ellipse's angle.
+/// Where the swing at c stands on its cone: the unit tangent of the ellipse and its length by the ellipse's
+/// angle.
 void HybridDescent::setConeTangent(const TreeNode& node, const double* c) {
   const Vector2d scaled = (Vector2d(c[0], c[1]) - node.swingCentre).cwiseQuotient(node.swingRadii);
   const Vector2d e(-node.swingRadii.x() * scaled.y(), node.swingRadii.y() * scaled.x());
@@ -171,13 +175,14 @@ void HybridDescent::chooseActiveSet() {
     }
     const bool atLower = *c <= node.lower, atUpper = *c >= node.upper;
     const bool pushed = (atLower && g_[k] > 0.0) || (atUpper && g_[k] < 0.0);
-    state_[k] = pushed || (atLower && atUpper) || (stays_[k] && (atLower || atUpper)) ? DofState::Fixed : DofState::Free;
+    state_[k] = pushed || (atLower && atUpper) || (stays_[k] && (atLower || atUpper)) ? DofState::Fixed
+                                                                                      : DofState::Free;
     value_[k] = 0.0;
   }
 }
 
-/// Which dofs on their limits to leave there in the next step although its gradient may point inwards: those that the model at
-/// the end of this step still presses outwards (the sign of the limit's multiplier).
+/// Which dofs on their limits to leave there in the next step although its gradient may point inwards: those
+/// that the model at the end of this step still presses outwards (the sign of the limit's multiplier).
 void HybridDescent::rememberActiveSet() {
   for (const TreeNode& node : tree_.nodes()) {
     if (node.motion == TreeMotion::FreeBall) continue;
@@ -202,7 +207,8 @@ void HybridDescent::rememberActiveSet() {
   }
 }
 
-/// W <- factors of H + mu I with the fixed dofs taken out and cone swings reduced to their tangent; x_ <- right side.
+/// W <- factors of H + mu I with the fixed dofs taken out and cone swings reduced to their tangent; x_ <-
+/// right side.
 bool HybridDescent::factorWithActiveSet(double mu) {
   W_.copyValues(H_);
   for (int k = 0; k < W_.size(); ++k) {
@@ -216,10 +222,11 @@ bool HybridDescent::factorWithActiveSet(double mu) {
     double* first = W_.row(k);
     const double* second = W_.row(k + 1);
     const int depth = node.depth;
-    const double along = e[0] * e[0] * first[depth] + 2.0 * e[0] * e[1] * second[depth] + e[1] * e[1] * second[depth + 1];
+    const double along =
+        e[0] * e[0] * first[depth] + 2.0 * e[0] * e[1] * second[depth] + e[1] * e[1] * second[depth + 1];
     for (int j = 0; j < depth; ++j) first[j] = e[0] * first[j] + e[1] * second[j];
-    // Going straight on along the tangent leaves the ellipse; following it bends inwards with curvature r1 r2 / |tangent|^3,
-    // against the gradient's push along the outward normal.
+    // Going straight on along the tangent leaves the ellipse; following it bends inwards with curvature r1 r2
+    // / |tangent|^3, against the gradient's push along the outward normal.
     const Vector2d normal(e.y(), -e.x());
     const double push = -g.dot(normal), length = tangentLength_[k];
     first[depth] = along + std::max(0.0, push) * node.swingRadii.prod() / (length * length * length);
@@ -245,8 +252,8 @@ bool HybridDescent::factorWithActiveSet(double mu) {
   return W_.factor(smallestPivot);
 }
 
-/// Fixes the free dofs that the step, which will be cut to entries of size `reach`, carries across their limits on those
-/// limits. True where there were any.
+/// Fixes the free dofs that the step, which will be cut to entries of size `reach`, carries across their
+/// limits on those limits. True where there were any.
 bool HybridDescent::fixCrossing(double reach) {
   constexpr double tolerance = 1e-12;
   double largest = 0.0;
@@ -260,7 +267,8 @@ bool HybridDescent::fixCrossing(double reach) {
     if (node.motion == TreeMotion::LimitedBall) {
       if (state_[k] == DofState::Free) {
         const Vector2d target(c[0] + share * x_[k], c[1] + share * x_[k + 1]);
-        const bool crosses = (target - node.swingCentre).cwiseQuotient(node.swingRadii).squaredNorm() > 1.0 + tolerance;
+        const bool crosses =
+            (target - node.swingCentre).cwiseQuotient(node.swingRadii).squaredNorm() > 1.0 + tolerance;
         if (crosses && onCone(node, c)) {
           setConeTangent(node, c);
           state_[k] = DofState::AlongCone;
@@ -291,7 +299,8 @@ bool HybridDescent::fixCrossing(double reach) {
   return any;
 }
 
-/// The step d_ within limits, and of the model along it: slope_ = g . d, curvature_ = d . (H + mu) d. False on a bad pivot.
+/// The step d_ within limits, and of the model along it: slope_ = g . d, curvature_ = d . (H + mu) d. False
+/// on a bad pivot.
 bool HybridDescent::solve(double mu, double reach, StepOutcome& outcome) {
   constexpr int passes = 3;
   chooseActiveSet();
@@ -357,7 +366,8 @@ void HybridDescent::moveFreely(const double* d) {
   for (const TreeNode& node : tree_.nodes()) {
     double* c = pose_.coordinates.data() + node.coordinate;
     if (node.motion == TreeMotion::FreeBall) {
-      const Quaterniond turned = Quaterniond(c[0], c[1], c[2], c[3]) * expRotation({d[node.dof], d[node.dof + 1], d[node.dof + 2]});
+      const Quaterniond turned =
+          Quaterniond(c[0], c[1], c[2], c[3]) * expRotation({d[node.dof], d[node.dof + 1], d[node.dof + 2]});
       c[0] = turned.w();
       c[1] = turned.x();
       c[2] = turned.y();
@@ -387,20 +397,24 @@ double HybridDescent::largestRotation(const TreePose& pose) const {
         opposite += (a[k] + b[k]) * (a[k] + b[k]);
       }
       const double chord = std::min(same, opposite);
-      ofJoint += chord < 0.02 ? 2.0 * std::sqrt(chord) * (1.0 + chord / 24.0) : 4.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(chord)));
+      ofJoint += chord < 0.02 ? 2.0 * std::sqrt(chord) * (1.0 + chord / 24.0)
+                              : 4.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(chord)));
     }
     largest = std::max(largest, ofJoint);
   }
   return largest;
 }
 
-// ---- iteration ----------------------------------------------------------------------------------------------------------
+// ---- iteration
+// ----------------------------------------------------------------------------------------------------------
 
-/// Solves and takes one step of the assembled model; raises mu until the objective falls. False on a bad pivot.
+/// Solves and takes one step of the assembled model; raises mu until the objective falls. False on a bad
+/// pivot.
 bool HybridDescent::descend(const Settings& settings, double& mu, StepOutcome& outcome) {
   constexpr int retries = 3;
   // What the clamp and the budget will leave of a long step.
-  const double reach = std::min(settings.largestStep, 1.2 * (settings.rotationBudget - largestRotation(pose_)) + 0.02);
+  const double reach =
+      std::min(settings.largestStep, 1.2 * (settings.rotationBudget - largestRotation(pose_)) + 0.02);
   for (int attempt = 0; attempt <= retries; ++attempt, mu = std::max(4.0 * mu, startingDamping())) {
     if (!solve(mu, reach, outcome)) return false;
     outcome.damping = mu;
@@ -444,7 +458,8 @@ bool HybridDescent::descend(const Settings& settings, double& mu, StepOutcome& o
       return true;
     }
     gain_ = -1.0;
-    if (attempt > 0) std::fill(stays_.begin(), stays_.end(), 0);  // what was remembered may be what bars the way
+    if (attempt > 0)
+      std::fill(stays_.begin(), stays_.end(), 0);  // what was remembered may be what bars the way
   }
   return true;
 }
@@ -483,7 +498,8 @@ StepOutcome HybridDescent::step(const Settings& settings) {
   outcome.kind = StepKind::GaussNewton;
   assemble(settings, StepKind::GaussNewton);
   descend(settings, muGaussNewton_, outcome);
-  if (!outcome.budgetSpent) lastGaussNewtonGain_ = outcome.moved ? gain_ : -1.0;  // a step cut short says nothing
+  if (!outcome.budgetSpent)
+    lastGaussNewtonGain_ = outcome.moved ? gain_ : -1.0;  // a step cut short says nothing
   if (exact && gain_ < 0.25) forcedExact_ = 8;
   return outcome;
 }

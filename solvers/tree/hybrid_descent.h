@@ -13,37 +13,39 @@ enum class StepKind : unsigned char { GaussNewton, ExactHessian };
 /// What one iteration did.
 struct StepOutcome {
   StepKind kind = StepKind::GaussNewton;
-  bool moved = false;         ///< a descent was found and taken
-  bool budgetSpent = false;   ///< the step was cut short by the rotation budget
-  double step = 0.0;          ///< largest entry of the step taken (radians, units)
-  double damping = 0.0;       ///< mu of the step
+  bool moved = false;        ///< a descent was found and taken
+  bool budgetSpent = false;  ///< the step was cut short by the rotation budget
+  double step = 0.0;         ///< largest entry of the step taken (radians, units)
+  double damping = 0.0;      ///< mu of the step
   int factorisations = 0;
-  int placements = 0;         ///< forward kinematics
+  int placements = 0;  ///< forward kinematics
 };
 
 /// Minimises, on the dofs between the goals and the root and within the joints' limits,
 ///     f = 1/2 sum_points w |t - x|^2 + 1/2 lambda sum_i s_i (c_i - rest_i)^2 + 1/2 kappa |c - c_anchor|^2
-/// by damped Newton steps that take the exact Hessian far from a solution and Gauss-Newton near one. Free balls measure
-/// c - rest by the rotation vector. The state between steps (mu of both kinds, what the last step was worth) persists, so
-/// that a drag goes on where the frame before ended. Lengths are units of the tree.
+/// by damped Newton steps that take the exact Hessian far from a solution and Gauss-Newton near one. Free
+/// balls measure c - rest by the rotation vector. The state between steps (mu of both kinds, what the last
+/// step was worth) persists, so that a drag goes on where the frame before ended. Lengths are units of the
+/// tree.
 ///
-/// Limits inside the step: a box dof at its bound with outward gradient is locked; a swing on its cone with outward gradient
-/// is left the one dof along the ellipse; dofs that the step would carry across their limit are put on it and the others solved
-/// again (at most three times); the step is applied with projection.
+/// Limits inside the step: a box dof at its bound with outward gradient is locked; a swing on its cone with
+/// outward gradient is left the one dof along the ellipse; dofs that the step would carry across their limit
+/// are put on it and the others solved again (at most three times); the step is applied with projection.
 class HybridDescent {
  public:
   struct Settings {
-    double lambda = 3e-3;          ///< weight of the posture
-    double kappa = 3e-3;           ///< weight of the change since anchor()
-    double largestStep = 0.5;      ///< radians or units a dof and step
-    double smallestStep = 1e-6;    ///< steps below are not taken
-    double rotationBudget = 1e300; ///< radians a joint since anchor()
-    double leastDamping = 0.0;     ///< of Gauss-Newton steps; > 0 where nothing else makes their matrix definite
-    bool exact = true;             ///< false: Gauss-Newton alone
-    bool passing = false;          ///< true: a Gauss-Newton step that leaves no trace in what persists
+    double lambda = 3e-3;           ///< weight of the posture
+    double kappa = 3e-3;            ///< weight of the change since anchor()
+    double largestStep = 0.5;       ///< radians or units a dof and step
+    double smallestStep = 1e-6;     ///< steps below are not taken
+    double rotationBudget = 1e300;  ///< radians a joint since anchor()
+    double leastDamping = 0.0;  ///< of Gauss-Newton steps; > 0 where nothing else makes their matrix definite
+    bool exact = true;          ///< false: Gauss-Newton alone
+    bool passing = false;       ///< true: a Gauss-Newton step that leaves no trace in what persists
   };
 
-  HybridDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness, const Eigen::VectorXd& rest);
+  HybridDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness,
+                const Eigen::VectorXd& rest);
 
   GoalTree& tree() { return tree_; }
   const GoalTree& tree() const { return tree_; }
@@ -95,7 +97,7 @@ class HybridDescent {
   double startingDamping() const;
 
   GoalTree tree_;
-  std::vector<double> stiffnessOfDof_;   ///< of the skeleton's tangent
+  std::vector<double> stiffnessOfDof_;  ///< of the skeleton's tangent
   Eigen::VectorXd rest_;
   std::vector<TreePoint> points_;
   TreePose pose_, trial_, anchor_;
@@ -106,7 +108,8 @@ class HybridDescent {
   std::vector<double> g_, d_, x_, value_;
   std::vector<DofState> state_;
   std::vector<char> stays_;  ///< by dof: stay on the limit at the next step
-  std::vector<Eigen::Vector2d> tangent_;  ///< by dof: unit tangent of the ellipse where the state is AlongCone
+  std::vector<Eigen::Vector2d>
+      tangent_;  ///< by dof: unit tangent of the ellipse where the state is AlongCone
   std::vector<double> tangentLength_;
   bool anyFixedMoves_ = false;
 

@@ -1,9 +1,9 @@
 #include "solvers/tree/hybrid_solver.h"
 
 #include "kinematics/configuration.h"
-#include "solvers/tree/drag_solver.h"
 #include "solvers/iteration/evaluator.h"
 #include "solvers/problem/judge.h"
+#include "solvers/tree/drag_solver.h"
 
 namespace gelenk {
 namespace {
@@ -19,7 +19,8 @@ class HybridSolver final : public IkSolver {
   }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
-    if (!whyUnsupported(problem).empty()) return {.q = problem.start, .why = Stop::Unsupported, .counters = {}, .trace = {}};
+    if (!whyUnsupported(problem).empty())
+      return {.q = problem.start, .why = Stop::Unsupported, .counters = {}, .trace = {}};
     DragSolver solver(*problem.skeleton);
     IkReport report = solver.solve(problem, budget, trace);
     const Eigen::VectorXd& q = report.q;

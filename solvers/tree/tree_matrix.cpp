@@ -9,7 +9,8 @@ namespace {
 
 /// row_i[0 .. length) -= sum_g a[g] * rows[g][0 .. length); length is a multiple of four.
 template <int count>
-GELENK_INLINE void subtractRows(double* __restrict row, const double* const* rows, const double* a, int length) {
+GELENK_INLINE void subtractRows(double* __restrict row, const double* const* rows, const double* a,
+                                int length) {
   for (int j = 0; j < length; j += 4) {
     Double4 sum = four(row + j);
     for (int g = 0; g < count; ++g) sum -= a[g] * four(rows[g] + j);
@@ -40,7 +41,8 @@ void TreeMatrix::setStructure(std::span<const int> parent) {
   runs_.clear();
   for (int k = 0; k < n;) {
     Group group{.first = k, .count = 1, .runBegin = static_cast<int>(runs_.size()), .runEnd = 0};
-    // The next degree of freedom joins the chain where it is the only child: everything below k is below k + 1.
+    // The next degree of freedom joins the chain where it is the only child: everything below k is below k
+    // + 1.
     while (group.count < 4 && k + group.count < n && parent[k + group.count] == k + group.count - 1 &&
            subtreeEnd_[k + group.count] == subtreeEnd_[k])
       ++group.count;
@@ -137,7 +139,8 @@ void TreeMatrix::solve(double* x) const {
         const Run run = runs_[r];
         for (int i = 0; i < run.length; ++i) x[run.first + i] -= entries[run.depth + i] * value;
       }
-      for (int above = 0; above < g; ++above) x[group.first + above] -= entries[depth_[group.first] + above] * value;
+      for (int above = 0; above < g; ++above)
+        x[group.first + above] -= entries[depth_[group.first] + above] * value;
     }
   }
   for (int k = 0; k < size(); ++k) x[k] /= diagonal(k);
@@ -155,7 +158,8 @@ void TreeMatrix::solve(double* x) const {
         }
         if (i < run.length) sum0 += entries[run.depth + i] * x[run.first + i];
       }
-      for (int above = 0; above < g; ++above) sum0 += entries[depth_[group.first] + above] * x[group.first + above];
+      for (int above = 0; above < g; ++above)
+        sum0 += entries[depth_[group.first] + above] * x[group.first + above];
       x[k] -= sum0 + sum1;
     }
 }

@@ -6,15 +6,18 @@
 
 namespace gelenk {
 
-/// A symmetric matrix over the degrees of freedom of a forest, whose entry (i, j) can differ from zero only where one of the
-/// two lies above the other. Its factors L^T D L fill nothing in (Featherstone, Rigid Body Dynamics Algorithms, 6.5).
+/// A symmetric matrix over the degrees of freedom of a forest, whose entry (i, j) can differ from zero only
+/// where one of the two lies above the other. Its factors L^T D L fill nothing in (Featherstone, Rigid Body
+/// Dynamics Algorithms, 6.5).
 ///
-/// Degrees of freedom are numbered depth first, parents before children. Row k holds the entries (k, i) for the ancestors i
-/// of k ordered from the root, entry `depth` by `depth`, and ends with the diagonal; it is padded to whole blocks of four, so
-/// that every inner loop runs over contiguous memory without remainder. What stands in the padding is finite and unused.
+/// Degrees of freedom are numbered depth first, parents before children. Row k holds the entries (k, i) for
+/// the ancestors i of k ordered from the root, entry `depth` by `depth`, and ends with the diagonal; it is
+/// padded to whole blocks of four, so that every inner loop runs over contiguous memory without remainder.
+/// What stands in the padding is finite and unused.
 class TreeMatrix {
  public:
-  /// parent[k] < k is the degree of freedom above k, -1 for none. Allocates only where the size outgrows all earlier ones.
+  /// parent[k] < k is the degree of freedom above k, -1 for none. Allocates only where the size outgrows all
+  /// earlier ones.
   void setStructure(std::span<const int> parent);
 
   int size() const { return static_cast<int>(depth_.size()); }
@@ -40,14 +43,15 @@ class TreeMatrix {
   /// (row k) . x with the whole symmetric row. x: size().
   double rowTimes(int k, const double* x) const;
 
-  /// In place: the strict rows become L, the diagonal D. False, with the values spoilt, where a pivot is <= smallestPivot
-  /// or not a number.
+  /// In place: the strict rows become L, the diagonal D. False, with the values spoilt, where a pivot is <=
+  /// smallestPivot or not a number.
   bool factor(double smallestPivot);
   /// x <- (L^T D L)^-1 x after factor(). x: size().
   void solve(double* x) const;
 
  private:
-  struct Run {  ///< ancestors of equal step: depths [depth, depth + length) are the degrees of freedom [first, ...)
+  struct Run {  ///< ancestors of equal step: depths [depth, depth + length) are the degrees of freedom
+                ///< [first, ...)
     int depth, first, length;
   };
   /// A chain of up to four degrees of freedom, each the only child of the one before, eliminated together.

@@ -31,7 +31,8 @@ TEST_P(Lecture, AgreesToThePrintedDigit) {
   const LectureVerdict verdict = evaluate(GetParam().check);
   std::string computed;
   for (const double value : verdict.computed) computed += " " + std::to_string(value);
-  EXPECT_TRUE(verdict.ok) << GetParam().check.what << ": computed" << computed << ", off by " << verdict.difference;
+  EXPECT_TRUE(verdict.ok) << GetParam().check.what << ": computed" << computed << ", off by "
+                          << verdict.difference;
 }
 
 INSTANTIATE_TEST_SUITE_P(Slides, Lecture, ::testing::ValuesIn(allChecks()), [](const auto& info) {
@@ -57,7 +58,10 @@ TEST(LectureList, HasUniqueNamesSectionsAndOneToleranceAValueOrOneForAll) {
 }
 
 TEST(LectureList, AValueOffByMoreThanHalfADigitIsNoticed) {
-  LectureCheck check{.id = "probe", .section = "none", .what = "", .printed = {0.295}, .tolerance = {5e-4}, .compute = [] { return std::vector{0.2955}; }};
+  LectureCheck check{
+      .id = "probe", .section = "none", .what = "", .printed = {0.295}, .tolerance = {5e-4}, .compute = [] {
+        return std::vector{0.2955};
+      }};
   EXPECT_TRUE(evaluate(check).ok);  // half a digit is allowed
   check.compute = [] { return std::vector{0.29551}; };
   EXPECT_FALSE(evaluate(check).ok);
@@ -70,7 +74,9 @@ TEST(LectureList, AValueOffByMoreThanHalfADigitIsNoticed) {
 TEST(LegAnimation, KeysAreMetAndTheCurveIsContinuousAroundTheCycle) {
   const LegKeys keys = lectureLegKeys();
   for (const auto* curve : {&keys.hip, &keys.knee, &keys.foot}) {
-    for (const LegKey& key : *curve) EXPECT_NEAR(keyedAngle(*curve, key.phase), key.phase < 1.0 ? key.degrees : curve->front().degrees, 1e-9);
+    for (const LegKey& key : *curve)
+      EXPECT_NEAR(keyedAngle(*curve, key.phase), key.phase < 1.0 ? key.degrees : curve->front().degrees,
+                  1e-9);
     EXPECT_NEAR(keyedAngle(*curve, 1.0 - 1e-9), keyedAngle(*curve, 0.0), 1e-5);
   }
 }
@@ -83,7 +89,10 @@ TEST(LegAnimation, PinnedFeetKeepTheLimitsAndTheRestOfTheBody) {
   const int head = figure.jointIndex("head");
   for (std::size_t f = 0; f < keyed.q.size(); ++f) {
     EXPECT_LE(limitViolation(figure, pinned.q[f]), 1e-12);
-    EXPECT_LE((forwardKinematics(figure, keyed.q[f])[head].matrix() - forwardKinematics(figure, pinned.q[f])[head].matrix()).norm(), 1e-12);
+    EXPECT_LE((forwardKinematics(figure, keyed.q[f])[head].matrix() -
+               forwardKinematics(figure, pinned.q[f])[head].matrix())
+                  .norm(),
+              1e-12);
   }
 }
 

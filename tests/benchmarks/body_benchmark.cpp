@@ -5,11 +5,11 @@
 
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/notation/planar_chain.h"
-#include "skinning/bodies/body_around.h"
-#include "skinning/rigging/bone_heat.h"
-#include "skinning/io/skin_cache.h"
 #include "skinning/blend/linear_blend.h"
+#include "skinning/bodies/body_around.h"
 #include "skinning/bodies/mannequin_body.h"
+#include "skinning/io/skin_cache.h"
+#include "skinning/rigging/bone_heat.h"
 
 namespace gelenk {
 namespace {
@@ -25,7 +25,8 @@ void FigureMesh(benchmark::State& state) {
   const BodyShape shape = mannequinShape();
   PolygoniseOptions grid = mannequinGrid();
   grid.threads = static_cast<int>(state.range(0));
-  for (auto _ : state) state.counters["vertices"] = static_cast<double>(polygonise(shape, grid).positions.size());
+  for (auto _ : state)
+    state.counters["vertices"] = static_cast<double>(polygonise(shape, grid).positions.size());
 }
 BENCHMARK(FigureMesh)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 

@@ -1,8 +1,9 @@
 // Chains of unit bones with ball joints: time and success of FABRIK, the ball-chain LM and CCD.
 //   characters_benchmark [google-benchmark flags]
-// 200 targets uniform in the ball of the chain's length, tolerance 0.01 bone; every start is the same slightly bent chain (bends
-// of 0.1 rad about alternating axes). The table's times are wall time of single solves; "points" are the direct functions
-// with rotations recovered where the method has them, "interface" the solver interface, judged by forward kinematics.
+// 200 targets uniform in the ball of the chain's length, tolerance 0.01 bone; every start is the same
+// slightly bent chain (bends of 0.1 rad about alternating axes). The table's times are wall time of single
+// solves; "points" are the direct functions with rotations recovered where the method has them, "interface"
+// the solver interface, judged by forward kinematics.
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -42,11 +43,14 @@ Setting makeSetting(int bones) {
   s.skeleton = Skeleton(joints);
   s.q = neutral(s.skeleton);
   for (int i = 0; i < bones; ++i)
-    setBallRotation(s.skeleton, s.q, i, Quaterniond(Eigen::AngleAxisd(0.1, i % 2 ? Vector3d::UnitX() : Vector3d::UnitY())));
-  for (const Eigen::Isometry3d& frame : forwardKinematics(s.skeleton, s.q)) s.start.push_back(frame.translation());
+    setBallRotation(s.skeleton, s.q, i,
+                    Quaterniond(Eigen::AngleAxisd(0.1, i % 2 ? Vector3d::UnitX() : Vector3d::UnitY())));
+  for (const Eigen::Isometry3d& frame : forwardKinematics(s.skeleton, s.q))
+    s.start.push_back(frame.translation());
   std::mt19937_64 random(200);
   while (s.targets.size() < 200) {
-    const Vector3d p(2.0 * uniform01(random) - 1.0, 2.0 * uniform01(random) - 1.0, 2.0 * uniform01(random) - 1.0);
+    const Vector3d p(2.0 * uniform01(random) - 1.0, 2.0 * uniform01(random) - 1.0,
+                     2.0 * uniform01(random) - 1.0);
     if (p.norm() < 1.0) s.targets.push_back(p * bones);
   }
   return s;
@@ -66,11 +70,15 @@ void row(const char* name, const Setting& setting, Solve&& solve) {
     }
   }
   std::sort(best.begin(), best.end());
-  fmt::print("{:<28}{:>6}{:>6}/200{:>12.2f}{:>12.2f}{:>12.2f}\n", name, setting.bones, solved, best[100], best[190], best[199]);
+  fmt::print("{:<28}{:>6}{:>6}/200{:>12.2f}{:>12.2f}{:>12.2f}\n", name, setting.bones, solved, best[100],
+             best[190], best[199]);
 }
 
 void table() {
-  fmt::print("200 targets, 0.01 bone; microseconds, the least of 5 rounds a target\n{:<28}{:>6}{:>10}{:>12}{:>12}{:>12}\n", "method", "bones", "solved", "median", "p95", "max");
+  fmt::print(
+      "200 targets, 0.01 bone; microseconds, the least of 5 rounds a "
+      "target\n{:<28}{:>6}{:>10}{:>12}{:>12}{:>12}\n",
+      "method", "bones", "solved", "median", "p95", "max");
   for (const int bones : {10, 40}) {
     const Setting s = makeSetting(bones);
     std::vector<Vector3d> points;

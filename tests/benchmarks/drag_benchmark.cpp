@@ -1,12 +1,12 @@
-// The drag solver on the built-in figure: five goals (both hands, head, two planted feet). `drag_benchmark --marks` prints the
-// table of docs/solvers/hybrid.md instead of timing one thing after the other.
+// The drag solver on the built-in figure: five goals (both hands, head, two planted feet). `drag_benchmark
+// --marks` prints the table of docs/solvers/hybrid.md instead of timing one thing after the other.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
 #include <cstring>
 
-#include "solvers/tree/hybrid_solver.h"
 #include "solvers/problem/judge.h"
+#include "solvers/tree/hybrid_solver.h"
 #include "tests/solvers/tree/drag_marks.h"
 
 namespace gelenk {
@@ -23,8 +23,9 @@ enum class Kind { Reachable, Unreachable, Held };
 void DragFrame(benchmark::State& state, Kind kind, double step) {
   const Figure figure;
   std::mt19937_64 random(1);
-  const Path path = kind == Kind::Unreachable ? marks::wildPath(figure, random, 2000, step)
-                                              : marks::reachablePath(figure, random, kind == Kind::Held ? 100 : 2000, step);
+  const Path path = kind == Kind::Unreachable
+                        ? marks::wildPath(figure, random, 2000, step)
+                        : marks::reachablePath(figure, random, kind == Kind::Held ? 100 : 2000, step);
   DragSolver solver(figure.skeleton);
   std::vector<DragGoal> goals = figure.goals();
   if (kind == Kind::Held) {
@@ -66,7 +67,10 @@ std::vector<IkProblem> coldProblems(const Figure& figure, int count, bool wholeR
       pose.head<3>().setZero();
     }
     const Frames frames = forwardKinematics(figure.skeleton, pose);
-    IkProblem problem{.skeleton = &figure.skeleton, .start = figure.skeleton.rest(), .goals = {}, .positionTolerance = 1e-3};
+    IkProblem problem{.skeleton = &figure.skeleton,
+                      .start = figure.skeleton.rest(),
+                      .goals = {},
+                      .positionTolerance = 1e-3};
     for (const int joint : {figure.hands[0], figure.hands[1], figure.head, figure.feet[0], figure.feet[1]})
       problem.goals.push_back({.joint = joint, .target = frames[joint].translation()});
     problems.push_back(problem);
@@ -93,13 +97,15 @@ void ColdSolve(benchmark::State& state, bool wholeRange) {
 BENCHMARK_CAPTURE(ColdSolve, half_range, false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(ColdSolve, whole_range, true)->Unit(benchmark::kMicrosecond);
 
-// ---- the table ------------------------------------------------------------------------------------------------------------
+// ---- the table
+// ------------------------------------------------------------------------------------------------------------
 
 void row(const char* name, const Shown& s) {
-  std::printf("%-20s %7.3f %8.3f %9.3f %8.3f %7.2f  %8.1e %5d %6.2f %7.1f %7.1f\n", name, 1e3 * quantile(s.errors, 0.5),
-              1e3 * quantile(s.errors, 0.99), 1e3 * s.worstPin, s.worstRotation, s.worstJump, s.worstViolation, s.notFinite,
-              static_cast<double>(s.iterations) / static_cast<double>(s.seconds.size()), 1e6 * quantile(s.seconds, 0.5),
-              1e6 * quantile(s.seconds, 0.99));
+  std::printf("%-20s %7.3f %8.3f %9.3f %8.3f %7.2f  %8.1e %5d %6.2f %7.1f %7.1f\n", name,
+              1e3 * quantile(s.errors, 0.5), 1e3 * quantile(s.errors, 0.99), 1e3 * s.worstPin,
+              s.worstRotation, s.worstJump, s.worstViolation, s.notFinite,
+              static_cast<double>(s.iterations) / static_cast<double>(s.seconds.size()),
+              1e6 * quantile(s.seconds, 0.5), 1e6 * quantile(s.seconds, 0.99));
 }
 
 void printMarks(unsigned long long seed) {
@@ -107,16 +113,18 @@ void printMarks(unsigned long long seed) {
   const Figure figure;
   DragSolver solver(figure.skeleton);
   std::mt19937_64 random(seed);
-  std::printf("%d frames a row, seed %llu; errors and pins in mm, joints in radians a frame\n", paths * frames, seed);
-  std::printf("%-20s %7s %8s %9s %8s %7s  %8s %5s %6s %7s %7s\n", "drag", "p50", "p99", "pin max", "rot max", "jump", "limits",
-              "NaN", "steps", "us p50", "us p99");
+  std::printf("%d frames a row, seed %llu; errors and pins in mm, joints in radians a frame\n",
+              paths * frames, seed);
+  std::printf("%-20s %7s %8s %9s %8s %7s  %8s %5s %6s %7s %7s\n", "drag", "p50", "p99", "pin max", "rot max",
+              "jump", "limits", "NaN", "steps", "us p50", "us p99");
   for (const bool reachable : {true, false})
     for (const double step : {0.01, 0.05}) {
       Shown all, held;
       double after25 = 0.0, after200 = 0.0;
       int moving25 = 0;
       for (int i = 0; i < paths; ++i) {
-        const Path path = reachable ? marks::reachablePath(figure, random, frames, step) : marks::wildPath(figure, random, frames, step);
+        const Path path = reachable ? marks::reachablePath(figure, random, frames, step)
+                                    : marks::wildPath(figure, random, frames, step);
         solver.reset(figure.start);
         all.add(marks::follow(figure, solver, path, step));
         marks::follow(figure, solver, Path(25, path.back()), 0.0);
@@ -131,8 +139,10 @@ void printMarks(unsigned long long seed) {
       std::snprintf(name, sizeof name, "%s %.0f cm", reachable ? "reachable" : "unreachable", 100.0 * step);
       row(name, all);
       row("  then held", held);
-      std::printf("  held: largest rotation a frame after 25 frames %.1e (above 1e-4 on %d of %d), after 200 %.1e; largest error %.1e m\n",
-                  after25, moving25, paths, after200, quantile(held.errors, 1.0));
+      std::printf(
+          "  held: largest rotation a frame after 25 frames %.1e (above 1e-4 on %d of %d), after 200 %.1e; "
+          "largest error %.1e m\n",
+          after25, moving25, paths, after200, quantile(held.errors, 1.0));
     }
 
   double worst = 0.0;
@@ -159,8 +169,11 @@ void printMarks(unsigned long long seed) {
         seconds.push_back(report.seconds);
         solved += judge(problem, report.q).solved;
       }
-      std::printf("cold, 5 goals to 1 mm, targets of poses over %s range, %2d restarts: %d of 1000, us p50 %.1f p95 %.1f\n",
-                  wholeRange ? "the whole" : "half the ", restarts, solved, 1e6 * quantile(seconds, 0.5), 1e6 * quantile(seconds, 0.95));
+      std::printf(
+          "cold, 5 goals to 1 mm, targets of poses over %s range, %2d restarts: %d of 1000, us p50 %.1f p95 "
+          "%.1f\n",
+          wholeRange ? "the whole" : "half the ", restarts, solved, 1e6 * quantile(seconds, 0.5),
+          1e6 * quantile(seconds, 0.95));
     }
 }
 

@@ -17,8 +17,9 @@ void ForwardKinematicsOfTheFigure(benchmark::State& state) {
     forwardKinematics(skeleton, q, frames);
     benchmark::DoNotOptimize(frames.data());
   }
-  state.counters["ns_a_joint"] = benchmark::Counter(static_cast<double>(skeleton.jointCount()) * 1e-9,
-                                                    benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["ns_a_joint"] =
+      benchmark::Counter(static_cast<double>(skeleton.jointCount()) * 1e-9,
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(ForwardKinematicsOfTheFigure);
 

@@ -1,4 +1,5 @@
-// Loading and playing motion capture. The clips are made here from a CMU-like skeleton: 30 bones, 62 values a frame.
+// Loading and playing motion capture. The clips are made here from a CMU-like skeleton: 30 bones, 62 values a
+// frame.
 #include <benchmark/benchmark.h>
 
 #include <random>
@@ -19,10 +20,13 @@ AsfSkeleton cmuLikeSkeleton() {
   for (int b = 0; b < 30; ++b) {
     const char* dofs = b < 9 ? " dof rx ry rz\n" : b < 19 ? " dof rx rz\n" : b < 28 ? " dof rx\n" : "";
     const std::string name = "bone" + std::to_string(b);
-    bones += "begin\n name " + name + "\n direction 0 1 0\n length 4.5\n axis 10 20 30 XYZ\n" + dofs + "end\n";
+    bones +=
+        "begin\n name " + name + "\n direction 0 1 0\n length 4.5\n axis 10 20 30 XYZ\n" + dofs + "end\n";
     tree += (b % 6 == 0 ? "root" : "bone" + std::to_string(b - 1)) + " " + name + "\n";
   }
-  return parseAsf(":units\nlength 0.45\nangle deg\n:root\norder TX TY TZ RX RY RZ\naxis XYZ\n" + bones + tree + "end\n", "made.asf");
+  return parseAsf(
+      ":units\nlength 0.45\nangle deg\n:root\norder TX TY TZ RX RY RZ\naxis XYZ\n" + bones + tree + "end\n",
+      "made.asf");
 }
 
 MotionClip walk(const Skeleton& skeleton) {
@@ -37,7 +41,8 @@ MotionClip walk(const Skeleton& skeleton) {
 
 void LoadAmc5000Frames(benchmark::State& state) {
   const AsfSkeleton asf = cmuLikeSkeleton();
-  const std::string text = formatAmc(asf.skeleton, walk(asf.skeleton));  // 17 digits a number: longer than CMU's six
+  const std::string text =
+      formatAmc(asf.skeleton, walk(asf.skeleton));  // 17 digits a number: longer than CMU's six
   for (auto _ : state) benchmark::DoNotOptimize(parseAmc(text, "made.amc", asf));
   state.counters["MB"] = static_cast<double>(text.size()) / 1e6;
 }

@@ -12,13 +12,15 @@ namespace {
 struct BentArm {
   Skeleton skeleton = testing::arm(0.8);
   Frames rest = restFrames(skeleton);
-  MuscleRig rig{bindMuscles(testing::tube(skeleton), {makeLimb(skeleton, rest, "arm", {1, 2, 3})}, rest), rest};
+  MuscleRig rig{bindMuscles(testing::tube(skeleton), {makeLimb(skeleton, rest, "arm", {1, 2, 3})}, rest),
+                rest};
   Frames frames = bent();
   std::vector<LimbPose> limbs = rig.pose(frames);
 
   /// Vertices that the volumes carry; the others follow the limb's ends.
   std::size_t onVolumes() const {
-    return std::ranges::count_if(rig.body().vertices, [](const LimbVertex& vertex) { return vertex.volume >= 0; });
+    return std::ranges::count_if(rig.body().vertices,
+                                 [](const LimbVertex& vertex) { return vertex.volume >= 0; });
   }
 
   Frames bent() const {
@@ -29,8 +31,9 @@ struct BentArm {
 };
 
 void report(benchmark::State& state, std::size_t vertices) {
-  state.counters["per_vertex"] = benchmark::Counter(static_cast<double>(state.iterations() * vertices),
-                                                    benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["per_vertex"] =
+      benchmark::Counter(static_cast<double>(state.iterations() * vertices),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 void sixtyFourPoints(benchmark::State& state) {
@@ -66,7 +69,8 @@ void affinePlanesPositionOnly(benchmark::State& state) {
   for (auto _ : state)
     for (const LimbVertex& vertex : arm.rig.body().vertices)
       if (vertex.volume >= 0)
-        benchmark::DoNotOptimize(evaluateAffine(&arm.limbs[0].planes[3 * vertex.volume], vertex.uvw).position);
+        benchmark::DoNotOptimize(
+            evaluateAffine(&arm.limbs[0].planes[3 * vertex.volume], vertex.uvw).position);
   report(state, arm.onVolumes());
 }
 BENCHMARK(affinePlanesPositionOnly);

@@ -1,16 +1,17 @@
 // Pose inverse kinematics: ours against Orocos KDL, in one run, every answer judged outside the solvers.
-//   pose_benchmark [--problems=N] [--rounds=R] [--robot=NAME] [--no-peers] [--fresh=N] [google-benchmark flags]
-// --fresh=N: N fresh targets a robot, counting failures (1000000 in the mark). Means: processor time of this
-// thread over all problems, failures included, the least and the median of the rounds; p50 and p99: wall time of single solves in
-// one more round, which other programs on the machine may stretch.
+//   pose_benchmark [--problems=N] [--rounds=R] [--robot=NAME] [--no-peers] [--fresh=N] [google-benchmark
+//   flags]
+// --fresh=N: N fresh targets a robot, counting failures (1000000 in the mark). Means: processor time
+// of this thread over all problems, failures included, the least and the median of the rounds; p50 and p99:
+// wall time of single solves in one more round, which other programs on the machine may stretch.
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <functional>
 #include <random>
@@ -39,7 +40,9 @@ double processorTime() {
   return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
 }
 
-double microseconds(Clock::time_point begin) { return std::chrono::duration<double, std::micro>(Clock::now() - begin).count(); }
+double microseconds(Clock::time_point begin) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+}
 
 std::string processor() {
   std::ifstream info("/proc/cpuinfo");
@@ -57,7 +60,8 @@ struct ProblemSet {
   std::vector<double> flatStarts = {};
 };
 
-/// Reachable: forward kinematics of a random configuration. drag: starts within +-drag rad of it, else anywhere within limits.
+/// Reachable: forward kinematics of a random configuration. drag: starts within +-drag rad of it, else
+/// anywhere within limits.
 void fill(ProblemSet& set, int count, std::uint64_t seed, double drag = 0.0) {
   const Skeleton& skeleton = set.skeleton;
   const int tip = skeleton.jointCount() - 1;
@@ -72,7 +76,10 @@ void fill(ProblemSet& set, int count, std::uint64_t seed, double drag = 0.0) {
       for (double& q : problem.start) q += drag * (2.0 * uniform01(random) - 1.0);
       problem.start = projectToLimits(skeleton, problem.start);
     }
-    problem.goals = {{.kind = GoalKind::Pose, .joint = tip, .target = target.translation(), .orientation = Eigen::Quaterniond(target.linear())}};
+    problem.goals = {{.kind = GoalKind::Pose,
+                      .joint = tip,
+                      .target = target.translation(),
+                      .orientation = Eigen::Quaterniond(target.linear())}};
     set.targets.push_back(target);
     set.goals.push_back({.target = target.translation(), .orientation = target.linear()});
     set.starts.push_back(problem.start);
@@ -95,7 +102,8 @@ double quantile(std::vector<double> values, double share) {
 }
 
 void print(const Row& row) {
-  fmt::print("{:<34}{:>8}{:>10.3f}{:>12.3f}{:>10.3f}", row.name, row.count, 100.0 * row.solved / row.count, quantile(row.means, 0.0), quantile(row.means, 0.5));
+  fmt::print("{:<34}{:>8}{:>10.3f}{:>12.3f}{:>10.3f}", row.name, row.count, 100.0 * row.solved / row.count,
+             quantile(row.means, 0.0), quantile(row.means, 0.5));
   if (row.single.empty())
     fmt::print("{:>10}{:>10}\n", "-", "-");
   else
@@ -103,7 +111,8 @@ void print(const Row& row) {
 }
 
 /// solveOne(i) returns the configuration for problem i.
-Row measure(std::string name, const ProblemSet& set, int count, int rounds, const std::function<Eigen::VectorXd(int)>& solveOne) {
+Row measure(std::string name, const ProblemSet& set, int count, int rounds,
+            const std::function<Eigen::VectorXd(int)>& solveOne) {
   Row row{.name = std::move(name), .count = count};
   for (int i = 0; i < count; ++i) {
     const auto begin = Clock::now();
@@ -146,25 +155,29 @@ Row measureBatch(std::string name, const ProblemSet& set, const SerialPoseSolver
     solver.solveBatch(set.targets, set.flatStarts, answers);
     row.means.push_back((processorTime() - begin) / count);
   }
-  for (int i = 0; i < count; ++i) row.solved += judge(set.problems[i], Eigen::Map<const Eigen::VectorXd>(answers[i].q, n)).solved;
+  for (int i = 0; i < count; ++i)
+    row.solved += judge(set.problems[i], Eigen::Map<const Eigen::VectorXd>(answers[i].q, n)).solved;
   return row;
 }
 
 void printHeader() {
-  fmt::print("{:<34}{:>8}{:>10}{:>12}{:>10}{:>10}{:>10}\n", "solver", "solves", "solved %", "mean us min", "median", "p50", "p99");
+  fmt::print("{:<34}{:>8}{:>10}{:>12}{:>10}{:>10}{:>10}\n", "solver", "solves", "solved %", "mean us min",
+             "median", "p50", "p99");
 }
 
 void compareOn(const Robot& robot) {
   ProblemSet set{.skeleton = toSkeleton(robot.table())};
   fill(set, settings.problems, 20'240'601);
   const SerialChain chain = extractSerialChain(set.skeleton, set.skeleton.jointCount() - 1).chain;
-  fmt::print("\n{}: {} dofs, {} reachable poses, random starts, 1e-6 m and 1e-6 rad, limits, seed 20240601\n", robot.name, chain.n, settings.problems);
+  fmt::print("\n{}: {} dofs, {} reachable poses, random starts, 1e-6 m and 1e-6 rad, limits, seed 20240601\n",
+             robot.name, chain.n, settings.problems);
   printHeader();
   double ours = 0.0;
   for (const InstructionSet isa : {InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512}) {
     if (!isAvailable(isa)) continue;
     SerialPoseSolver solver(chain, isa);
-    const Row plain = measureDirect(fmt::format("serial-pose, {}", toString(isa)), set, solver, settings.rounds);
+    const Row plain =
+        measureDirect(fmt::format("serial-pose, {}", toString(isa)), set, solver, settings.rounds);
     print(plain);
     ours = quantile(plain.means, 0.0);
     print(measureBatch(fmt::format("  batch, {}", toString(isa)), set, solver, settings.rounds));
@@ -172,8 +185,9 @@ void compareOn(const Robot& robot) {
     print(measureDirect(fmt::format("  table, {}", toString(isa)), set, solver, settings.rounds));
     print(measureBatch(fmt::format("  table and batch, {}", toString(isa)), set, solver, settings.rounds));
     if (isa == bestInstructionSet())
-      fmt::print("  (table: {:.3f} s to build, {:.2f} MB, {:.0f} % of the cells filled)\n", solver.seedTable()->seconds(),
-                 static_cast<double>(solver.seedTable()->bytes()) * 1e-6, 100.0 * solver.seedTable()->filledCells());
+      fmt::print("  (table: {:.3f} s to build, {:.2f} MB, {:.0f} % of the cells filled)\n",
+                 solver.seedTable()->seconds(), static_cast<double>(solver.seedTable()->bytes()) * 1e-6,
+                 100.0 * solver.seedTable()->filledCells());
   }
   const Budget budget{.maxIterations = 200, .maxSeconds = 5e-3, .restarts = 4000};
   const auto throughInterface = [&](const std::string& name, int count, int rounds) {
@@ -191,7 +205,8 @@ void compareOn(const Robot& robot) {
       print(row);
       if (row.name.find("kdl-nr,") == std::string::npos) best = std::min(best, quantile(row.means, 0.0));
     }
-    fmt::print("KDL's best of NR_JL and LMA takes {:.0f} times as long as serial-pose without table.\n", best / ours);
+    fmt::print("KDL's best of NR_JL and LMA takes {:.0f} times as long as serial-pose without table.\n",
+               best / ours);
   }
 #endif
 }
@@ -203,7 +218,8 @@ void drag() {
   fmt::print("\npanda, drag regime: start = solution +- 0.15 rad, {} poses, seed 7\n", settings.problems);
   printHeader();
   const SerialPoseSolver solver(chain);
-  print(measureDirect(fmt::format("serial-pose, {}", toString(bestInstructionSet())), set, solver, settings.rounds));
+  print(measureDirect(fmt::format("serial-pose, {}", toString(bestInstructionSet())), set, solver,
+                      settings.rounds));
   int jumps = 0;
   for (size_t i = 0; i < set.goals.size(); ++i)
     jumps += (solver.solve(set.goals[i], set.starts[i]).q - set.starts[i]).cwiseAbs().maxCoeff() > 0.5;
@@ -217,10 +233,12 @@ void freshTargets(const Robot& robot) {
   for (std::uint64_t seed = 1000; done < settings.fresh; ++seed) {
     ProblemSet set{.skeleton = skeleton};
     fill(set, static_cast<int>(std::min(10'000L, settings.fresh - done)), seed);
-    for (size_t i = 0; i < set.goals.size(); ++i) failures += !judge(set.problems[i], solver.solve(set.goals[i], set.starts[i]).q).solved;
+    for (size_t i = 0; i < set.goals.size(); ++i)
+      failures += !judge(set.problems[i], solver.solve(set.goals[i], set.starts[i]).q).solved;
     done += static_cast<long>(set.goals.size());
   }
-  fmt::print("\n{}, {} fresh targets (seeds from 1000, 10,000 each): {} failures\n", robot.name, done, failures);
+  fmt::print("\n{}, {} fresh targets (seeds from 1000, 10,000 each): {} failures\n", robot.name, done,
+             failures);
 }
 
 void BM_PandaFrameAndJacobian(benchmark::State& state) {
@@ -243,13 +261,20 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string a = argv[i];
     const auto value = [&] { return a.substr(a.find('=') + 1); };
-    if (a.starts_with("--problems=")) settings.problems = std::stoi(value());
-    else if (a.starts_with("--rounds=")) settings.rounds = std::stoi(value());
-    else if (a.starts_with("--robot=")) settings.robot = value();
-    else if (a.starts_with("--peer-problems=")) settings.peerProblems = std::stoi(value());
-    else if (a.starts_with("--fresh=")) settings.fresh = std::stol(value());
-    else if (a == "--no-peers") settings.peers = false;
-    else rest.push_back(argv[i]);
+    if (a.starts_with("--problems="))
+      settings.problems = std::stoi(value());
+    else if (a.starts_with("--rounds="))
+      settings.rounds = std::stoi(value());
+    else if (a.starts_with("--robot="))
+      settings.robot = value();
+    else if (a.starts_with("--peer-problems="))
+      settings.peerProblems = std::stoi(value());
+    else if (a.starts_with("--fresh="))
+      settings.fresh = std::stol(value());
+    else if (a == "--no-peers")
+      settings.peers = false;
+    else
+      rest.push_back(argv[i]);
   }
   int restCount = static_cast<int>(rest.size());
   benchmark::Initialize(&restCount, rest.data());

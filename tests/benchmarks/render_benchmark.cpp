@@ -1,5 +1,5 @@
-// The whole picture of the figure at 1280 x 800, as the sandbox draws it: pose upload, shadow, ground, body, copy. Time on the wall until
-// the renderer has finished. The label says which renderer that was.
+// The whole picture of the figure at 1280 x 800, as the sandbox draws it: pose upload, shadow, ground, body,
+// copy. Time on the wall until the renderer has finished. The label says which renderer that was.
 #include <benchmark/benchmark.h>
 
 #ifdef GELENK_GRAPHICS
@@ -29,12 +29,18 @@ void FigurePicture(benchmark::State& state) {
   Camera camera = view.usualCamera(viewport);
   for (auto _ : state) {
     camera.azimuth += 0.01;
-    renderer.draw(view.compose(model.skeleton.rest(), options, Theme::Light), camera, viewport, target.framebuffer());
+    renderer.draw(view.compose(model.skeleton.rest(), options, Theme::Light), camera, viewport,
+                  target.framebuffer());
     glFinish();
   }
   state.SetLabel(glRenderer() + ", " + std::to_string(renderer.samples()) + " samples");
 }
-BENCHMARK(FigurePicture)->ArgName("ground_and_shadow")->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(FigurePicture)
+    ->ArgName("ground_and_shadow")
+    ->Arg(1)
+    ->Arg(0)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace gelenk

@@ -1,4 +1,5 @@
-// What the sandbox does on the CPU in a frame, apart from drawing: picking the skin under the mouse, and the session's step.
+// What the sandbox does on the CPU in a frame, apart from drawing: picking the skin under the mouse, and the
+// session's step.
 #include <benchmark/benchmark.h>
 
 #include "apps/document/model.h"
@@ -17,7 +18,8 @@ void pickTheSkin(benchmark::State& state) {
   double x = 440.0;
   for (auto _ : state) {
     x = x < 520.0 ? x + 0.37 : 440.0;
-    benchmark::DoNotOptimize(pickSurface(model.skin->mesh.triangles, surface.positions, rayThroughPixel(camera, {960, 556}, {x, 220.0})));
+    benchmark::DoNotOptimize(pickSurface(model.skin->mesh.triangles, surface.positions,
+                                         rayThroughPixel(camera, {960, 556}, {x, 220.0})));
   }
   state.counters["triangles"] = static_cast<double>(model.skin->mesh.triangles.size());
 }

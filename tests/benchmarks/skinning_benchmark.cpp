@@ -1,5 +1,5 @@
-// Linear blend skinning on the CPU (double precision, with normals) and in the vertex shader. What "GPU" means is in the label:
-// on llvmpipe it is the same processor.
+// Linear blend skinning on the CPU (double precision, with normals) and in the vertex shader. What "GPU"
+// means is in the label: on llvmpipe it is the same processor.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -16,7 +16,8 @@
 namespace gelenk {
 namespace {
 
-/// A chain of 60 joints and 34,000 vertices, as large as the figure, bent a little. Half of its vertices have two influences.
+/// A chain of 60 joints and 34,000 vertices, as large as the figure, bent a little. Half of its vertices have
+/// two influences.
 struct Body {
   testing::Arm arm = testing::arm(60, 0.03, 0.05, 17, 33);
   Frames frames;
@@ -33,7 +34,8 @@ const Body& body() {
 void reportPerVertex(benchmark::State& state, std::size_t vertices) {
   state.counters["vertices"] = static_cast<double>(vertices);
   state.counters["per_vertex"] =
-      benchmark::Counter(static_cast<double>(vertices), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+      benchmark::Counter(static_cast<double>(vertices),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void CpuSkinning(benchmark::State& state) {
@@ -48,7 +50,8 @@ void CpuSkinning(benchmark::State& state) {
 BENCHMARK(CpuSkinning)->Unit(benchmark::kMicrosecond);
 
 #ifdef GELENK_GRAPHICS
-/// Upload of the pose, skinning of every vertex in the shader, and the wait for its end; the vertices stay in GPU memory.
+/// Upload of the pose, skinning of every vertex in the shader, and the wait for its end; the vertices stay in
+/// GPU memory.
 void GpuSkinning(benchmark::State& state) {
   std::unique_ptr<OffscreenContext> context;
   try {

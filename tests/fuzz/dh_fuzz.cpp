@@ -1,10 +1,11 @@
-// libFuzzer target: whatever the bytes, dh is read or refused with a ParseError (or std::invalid_argument), never more.
+// libFuzzer target: whatever the bytes, dh is read or refused with a ParseError (or std::invalid_argument),
+// never more.
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 
-#include "kinematics/io/parse_error.h"
 #include "kinematics/io/dh_text.h"
+#include "kinematics/io/parse_error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace gelenk;

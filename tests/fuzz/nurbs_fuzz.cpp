@@ -1,5 +1,5 @@
-// libFuzzer target: whatever the bytes, a NURBS surface is read (then writing and reading gives the same text, and the surface can be
-// evaluated) or refused with a ParseError, never more.
+// libFuzzer target: whatever the bytes, a NURBS surface is read (then writing and reading gives the same
+// text, and the surface can be evaluated) or refused with a ParseError, never more.
 #include <cstddef>
 #include <cstdint>
 

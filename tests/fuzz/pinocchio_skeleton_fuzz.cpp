@@ -1,4 +1,5 @@
-// libFuzzer target: whatever the bytes, pinocchio_skeleton is read or refused with a ParseError (or std::invalid_argument), never more.
+// libFuzzer target: whatever the bytes, pinocchio_skeleton is read or refused with a ParseError (or
+// std::invalid_argument), never more.
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>

@@ -1,4 +1,5 @@
-// libFuzzer target: whatever the bytes, pinocchio_weights is read or refused with a ParseError (or std::invalid_argument), never more.
+// libFuzzer target: whatever the bytes, pinocchio_weights is read or refused with a ParseError (or
+// std::invalid_argument), never more.
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -12,7 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     for (const int rows : {1, 3}) {
       const BoneWeights weights = parsePinocchioWeights(text, "fuzz.weights", 2, rows);
-      if (parsePinocchioWeights(formatPinocchioWeights(weights), "again.weights", 2, rows) != weights) __builtin_trap();
+      if (parsePinocchioWeights(formatPinocchioWeights(weights), "again.weights", 2, rows) != weights)
+        __builtin_trap();
     }
   } catch (const ParseError&) {
   }

@@ -1,4 +1,5 @@
-// libFuzzer target: whatever the bytes, tutorial is read or refused with a ParseError (or std::invalid_argument), never more.
+// libFuzzer target: whatever the bytes, tutorial is read or refused with a ParseError (or
+// std::invalid_argument), never more.
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -17,7 +18,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     const TutorialSkeleton tutorial = parseTutorialSkeleton(text, "fuzz.figure");
     toSkeleton(tutorial);
-    if (formatTutorialSkeleton(parseTutorialSkeleton(formatTutorialSkeleton(tutorial), "again.figure")) != formatTutorialSkeleton(tutorial)) __builtin_trap();
+    if (formatTutorialSkeleton(parseTutorialSkeleton(formatTutorialSkeleton(tutorial), "again.figure")) !=
+        formatTutorialSkeleton(tutorial))
+      __builtin_trap();
   } catch (const ParseError&) {
   }
   return 0;

@@ -19,7 +19,8 @@ class MuscleLayersGl : public GlTest {
  protected:
   Skeleton skeleton = testing::arm(0.8);
   Frames rest = restFrames(skeleton);
-  MuscleRig rig{bindMuscles(testing::tube(skeleton), {makeLimb(skeleton, rest, "arm", {1, 2, 3})}, rest), rest};
+  MuscleRig rig{bindMuscles(testing::tube(skeleton), {makeLimb(skeleton, rest, "arm", {1, 2, 3})}, rest),
+                rest};
 
   Frames posed(double elbow, const Vector3d& shoulder, const Vector3d& wrist) const {
     VectorXd q = skeleton.rest();
@@ -58,7 +59,8 @@ class MuscleLayersGl : public GlTest {
 };
 
 TEST_F(MuscleLayersGl, ShaderAgreesWithTheReference) {
-  for (const double elbow : {0.0, 0.8, 1.6, 2.4}) expectShaderEqualsReference(posed(elbow, {0.3, -0.5, 1.0}, {0.2, 0.1, -0.9}));
+  for (const double elbow : {0.0, 0.8, 1.6, 2.4})
+    expectShaderEqualsReference(posed(elbow, {0.3, -0.5, 1.0}, {0.2, 0.1, -0.9}));
 }
 
 TEST_F(MuscleLayersGl, ShaderAgreesWithSculptedControlPoints) {
@@ -66,8 +68,10 @@ TEST_F(MuscleLayersGl, ShaderAgreesWithSculptedControlPoints) {
   for (MuscleState& state : rig.controls()[0].sculpted)
     for (MusclePlane* plane : {&state.plane2, &state.plane4})
       for (int c = 0; c < 16; ++c)
-        plane->displacement.push_back(0.01 * Vector3d(uniform01(random) - 0.5, uniform01(random) - 0.5, uniform01(random) - 0.5));
-  for (const double elbow : {0.0, 1.2, 2.4}) expectShaderEqualsReference(posed(elbow, {0.1, 0.2, 0.4}, {0, 0, 0.5}));
+        plane->displacement.push_back(
+            0.01 * Vector3d(uniform01(random) - 0.5, uniform01(random) - 0.5, uniform01(random) - 0.5));
+  for (const double elbow : {0.0, 1.2, 2.4})
+    expectShaderEqualsReference(posed(elbow, {0.1, 0.2, 0.4}, {0, 0, 0.5}));
 }
 
 TEST_F(MuscleLayersGl, EveryEditOfControlPointsReachesTheMesh) {
@@ -90,7 +94,8 @@ TEST_F(MuscleLayersGl, EveryEditOfControlPointsReachesTheMesh) {
 TEST_F(MuscleLayersGl, VerticesBeyondTheLimbFollowItsEndsRigidly) {
   int beyond = 0;
   for (const LimbVertex& vertex : rig.body().vertices) beyond += vertex.volume < 0;
-  EXPECT_GT(beyond, 0);  // the tube begins 2 cm before the shoulder and ends 3 cm beyond the wrist: covered by the tests above
+  EXPECT_GT(beyond, 0);  // the tube begins 2 cm before the shoulder and ends 3 cm beyond the wrist: covered
+                         // by the tests above
 }
 
 TEST_F(MuscleLayersGl, TooManyLimbsAreRefused) {

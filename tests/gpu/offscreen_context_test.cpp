@@ -61,7 +61,8 @@ TEST_F(Targets, ASizeThatTheRendererCannotMakeIsASentence) {
     RenderTarget target(1 << 20, 16);
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("1048576 x 16 pixels is not possible"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("1048576 x 16 pixels is not possible"), std::string::npos)
+        << error.what();
   }
 }
 

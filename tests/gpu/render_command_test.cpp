@@ -70,10 +70,13 @@ TEST_F(RenderCommand, ErrorsAreSentences) {
   const std::string out = " -o " + path("a.png");
   EXPECT_NE(complaintOf("no-such-model" + out).find("no model is called 'no-such-model'"), std::string::npos);
   EXPECT_NE(complaintOf("planar" + out + " --size 10").find("expected WIDTHxHEIGHT"), std::string::npos);
-  EXPECT_NE(complaintOf("planar" + out + " --q 1 2").find("configuration values, 2 are given"), std::string::npos);
+  EXPECT_NE(complaintOf("planar" + out + " --q 1 2").find("configuration values, 2 are given"),
+            std::string::npos);
   EXPECT_NE(complaintOf("planar -o " + path("a.jpg")).find("ending in .png or .mp4"), std::string::npos);
   EXPECT_NE(complaintOf("planar" + out + " --size 1000000x10").find("is not possible"), std::string::npos);
-  EXPECT_NE(complaintOf("planar" + out + " --frame 3").find("--frame: the motion has 0 frames, 3 was asked for"), std::string::npos);
+  EXPECT_NE(
+      complaintOf("planar" + out + " --frame 3").find("--frame: the motion has 0 frames, 3 was asked for"),
+      std::string::npos);
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
@@ -98,7 +101,8 @@ TEST_F(RenderCommand, TurnIsTheAngleInTheConfiguration) {
   ASSERT_TRUE(skeleton.joint(shoulder).ball);
   Eigen::VectorXd ball = skeleton.rest();
   setBallRotation(skeleton, ball, shoulder,
-                  ballRotation(skeleton, ball, shoulder) * Eigen::AngleAxisd(-40.0 * M_PI / 180.0, Eigen::Vector3d::UnitY()));
+                  ballRotation(skeleton, ball, shoulder) *
+                      Eigen::AngleAxisd(-40.0 * M_PI / 180.0, Eigen::Vector3d::UnitY()));
   EXPECT_EQ(written("--turn upperarm_l.y=-40"), written(configuration(ball)));
 }
 
@@ -108,7 +112,8 @@ TEST_F(RenderCommand, LayersChangeABentArmAndNothingElse) {
     return readFile(path("a.png"));
   };
   const std::string bent = "--turn lowerarm_l=120 ";
-  const std::string plain = written(bent), volumes = written(bent + "--layers ffd"), muscle = written(bent + "--layers muscle");
+  const std::string plain = written(bent), volumes = written(bent + "--layers ffd"),
+                    muscle = written(bent + "--layers muscle");
   EXPECT_EQ(plain, written(bent + "--layers none"));
   EXPECT_NE(plain, volumes);
   EXPECT_NE(volumes, muscle);
@@ -117,14 +122,18 @@ TEST_F(RenderCommand, LayersChangeABentArmAndNothingElse) {
 
 TEST_F(RenderCommand, WrongTurnsAndLayersAreNamed) {
   const std::string out = " --size 32x20 -o " + path("a.png");
-  EXPECT_NE(complaintOf("figure --turn lowerarm_l" + out).find("expected JOINT=DEGREES such as lowerarm_l=60, found 'lowerarm_l'"), std::string::npos);
-  EXPECT_NE(complaintOf("figure --turn lowerarm_l=much" + out).find("found 'lowerarm_l=much'"), std::string::npos);
+  EXPECT_NE(complaintOf("figure --turn lowerarm_l" + out)
+                .find("expected JOINT=DEGREES such as lowerarm_l=60, found 'lowerarm_l'"),
+            std::string::npos);
+  EXPECT_NE(complaintOf("figure --turn lowerarm_l=much" + out).find("found 'lowerarm_l=much'"),
+            std::string::npos);
   EXPECT_NE(complaintOf("figure --turn tail=10" + out).find("tail"), std::string::npos);
   EXPECT_NE(complaintOf("planar --layers ffd" + out).find("no limb of a known name"), std::string::npos);
   EXPECT_NE(complaintOf("figure --lattice" + out).find("add --layers"), std::string::npos);
   EXPECT_FALSE(complaintOf("figure --layers fat" + out).empty());
   EXPECT_NE(complaintOf("figure --muscle-sheet left,arm" + out).find("left"), std::string::npos);
-  EXPECT_NE(complaintOf("figure --muscle-sheet lowerarm_l,hand_l" + out).find("bend axis must be given"), std::string::npos);
+  EXPECT_NE(complaintOf("figure --muscle-sheet lowerarm_l,hand_l" + out).find("bend axis must be given"),
+            std::string::npos);
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
@@ -144,9 +153,9 @@ TEST(Lettering, LettersStandOnTheirBaselineAndStayInThePicture) {
     for (int x = 0; x < page.width; ++x) dark += page.at(x, y)[0] < 128;
     return dark;
   };
-  EXPECT_GT(darkRow(29), 0);   // the feet of the H
-  EXPECT_EQ(darkRow(31), 0);   // nothing below the baseline
-  EXPECT_EQ(darkRow(8), 0);    // capitals are lower than the type's size
+  EXPECT_GT(darkRow(29), 0);                          // the feet of the H
+  EXPECT_EQ(darkRow(31), 0);                          // nothing below the baseline
+  EXPECT_EQ(darkRow(8), 0);                           // capitals are lower than the type's size
   type.write(page, 110, 5, "cut off", {0, 0, 0, 1});  // beyond two edges
   type.write(page, -10, 45, "cut off", {0, 0, 0, 1});
 }

@@ -46,7 +46,9 @@ class RendererTest : public GlTest {
     const std::uint8_t* p = image.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
     return {p[0], p[1], p[2]};
   }
-  Eigen::Vector3i at(const Image& image, const Vector3d& world) const { return at(image, project(camera_, viewport, world).pixel); }
+  Eigen::Vector3i at(const Image& image, const Vector3d& world) const {
+    return at(image, project(camera_, viewport, world).pixel);
+  }
 
   Arm body_;
   std::optional<SkinnedMeshGl> mesh_;
@@ -61,11 +63,13 @@ int differingPixels(const Image& a, const Image& b, int threshold = 8) {
   int count = 0;
   for (std::size_t i = 0; i < a.pixels.size(); i += 4)
     count += std::abs(a.pixels[i] - b.pixels[i]) + std::abs(a.pixels[i + 1] - b.pixels[i + 1]) +
-                 std::abs(a.pixels[i + 2] - b.pixels[i + 2]) > threshold;
+                 std::abs(a.pixels[i + 2] - b.pixels[i + 2]) >
+             threshold;
   return count;
 }
 
-// The key light comes from the left, above and before: a ground point behind and to the right lies in the shadow.
+// The key light comes from the left, above and before: a ground point behind and to the right lies in the
+// shadow.
 const Vector3d inShadow(0.45, 0.0, -0.35), inLight(-0.9, 0.0, 0.4);
 
 TEST_F(RendererTest, ABodyDarkensTheGroundBehindItAndOnlyThere) {
@@ -84,7 +88,9 @@ TEST_F(RendererTest, AGhostCastsNoShadowAndLetsTheGroundThrough) {
   scene_.bodies.clear();
   const Image empty = draw();
   const Vector3d onBody(0.0, 0.5, 0.2);
-  const auto distance = [&](const Image& a, const Image& b) { return (at(a, onBody) - at(b, onBody)).cast<double>().norm(); };
+  const auto distance = [&](const Image& a, const Image& b) {
+    return (at(a, onBody) - at(b, onBody)).cast<double>().norm();
+  };
   EXPECT_LT(distance(ghost, empty), distance(solid, empty));
   EXPECT_GT(distance(ghost, empty), 0.0);
 }
@@ -136,7 +142,8 @@ TEST_F(RendererTest, LinesAndMarksHaveTheirWidthInPixels) {
   scene_.overlay.line({-5, 0.4, 0}, {5, 0.4, 0}, {1, 0, 0}, 4);
   const Image lined = draw();
   int rows = 0;
-  for (int y = 0; y < viewport.height; ++y) rows += at(lined, Eigen::Vector2d(160, y)) != at(plain, Eigen::Vector2d(160, y));
+  for (int y = 0; y < viewport.height; ++y)
+    rows += at(lined, Eigen::Vector2d(160, y)) != at(plain, Eigen::Vector2d(160, y));
   EXPECT_GE(rows, 4);
   EXPECT_LE(rows, 6);  // its edges are smoothed
   scene_.overlay.clear();
@@ -172,7 +179,8 @@ TEST_F(RendererTest, PlanarScenesInHundredsOfUnitsGetTheirShadowToo) {
   scene_.bodies = {{.mesh = &mesh, .pose = &pose}};
   scene_.bounds = PosedBounds(arm.skin)(pose);
   scene_.ground.height = -22.0;
-  camera_ = frameBox(lookFrom({.up = Vector3d::UnitZ(), .orthographic = true}, StandardView::Top), viewport, scene_.bounds);
+  camera_ = frameBox(lookFrom({.up = Vector3d::UnitZ(), .orthographic = true}, StandardView::Top), viewport,
+                     scene_.bounds);
   const Image with = draw();
   scene_.shadows = false;
   const int shadowed = differingPixels(with, draw(), 20);
@@ -231,7 +239,8 @@ TEST(PosedBounds, HoldsEveryVertexOfABentArmNearly) {
 TEST(Viridis, RisesInLuminanceFromEndToEnd) {
   double before = -1.0;
   for (int i = 0; i <= 100; ++i) {
-    const double luminance = Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f).dot(linearLight(viridis(0.01f * static_cast<float>(i))));
+    const double luminance =
+        Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f).dot(linearLight(viridis(0.01f * static_cast<float>(i))));
     EXPECT_GT(luminance, before) << i;
     before = luminance;
   }

@@ -26,14 +26,15 @@ Difference shaderAgainstReference(const Skin& skin, const Frames& frames) {
   Difference worst;
   for (std::size_t v = 0; v < reference.positions.size(); ++v) {
     const Eigen::Map<const Eigen::Vector3f> p(onGpu.positions[v].data()), n(onGpu.normals[v].data());
-    worst.position = std::max(worst.position, (p.cast<double>() - reference.positions[v]).norm() / bodySize(skin.mesh));
+    worst.position =
+        std::max(worst.position, (p.cast<double>() - reference.positions[v]).norm() / bodySize(skin.mesh));
     worst.normal = std::max(worst.normal, (n.cast<double>() - reference.normals[v]).norm());
   }
   return worst;
 }
 
-// Single precision resolves 6e-8 of a coordinate; a blend of four products and sums of coordinates up to the body's size from the
-// origin loses a few of these. 1e-5 is what a picture could never show.
+// Single precision resolves 6e-8 of a coordinate; a blend of four products and sums of coordinates up to the
+// body's size from the origin loses a few of these. 1e-5 is what a picture could never show.
 constexpr double positionTolerance = 1e-5;
 // Where rotations nearly cancel in a blend the normal's error grows with the inverse of what is left.
 constexpr double normalTolerance = 1e-3;
@@ -51,7 +52,8 @@ void expectAgreement(const Skin& skin, const Skeleton& skeleton, int seed, doubl
 
 TEST_F(SkinnedMesh, BindPoseLeavesEveryVertexInPlace) {
   const Arm arm = testing::arm(4, 0.3, 0.05);
-  const ReadBackVertices at = skinOnGpu(SkinnedMeshGl(arm.skin), poseSkin(arm.skin, restFrames(arm.skeleton)));
+  const ReadBackVertices at =
+      skinOnGpu(SkinnedMeshGl(arm.skin), poseSkin(arm.skin, restFrames(arm.skeleton)));
   for (std::size_t v = 0; v < at.positions.size(); ++v)
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(at.positions[v][k], arm.skin.mesh.positions[v][k], 1e-6);  // float of a number near 1
@@ -117,14 +119,17 @@ TEST_F(SkinnedMesh, APoseOfAnotherLengthIsRejected) {
 
 TEST_F(SkinnedMesh, ShaderAgreesOnTheMakeHumanBodyWithPinocchioWeights) {
   const std::string data = GELENK_DATA_DIR;
-  if (!std::filesystem::exists(data + "/pinocchio/mh_male.skeleton.out")) GTEST_SKIP() << "no trial data in " << data;
-  const Model model = openBody(data + "/characters/makehuman/mh_male.obj", data + "/pinocchio/mh_male.skeleton.out",
-                               data + "/pinocchio/mh_male.attachment.out");
+  if (!std::filesystem::exists(data + "/pinocchio/mh_male.skeleton.out"))
+    GTEST_SKIP() << "no trial data in " << data;
+  const Model model =
+      openBody(data + "/characters/makehuman/mh_male.obj", data + "/pinocchio/mh_male.skeleton.out",
+               data + "/pinocchio/mh_male.attachment.out");
   expectAgreement(*model.skin, model.skeleton, 3, 1.0);
 }
 
 TEST(ShaderProgram, ABadShaderIsReportedWithItsNameAndLine) {
-  const OffscreenContext context;  // without the fixture's log: drivers report the compiler's complaint there too
+  const OffscreenContext
+      context;  // without the fixture's log: drivers report the compiler's complaint there too
   static constexpr ShaderText files[] = {{"broken.vert", "void main() { gl_Position = nonsense; }\n"}};
   try {
     ShaderProgram program({.folder = files, .vertex = "broken.vert"});

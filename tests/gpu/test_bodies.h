@@ -9,7 +9,8 @@
 
 namespace gelenk::testing {
 
-/// A tube around a straight chain of hinges along x (axes z), `joints` long, each link of length `link`, closed by its ends' centres.
+/// A tube around a straight chain of hinges along x (axes z), `joints` long, each link of length `link`,
+/// closed by its ends' centres.
 struct Arm {
   Skeleton skeleton;
   Skin skin;

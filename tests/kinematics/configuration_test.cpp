@@ -40,10 +40,13 @@ TEST(Configuration, ProjectionReachesTheLimitsAndNoRandomLegalPointIsNearer) {
     setBallRotation(skeleton, q, 0, expRotation(2.5 * uniform01(random) * testing::randomUnit(random)));
     const VectorXd projected = projectToLimits(skeleton, q);
     EXPECT_LE(limitViolation(skeleton, projected), 1e-12);
-    const auto coordinates = [&](const VectorXd& v) { return swingTwistCoordinates(ballRotation(skeleton, v, 0)); };
+    const auto coordinates = [&](const VectorXd& v) {
+      return swingTwistCoordinates(ballRotation(skeleton, v, 0));
+    };
     const double distance = (coordinates(projected) - coordinates(q)).norm();
     for (int k = 0; k < 50; ++k)
-      EXPECT_GE((coordinates(randomWithinLimits(skeleton, random)) - coordinates(q)).norm(), distance - 1e-12);
+      EXPECT_GE((coordinates(randomWithinLimits(skeleton, random)) - coordinates(q)).norm(),
+                distance - 1e-12);
   }
 }
 

@@ -15,7 +15,8 @@ using Eigen::VectorXd;
 /// The definition, written out with plain 4 x 4 products: the independent route.
 Isometry3d worldFromJointByProducts(const Skeleton& skeleton, const VectorXd& q, int i) {
   const Joint& joint = skeleton.joint(i);
-  Isometry3d T = joint.parent < 0 ? Isometry3d::Identity() : worldFromJointByProducts(skeleton, q, joint.parent);
+  Isometry3d T =
+      joint.parent < 0 ? Isometry3d::Identity() : worldFromJointByProducts(skeleton, q, joint.parent);
   T = T * joint.parentFromZero;
   int at = skeleton.qIndex(i);
   for (const AxisDof& dof : joint.axes) {

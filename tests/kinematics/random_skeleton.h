@@ -10,27 +10,32 @@ namespace gelenk::testing {
 
 inline Eigen::Vector3d randomUnit(std::mt19937_64& random) {
   Eigen::Vector3d v;
-  do v = 2.0 * Eigen::Vector3d(uniform01(random), uniform01(random), uniform01(random)) - Eigen::Vector3d::Ones();
+  do
+    v = 2.0 * Eigen::Vector3d(uniform01(random), uniform01(random), uniform01(random)) -
+        Eigen::Vector3d::Ones();
   while (v.norm() > 1.0 || v.norm() < 1e-3);
   return v.normalized();
 }
 
-/// A tree of every kind of joint: fixed, hinges about coordinate and skew axes, several axes, sliders, balls with and
-/// without limits, a free root.
+/// A tree of every kind of joint: fixed, hinges about coordinate and skew axes, several axes, sliders, balls
+/// with and without limits, a free root.
 inline Skeleton randomSkeleton(std::mt19937_64& random, int joints) {
   std::vector<Joint> list;
   for (int i = 0; i < joints; ++i) {
     Joint joint{.name = "j" + std::to_string(i), .parent = i == 0 ? -1 : static_cast<int>(random() % i)};
-    joint.parentFromZero.linear() = expRotation(3.0 * uniform01(random) * randomUnit(random)).toRotationMatrix();
+    joint.parentFromZero.linear() =
+        expRotation(3.0 * uniform01(random) * randomUnit(random)).toRotationMatrix();
     joint.parentFromZero.translation() = uniform01(random) * randomUnit(random);
     const int kind = static_cast<int>(random() % 6);
     if (i == 0 || kind == 0)
       for (int k = 0; k < 3; ++k)
         joint.axes.push_back({AxisDof::Kind::Translation, Eigen::Vector3d::Unit(k), -2.0, 2.0});
-    if (kind == 1) joint.axes.push_back({AxisDof::Kind::Rotation, Eigen::Vector3d::Unit(random() % 3), -1.0, 2.0});
+    if (kind == 1)
+      joint.axes.push_back({AxisDof::Kind::Rotation, Eigen::Vector3d::Unit(random() % 3), -1.0, 2.0});
     if (kind == 2) joint.axes.push_back({AxisDof::Kind::Rotation, randomUnit(random), -1.5, 1.0});
     if (kind == 3)
-      for (int k = 0; k < 3; ++k) joint.axes.push_back({AxisDof::Kind::Rotation, randomUnit(random), -1.0, 1.0});
+      for (int k = 0; k < 3; ++k)
+        joint.axes.push_back({AxisDof::Kind::Rotation, randomUnit(random), -1.0, 1.0});
     joint.ball = i == 0 || kind >= 4;
     if (joint.ball && kind == 5) joint.ballLimit = BallLimit{{0.1, -0.2}, {0.9, 0.5}, -0.7, 1.1};
     list.push_back(joint);

@@ -1,4 +1,5 @@
-// The real program, given what it cannot use: one sentence that says what is wrong, exit status 1, no file left behind.
+// The real program, given what it cannot use: one sentence that says what is wrong, exit status 1, no file
+// left behind.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -29,11 +30,13 @@ class BadInput : public ::testing::Test {
     return folder_ / name;
   }
   /// Runs `gelenk sandbox ...` and expects a sentence that holds the words.
-  void expectRefusal(std::vector<std::string> arguments, const std::string& words, const std::vector<std::string>& environment = {}) {
+  void expectRefusal(std::vector<std::string> arguments, const std::string& words,
+                     const std::vector<std::string>& environment = {}) {
     arguments.insert(arguments.begin(), {GELENK_PROGRAM, "sandbox"});
     const Finished finished = runProgram(arguments, environment);
     EXPECT_EQ(finished.status, 1) << finished.output;
-    EXPECT_NE(finished.output.find(words), std::string::npos) << "wanted '" << words << "' in: " << finished.output;
+    EXPECT_NE(finished.output.find(words), std::string::npos)
+        << "wanted '" << words << "' in: " << finished.output;
     EXPECT_EQ(finished.output.find("what():"), std::string::npos) << finished.output;
   }
   const std::string skeleton_ = "0 0 0 0 -1\n1 0 1 0 0\n";
@@ -51,26 +54,37 @@ TEST_F(BadInput, AMissingModelNamesTheFile) {
 TEST_F(BadInput, BadBodies) {
   const std::string bones = file("two.skel", skeleton_);
   expectRefusal({file("empty.obj", ""), "--skeleton", bones, "--offscreen"}, "empty.obj");
-  expectRefusal({file("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), "--skeleton", bones, "--offscreen"}, "range.obj:4");
-  expectRefusal({file("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), "--skeleton", bones, "--offscreen"}, "nan.obj:2");
+  expectRefusal(
+      {file("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), "--skeleton", bones, "--offscreen"},
+      "range.obj:4");
+  expectRefusal(
+      {file("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), "--skeleton", bones, "--offscreen"},
+      "nan.obj:2");
 }
 
 TEST_F(BadInput, BadWeightsAndSkeletons) {
   const std::string body = file("body.obj", tetrahedron);
   const std::string bones = file("two.skel", skeleton_);
   expectRefusal({body, "--weights", bones, "--offscreen"}, "--weights needs --skeleton");
-  expectRefusal({body, "--skeleton", bones, "--weights", file("short.attachment", "1\n"), "--offscreen"}, "short.attachment");
-  expectRefusal({body, "--skeleton", file("later.skel", "0 0 0 0 1\n1 0 1 0 -1\n"), "--offscreen"}, "later.skel:1");
-  expectRefusal({body, "--skeleton", file("roots.skel", "0 0 0 0 -1\n1 0 1 0 -1\n"), "--offscreen"}, "roots.skel:2");
+  expectRefusal({body, "--skeleton", bones, "--weights", file("short.attachment", "1\n"), "--offscreen"},
+                "short.attachment");
+  expectRefusal({body, "--skeleton", file("later.skel", "0 0 0 0 1\n1 0 1 0 -1\n"), "--offscreen"},
+                "later.skel:1");
+  expectRefusal({body, "--skeleton", file("roots.skel", "0 0 0 0 -1\n1 0 1 0 -1\n"), "--offscreen"},
+                "roots.skel:2");
 }
 
 TEST_F(BadInput, BadScenesAndReplays) {
   expectRefusal({file("scene.json", "{"), "--offscreen"}, "scene.json:1: expected JSON");
   expectRefusal({file("list.json", "[]"), "--offscreen"}, "list.json");
-  expectRefusal({"planar", "--replay", file("replay.txt", "0 jump\n"), "--offscreen"}, "replay.txt:1: expected a command");
-  expectRefusal({"planar", "--replay", file("tab.txt", "0 tab Nowhere\n1 move 1 1\n"), "--offscreen"}, "there are: Solve");
-  expectRefusal({"planar", "--replay", file("do.txt", "0 do Nowhere play\n"), "--offscreen"}, "no panel is called 'Nowhere'");
-  expectRefusal({"planar", "--replay", file("goal.txt", "0 grab tail\n"), "--offscreen"}, "no goal or joint is called 'tail'");
+  expectRefusal({"planar", "--replay", file("replay.txt", "0 jump\n"), "--offscreen"},
+                "replay.txt:1: expected a command");
+  expectRefusal({"planar", "--replay", file("tab.txt", "0 tab Nowhere\n1 move 1 1\n"), "--offscreen"},
+                "there are: Solve");
+  expectRefusal({"planar", "--replay", file("do.txt", "0 do Nowhere play\n"), "--offscreen"},
+                "no panel is called 'Nowhere'");
+  expectRefusal({"planar", "--replay", file("goal.txt", "0 grab tail\n"), "--offscreen"},
+                "no goal or joint is called 'tail'");
 }
 
 TEST_F(BadInput, BadValues) {
@@ -81,7 +95,8 @@ TEST_F(BadInput, BadValues) {
 TEST_F(BadInput, AFolderThatCannotBeWrittenIsToldBeforeTheWork) {
   expectRefusal({"planar", "--offscreen", "--status", folder_ / "none" / "status.json"}, "cannot write");
   if (geteuid() == 0) return;  // root may write everywhere
-  std::filesystem::permissions(folder_, std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  std::filesystem::permissions(folder_,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   expectRefusal({"planar", "--offscreen", "--screenshot", folder_ / "picture.png"}, "cannot write");
 }
 
@@ -91,7 +106,8 @@ TEST_F(BadInput, WithoutADisplayTheWayOutIsTold) {
 }
 
 TEST_F(BadInput, AnOpenGlOlderThan33IsTold) {
-  expectRefusal({"planar", "--offscreen"}, "3.3", {"MESA_GL_VERSION_OVERRIDE=3.1", "LIBGL_ALWAYS_SOFTWARE=1"});
+  expectRefusal({"planar", "--offscreen"}, "3.3",
+                {"MESA_GL_VERSION_OVERRIDE=3.1", "LIBGL_ALWAYS_SOFTWARE=1"});
 }
 
 }  // namespace

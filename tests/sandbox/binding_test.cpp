@@ -4,15 +4,15 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/muscle_report.h"
 #include "apps/document/binding_scene.h"
 #include "apps/document/muscle_scene.h"
-#include "apps/commands/muscle_report.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/view_picture.h"
+#include "kinematics/io/text_file.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
-#include "kinematics/io/text_file.h"
 #include "skinning/io/pinocchio_weights.h"
 #include "skinning/rigging/weight_paint.h"
 #include "tests/skinning/muscles/resting_arm.h"
@@ -87,10 +87,12 @@ TEST(BindingPanel, TheBrushBindsTheVertexUnderItAndDragsNothing) {
   const auto [vertex, pixel] = stage.seenVertex();
   const std::vector<Influences> before = stage.weights();
   const Eigen::VectorXd q = stage.sandbox.session().q();
-  stage.play("0 move " + at(pixel) + "\n1 press left\n2 move " + at(pixel + Vector2d(1, 0)) + "\n3 release left\n");
+  stage.play("0 move " + at(pixel) + "\n1 press left\n2 move " + at(pixel + Vector2d(1, 0)) +
+             "\n3 release left\n");
   const PaintTarget chest{.joints = {0}};
   EXPECT_EQ(weightOn(before[vertex], chest), 0.0);
-  EXPECT_NEAR(weightOn(stage.weights()[vertex], chest), 0.3, 0.01);  // the default strength, at the brush's centre
+  EXPECT_NEAR(weightOn(stage.weights()[vertex], chest), 0.3,
+              0.01);  // the default strength, at the brush's centre
   EXPECT_EQ(stage.sandbox.session().q(), q);
   for (const SceneGoal& goal : stage.sandbox.session().goals()) EXPECT_EQ(goal.state, GoalState::Free);
 
@@ -136,7 +138,8 @@ TEST(BindingPanel, MuscleLayersFollowAndTheSceneKeepsTheWeightsExactly) {
   stage.panel("Binding").load(stage.sandbox, saved);
   EXPECT_EQ(stage.weights(), painted);
   EXPECT_EQ(stage.panel("Binding").save(), saved);
-  EXPECT_THROW(stage.panel("Binding").load(stage.sandbox, R"({"vertices": 3, "joints": [], "changed": []})"), std::runtime_error);
+  EXPECT_THROW(stage.panel("Binding").load(stage.sandbox, R"({"vertices": 3, "joints": [], "changed": []})"),
+               std::runtime_error);
   EXPECT_EQ(stage.weights(), painted);  // nothing lost
 }
 
@@ -151,8 +154,10 @@ TEST(MusclePanel, AClickOnTheLatticeSelectsThePlaneAndADragScalesIt) {
   const Vector2d centre = stage.sandbox.state().toWindow(limb.planes[plane].point(0.5, 0.5)).pixel;
   const Eigen::VectorXd q = stage.sandbox.session().q();
   const auto stretch = [&](int link, int of) {
-    const auto limbs = standardLimbs(stage.sandbox.session().skeleton(), restFrames(stage.sandbox.session().skeleton()));
-    const MuscleState state = parseMuscleSettings(stage.panel("Muscles").save(), limbs).limbs[0].second.control.sculpted[link];
+    const auto limbs =
+        standardLimbs(stage.sandbox.session().skeleton(), restFrames(stage.sandbox.session().skeleton()));
+    const MuscleState state =
+        parseMuscleSettings(stage.panel("Muscles").save(), limbs).limbs[0].second.control.sculpted[link];
     return Eigen::Matrix2d(of == 2 ? state.plane2.stretch : state.plane4.stretch);
   };
   const Vector2d out = centre + 1.25 * (corner - centre);
@@ -164,8 +169,10 @@ TEST(MusclePanel, AClickOnTheLatticeSelectsThePlaneAndADragScalesIt) {
 
   // Beside the lattice a press goes to the view as before, and a connecting plane does not move.
   const std::string before = stage.panel("Muscles").save();
-  const Vector2d seam = stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].controlPoints(6)[0]).pixel;
-  stage.play("0 move " + at(seam) + "\n1 press left\n2 move " + at(seam + Vector2d(30, 30)) + "\n3 release left\n");
+  const Vector2d seam =
+      stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].controlPoints(6)[0]).pixel;
+  stage.play("0 move " + at(seam) + "\n1 press left\n2 move " + at(seam + Vector2d(30, 30)) +
+             "\n3 release left\n");
   EXPECT_EQ(stage.panel("Muscles").save(), before);
   EXPECT_TRUE(stage.log.messages().empty());
 }
@@ -176,14 +183,20 @@ TEST(MusclePanel, ADragWithShiftTurnsThePickedPlaneWithTheMouse) {
   stage.panel("Muscles").load(stage.sandbox, muscleSettingsText(muscles));
   stage.play("0 tab Muscles\n1 move 5 5\n");
   const int plane = 8;  // plane 2 of the second link
-  const auto cornerOnScreen = [&] { return stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].controlPoints(plane)[15]).pixel; };
-  const Vector2d centre = stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].planes[plane].point(0.5, 0.5)).pixel;
+  const auto cornerOnScreen = [&] {
+    return stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].controlPoints(plane)[15]).pixel;
+  };
+  const Vector2d centre =
+      stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].planes[plane].point(0.5, 0.5)).pixel;
   const Vector2d from = cornerOnScreen() - centre;
   const Vector2d turned = Eigen::Rotation2Dd(0.5) * from;
-  stage.play("0 move " + at(centre + from) + "\n1 press left\n2 keydown shift\n3 move " + at(centre + turned) + "\n4 release left\n5 keyup shift\n");
+  stage.play("0 move " + at(centre + from) + "\n1 press left\n2 keydown shift\n3 move " +
+             at(centre + turned) + "\n4 release left\n5 keyup shift\n");
 
-  const auto limbs = standardLimbs(stage.sandbox.session().skeleton(), restFrames(stage.sandbox.session().skeleton()));
-  const auto sculpted = parseMuscleSettings(stage.panel("Muscles").save(), limbs).limbs[0].second.control.sculpted;
+  const auto limbs =
+      standardLimbs(stage.sandbox.session().skeleton(), restFrames(stage.sandbox.session().skeleton()));
+  const auto sculpted =
+      parseMuscleSettings(stage.panel("Muscles").save(), limbs).limbs[0].second.control.sculpted;
   const Eigen::Matrix2d turn = sculpted[1].plane2.stretch;
   EXPECT_LT((turn.transpose() * turn - Eigen::Matrix2d::Identity()).norm(), 1e-12);
   EXPECT_NEAR(std::abs(Eigen::Rotation2Dd(turn).angle()), 0.5, 0.02);
@@ -198,9 +211,12 @@ TEST(BindingPanel, ExportWritesThePaintedWeightsAndSaysWhereItCannot) {
   stage.play("0 tab Binding\n1 select chest\n2 key b\n");
   const auto [vertex, pixel] = stage.seenVertex();
   stage.play("0 move " + at(pixel) + "\n1 press left\n2 release left\n");
-  const std::string path = (std::filesystem::temp_directory_path() / ("gelenk-export-" + std::to_string(getpid()) + ".attachment")).string();
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk-export-" + std::to_string(getpid()) + ".attachment"))
+          .string();
   stage.play("0 do Binding export " + path + "\n");
-  EXPECT_EQ(readFile(path), formatPinocchioWeights(boneWeights(stage.weights(), stage.sandbox.session().skeleton())));
+  EXPECT_EQ(readFile(path),
+            formatPinocchioWeights(boneWeights(stage.weights(), stage.sandbox.session().skeleton())));
   std::filesystem::remove(path);
   EXPECT_GT(weightOn(stage.weights()[vertex], {.joints = {0}}), 0.0);
 
@@ -212,14 +228,17 @@ TEST(BindingPanel, ExportWritesThePaintedWeightsAndSaysWhereItCannot) {
 
 /// A file of its own, removed afterwards.
 struct TemporaryScene {
-  std::string path = (std::filesystem::temp_directory_path() / ("gelenk-binding-" + std::to_string(getpid()) + ".json")).string();
+  std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk-binding-" + std::to_string(getpid()) + ".json"))
+          .string();
   ~TemporaryScene() { std::filesystem::remove(path); }
 };
 
 /// The figure, one of its vertices bound to the root, muscles on.
 std::string editedScene(Sandbox& sandbox, const std::string& path) {
   std::vector<Influences> weights = sandbox.session().model().skin->influences;
-  std::string binding = bindingText({{7, Influences{}}}, static_cast<int>(weights.size()), sandbox.session().skeleton());
+  std::string binding =
+      bindingText({{7, Influences{}}}, static_cast<int>(weights.size()), sandbox.session().skeleton());
   for (const auto& panel : sandbox.state().panels)
     if (panel->name() == "Binding") panel->load(sandbox, binding);
   EXPECT_TRUE(sandbox.saveSceneTo(path));
@@ -254,10 +273,13 @@ TEST(BindingPanel, ASceneWithBadMusclesOrBindingChangesNothing) {
     ASSERT_TRUE(sandbox.open("planar"));  // something else, which must stay open
     EXPECT_FALSE(sandbox.open(file.path));
     EXPECT_EQ(sandbox.session().model().name, "planar");
-    EXPECT_NE(sandbox.state().notices.back().words.find(file.path + ": " + words), std::string::npos) << sandbox.state().notices.back().words;
+    EXPECT_NE(sandbox.state().notices.back().words.find(file.path + ": " + words), std::string::npos)
+        << sandbox.state().notices.back().words;
   };
-  refused("/panels/Muscles/limbs/0/name", "tail", "muscles.limbs[0]: the model has no limb 'tail'; it has: left arm");
-  refused("/panels/Binding/joints/0", "tail", "binding.joints[0]: expected a joint of the model, found \"tail\"");
+  refused("/panels/Muscles/limbs/0/name", "tail",
+          "muscles.limbs[0]: the model has no limb 'tail'; it has: left arm");
+  refused("/panels/Binding/joints/0", "tail",
+          "binding.joints[0]: expected a joint of the model, found \"tail\"");
   writeFile(file.path, good);
   ASSERT_TRUE(sandbox.open(file.path));
   EXPECT_EQ(sandbox.session().model().skin->influences, edited);

@@ -32,7 +32,9 @@ struct Stage {
   }
 };
 
-std::string targetOf(Stage& stage) { return "3 target " + stage.sandbox.session().goals().front().goal.name + " 150 500 0\n"; }
+std::string targetOf(Stage& stage) {
+  return "3 target " + stage.sandbox.session().goals().front().goal.name + " 150 500 0\n";
+}
 
 TEST(LabPanel, WithoutComparisonThereAreNoGhosts) {
   Stage stage;
@@ -46,7 +48,8 @@ TEST(LabPanel, GhostsReachTheGoalInPosesOfTheirOwn) {
   ASSERT_FALSE(ghosts.empty());
   const Goal& goal = stage.sandbox.session().goals().front().goal;
   double nearest = 1e300;
-  for (const Ghost& ghost : ghosts) nearest = std::min(nearest, (ghost.worldFromJoint[goal.joint].translation() - goal.target).norm());
+  for (const Ghost& ghost : ghosts)
+    nearest = std::min(nearest, (ghost.worldFromJoint[goal.joint].translation() - goal.target).norm());
   EXPECT_LE(nearest, 1e-3);
   EXPECT_TRUE(stage.log.messages().empty());
 }
@@ -57,7 +60,9 @@ TEST(LabPanel, ItsStateGoesThroughASceneAndBadStatesAreRefused) {
   copy->load(stage.sandbox, R"({"compare": true, "side_by_side": false, "solvers": ["sdls", "qp"]})");
   panel->load(stage.sandbox, copy->save());
   EXPECT_EQ(panel->save(), copy->save());
-  EXPECT_THROW(panel->load(stage.sandbox, R"({"compare": true, "side_by_side": false, "solvers": ["newtonn"]})"), std::exception);
+  EXPECT_THROW(
+      panel->load(stage.sandbox, R"({"compare": true, "side_by_side": false, "solvers": ["newtonn"]})"),
+      std::exception);
   EXPECT_THROW(panel->load(stage.sandbox, R"({"compare": true})"), std::exception);
 }
 

@@ -65,7 +65,9 @@ TEST(LectureScenes, SavedExampleComesBack) {
   Eigen::VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.3);
   stage.sandbox.session().setPose(q);
   stage.frames(1);
-  const std::string path = (std::filesystem::temp_directory_path() / ("gelenk_lecture_" + std::to_string(getpid()) + ".json")).string();
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk_lecture_" + std::to_string(getpid()) + ".json"))
+          .string();
   ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
   ASSERT_TRUE(stage.sandbox.open("planar"));
   ASSERT_TRUE(stage.sandbox.open(path));

@@ -21,7 +21,10 @@ namespace {
 
 /// An arm of two hinges whose clip turns the second one far beyond its limit.
 Model swingingArm() {
-  std::vector<Joint> joints{{.name = "base"}, {.name = "shoulder", .parent = 0}, {.name = "elbow", .parent = 1}, {.name = "hand", .parent = 2}};
+  std::vector<Joint> joints{{.name = "base"},
+                            {.name = "shoulder", .parent = 0},
+                            {.name = "elbow", .parent = 1},
+                            {.name = "hand", .parent = 2}};
   joints[1].axes = {{AxisDof::Kind::Rotation, Eigen::Vector3d::UnitZ()}};
   joints[2].parentFromZero.translation() << 0, 0.5, 0;
   joints[2].axes = {{AxisDof::Kind::Rotation, Eigen::Vector3d::UnitZ(), 0.0, 0.5}};
@@ -44,8 +47,10 @@ TEST(MotionPanel, PlaysTheClipAtItsOwnPaceAndNeverClampsItToLimits) {
   for (int i = 1; i <= 100; ++i) {
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
     sandbox.frame({.width = 640, .height = 480, .events = {}}, 1.0 / 60.0);
-    const Frames wanted = forwardKinematics(model.skeleton, sample(model.skeleton, *model.clip, i / 60.0, BeyondEnd::Loop));
-    for (int j = 0; j < 4; ++j) ASSERT_LE((sandbox.shownFrames()[j].matrix() - wanted[j].matrix()).norm(), 1e-9) << "frame " << i;
+    const Frames wanted =
+        forwardKinematics(model.skeleton, sample(model.skeleton, *model.clip, i / 60.0, BeyondEnd::Loop));
+    for (int j = 0; j < 4; ++j)
+      ASSERT_LE((sandbox.shownFrames()[j].matrix() - wanted[j].matrix()).norm(), 1e-9) << "frame " << i;
   }
   EXPECT_TRUE(sandbox.playing());
   sandbox.setPlaying(false);
@@ -62,7 +67,8 @@ class Driven : public ::testing::Test {
   Driven() { target_.resize(1280, 800); }
 
   /// Plays the lines and `after` frames of 1/60 s more; each(i) sees every frame.
-  void play(const std::string& lines, int after = 0, const std::function<void()>& each = [] {}) {
+  void play(
+      const std::string& lines, int after = 0, const std::function<void()>& each = [] {}) {
     Replay replay = Replay::parse("test", lines);
     InputQueue queue;
     const int frames = replay.length() + after;
@@ -91,7 +97,8 @@ Model swingingFigure() {
     Eigen::VectorXd q = skeleton.rest();
     for (const char* name : {"upperarm_l", "upperarm_r", "neck_01"}) {
       const int i = skeleton.jointIndex(name);
-      setJointRotation(skeleton, q, i, jointRotation(skeleton, q, i) * expRotation(Eigen::Vector3d(0.2 * s, 0, 0.1 * s)));
+      setJointRotation(skeleton, q, i,
+                       jointRotation(skeleton, q, i) * expRotation(Eigen::Vector3d(0.2 * s, 0, 0.1 * s)));
     }
     q[2] += 0.002 * f;
     clip.q.col(f) = q;
@@ -114,10 +121,17 @@ TEST_F(Driven, GoalsAndPinsHoldWhileTheClipPlays) {
     // Judged outside: the frames shown against the targets, and the arm that no goal holds against the clip.
     worstHand = std::max(worstHand, (shown("hand_r") - hand).norm());
     worstFoot = std::max(worstFoot, (shown("foot_l") - foot).norm());
-    const Frames wanted = forwardKinematics(sandbox_.session().skeleton(), sample(sandbox_.session().skeleton(), clip, frame / 60.0, BeyondEnd::Loop));
-    const auto fromChest = [&](const Frames& frames) -> Eigen::Vector3d { return (frames[joint("clavicle_l")].inverse() * frames[joint("hand_l")]).translation(); };
+    const Frames wanted =
+        forwardKinematics(sandbox_.session().skeleton(),
+                          sample(sandbox_.session().skeleton(), clip, frame / 60.0, BeyondEnd::Loop));
+    const auto fromChest = [&](const Frames& frames) -> Eigen::Vector3d {
+      return (frames[joint("clavicle_l")].inverse() * frames[joint("hand_l")]).translation();
+    };
     freeArm = std::max(freeArm, (fromChest(sandbox_.shownFrames()) - fromChest(wanted)).norm());
-    moved = std::max(moved, (shown("head") - forwardKinematics(sandbox_.session().skeleton(), clip.q.col(0))[joint("head")].translation()).norm());
+    moved = std::max(
+        moved, (shown("head") -
+                forwardKinematics(sandbox_.session().skeleton(), clip.q.col(0))[joint("head")].translation())
+                   .norm());
   });
   EXPECT_TRUE(sandbox_.playing());
   EXPECT_LE(worstHand, 1e-4);
@@ -134,7 +148,10 @@ TEST_F(Driven, ADraggedPoseIsKeyedAndTheClipGoesThroughIt) {
   const Eigen::Vector3d before = shown("hand_r");
   play("0 drag hand_r -30 -80 12\n", 20);
   const Eigen::Vector3d dragged = shown("hand_r");
-  const auto fromChest = [&]() -> Eigen::Vector3d { return (sandbox_.shownFrames()[joint("spine_03")].inverse() * sandbox_.shownFrames()[joint("hand_r")]).translation(); };
+  const auto fromChest = [&]() -> Eigen::Vector3d {
+    return (sandbox_.shownFrames()[joint("spine_03")].inverse() * sandbox_.shownFrames()[joint("hand_r")])
+        .translation();
+  };
   const Eigen::Vector3d reach = fromChest();
   EXPECT_GE((dragged - before).norm(), 0.05);
   EXPECT_FALSE(sandbox_.playing());
@@ -145,7 +162,12 @@ TEST_F(Driven, ADraggedPoseIsKeyedAndTheClipGoesThroughIt) {
   const std::string file = ::testing::TempDir() + "gelenk_keyed.bvh";
   play("0 do Motion write " + file + "\n");
   const BvhMotion written = readBvh(file);
-  EXPECT_LE((forwardKinematics(written.skeleton, written.clip.q.col(30))[written.skeleton.jointIndex("hand_r")].translation() - dragged).norm(), 1e-3);
+  EXPECT_LE(
+      (forwardKinematics(written.skeleton, written.clip.q.col(30))[written.skeleton.jointIndex("hand_r")]
+           .translation() -
+       dragged)
+          .norm(),
+      1e-3);
   play("0 do Motion move-key 31 41\n1 do Motion frame 41\n");
   EXPECT_LE((fromChest() - reach).norm(), 1e-3);
   play("0 do Motion delete-key\n1 do Motion frame 31\n");
@@ -157,7 +179,9 @@ TEST_F(Driven, ADraggedPoseIsKeyedAndTheClipGoesThroughIt) {
 
 TEST_F(Driven, ATurnedJointIsKeyedAlone) {
   sandbox_.openModel(swingingFigure(), {"figure"});
-  play("0 do Motion frame 31\n1 select lowerarm_l\n2 do Motion turn 40 0 0\n4 do Motion key\n5 do Motion frame 1\n6 do Motion frame 31\n");
+  play(
+      "0 do Motion frame 31\n1 select lowerarm_l\n2 do Motion turn 40 0 0\n4 do Motion key\n5 do Motion "
+      "frame 1\n6 do Motion frame 31\n");
   const Skeleton& skeleton = sandbox_.session().skeleton();
   const Frames clip = forwardKinematics(skeleton, sandbox_.session().model().clip->q.col(30));
   EXPECT_LE((shown("lowerarm_l") - clip[joint("lowerarm_l")].translation()).norm(), 1e-9);
@@ -171,13 +195,15 @@ TEST_F(Driven, KeysAreMovedAlongTheTimelineByTheMouse) {
   const auto keys = [&] { return nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["keys"]; };
   ASSERT_EQ(keys().size(), 2u);
   EXPECT_EQ(keys()[0]["frame"], 11);
-  const double x = keys()[0]["pixel"][0], y = keys()[0]["pixel"][1], frame = (keys()[1]["pixel"][0].get<double>() - x) / 20.0;
+  const double x = keys()[0]["pixel"][0], y = keys()[0]["pixel"][1],
+               frame = (keys()[1]["pixel"][0].get<double>() - x) / 20.0;
   play(fmt::format("0 move {} {}\n2 press left\n3 shift-by {} 0 4\n9 release left\n", x, y, 10 * frame), 3);
   EXPECT_EQ(keys()[0]["frame"], 21);
   EXPECT_EQ(keys()[1]["frame"], 31);
   EXPECT_EQ(nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["frame"], 31);  // the playhead stays
   play(fmt::format("0 move {} {}\n2 press left\n3 shift-by {} 0 4\n9 release left\n", x, y, 5 * frame), 3);
-  EXPECT_EQ(nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["frame"], 16);  // beside a key it scrubs
+  EXPECT_EQ(nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["frame"],
+            16);  // beside a key it scrubs
 }
 
 TEST_F(Driven, ASecondClipIsLaidOverAndFadedInto) {
@@ -191,14 +217,18 @@ TEST_F(Driven, ASecondClipIsLaidOverAndFadedInto) {
   writeGltf(file, model.skeleton, nullptr, {{"raised", raised}});
   sandbox_.openModel(model, {"figure"});
   play("0 do Motion layer " + file + " 1 upperarm_l\n1 do Motion frame 20\n");
-  const Frames base = forwardKinematics(model.skeleton, model.clip->q.col(19)), layer = forwardKinematics(model.skeleton, raised.q.col(19));
-  const auto arm = [&](const Frames& frames) -> Eigen::Vector3d { return (frames[joint("clavicle_l")].inverse() * frames[joint("hand_l")]).translation(); };
+  const Frames base = forwardKinematics(model.skeleton, model.clip->q.col(19)),
+               layer = forwardKinematics(model.skeleton, raised.q.col(19));
+  const auto arm = [&](const Frames& frames) -> Eigen::Vector3d {
+    return (frames[joint("clavicle_l")].inverse() * frames[joint("hand_l")]).translation();
+  };
   EXPECT_GE((arm(base) - arm(layer)).norm(), 0.1);
   EXPECT_LE((arm(sandbox_.shownFrames()) - arm(layer)).norm(), 1e-5);  // through a file in single precision
   EXPECT_LE((shown("hand_r") - base[joint("hand_r")].translation()).norm(), 1e-9);
   play("0 do Motion undo\n1 do Motion fade " + file + " 0.5\n2 do Motion frame 107\n");
   // 61 + 61 - 15 frames; the last is the second clip's last.
-  EXPECT_LE((arm(sandbox_.shownFrames()) - arm(forwardKinematics(model.skeleton, raised.q.col(60)))).norm(), 1e-5);
+  EXPECT_LE((arm(sandbox_.shownFrames()) - arm(forwardKinematics(model.skeleton, raised.q.col(60)))).norm(),
+            1e-5);
   EXPECT_THROW(play("0 do Motion fade no-such-file.bvh 0.5\n"), std::exception);
   EXPECT_THROW(play("0 do Motion dance\n"), std::invalid_argument);
   EXPECT_THROW(play("0 do Dance key\n"), std::invalid_argument);

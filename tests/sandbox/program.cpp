@@ -68,7 +68,8 @@ std::string Program::readLine() {
 
 int Program::wait(std::string& output) {
   char block[4096];
-  for (ssize_t n; (n = read(pipe_, block, sizeof block)) > 0;) output.append(block, static_cast<std::size_t>(n));
+  for (ssize_t n; (n = read(pipe_, block, sizeof block)) > 0;)
+    output.append(block, static_cast<std::size_t>(n));
   if (status_ == -1) waitpid(pid_, &status_, 0);
   return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
 }

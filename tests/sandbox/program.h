@@ -8,8 +8,8 @@ namespace gelenk::testing {
 /// A child process; ended (SIGTERM, then waited for) when the object goes.
 class Program {
  public:
-  /// arguments[0] is looked up in PATH. environment: entries "NAME=value" that replace the test's own, "NAME" alone unsets.
-  /// Standard output and error go to the same pipe.
+  /// arguments[0] is looked up in PATH. environment: entries "NAME=value" that replace the test's own, "NAME"
+  /// alone unsets. Standard output and error go to the same pipe.
   Program(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
   ~Program();
   Program(const Program&) = delete;
@@ -31,7 +31,8 @@ struct Finished {
   int status = -1;
   std::string output;
 };
-Finished runProgram(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
+Finished runProgram(const std::vector<std::string>& arguments,
+                    const std::vector<std::string>& environment = {});
 
 /// True where the command can be found in PATH.
 bool hasCommand(const std::string& name);

@@ -68,7 +68,8 @@ std::string statusesOf(const std::string& script) {
 }
 
 TEST(Sandbox, TheSameReplayGivesTheSameStatusByteForByte) {
-  const std::string script = "0 drag hand_r -30 -60 8\n12 move 300 200\n13 wheel 2\n14 key m\n16 drag head 20 5 4\n24 key r\n";
+  const std::string script =
+      "0 drag hand_r -30 -60 8\n12 move 300 200\n13 wheel 2\n14 key m\n16 drag head 20 5 4\n24 key r\n";
   const std::string first = statusesOf(script);
   EXPECT_EQ(first, statusesOf(script));
   EXPECT_NE(first.find("\"dragging\": \"hand_r\""), std::string::npos);
@@ -102,7 +103,8 @@ TEST(Sandbox, KeysPinUndoAndChangeTheSolver) {
 }
 
 TEST(Sandbox, ASavedSceneOpensAsTheSamePicture) {
-  const std::string path = (std::filesystem::temp_directory_path() / ("gelenk_" + std::to_string(getpid()) + ".json")).string();
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk_" + std::to_string(getpid()) + ".json")).string();
   Stage stage;
   Replay replay = Replay::parse("test", "0 drag hand_l 30 -30 8\n12 wheel 3\n14 key 5\n");
   stage.frames(30, &replay);
@@ -130,9 +132,11 @@ TEST(Sandbox, ABadFileIsToldOnScreenAndLeavesWhatIsOpen) {
 
 TEST(Sandbox, EveryTabThemeAndViewDrawsWithoutAnOpenGlMessage) {
   Stage stage;
-  Replay replay = Replay::parse("test",
-                                "0 tab Model\n1 theme dark\n2 tab Skin\n3 show frames on\n3 show skeleton on\n4 key h\n6 key h\n"
-                                "8 key 1\n9 key 3\n10 key 7\n11 key 5\n12 select head\n13 tab Model\n14 key f\n15 drag hand_r 200 0 5\n");
+  Replay replay = Replay::parse(
+      "test",
+      "0 tab Model\n1 theme dark\n2 tab Skin\n3 show frames on\n3 show skeleton on\n4 key h\n6 key h\n"
+      "8 key 1\n9 key 3\n10 key 7\n11 key 5\n12 select head\n13 tab Model\n14 key f\n15 drag hand_r 200 0 "
+      "5\n");
   stage.frames(30, &replay);
   EXPECT_TRUE(stage.log.messages().empty()) << stage.log.messages().front();
 }

@@ -1,5 +1,5 @@
-// A real window under Xvfb, moved by a real mouse (xdotool). The program writes its status after every frame; the test waits
-// for frame numbers and facts in it, never for a time.
+// A real window under Xvfb, moved by a real mouse (xdotool). The program writes its status after every frame;
+// the test waits for frame numbers and facts in it, never for a time.
 #include <gtest/gtest.h>
 #include <time.h>
 #include <unistd.h>
@@ -28,14 +28,16 @@ class RealWindow : public ::testing::Test {
       if (!hasCommand(command)) GTEST_SKIP() << command << " is not installed";
     folder_ = std::filesystem::temp_directory_path() / ("gelenk_window_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
-    xvfb_ = std::make_unique<Program>(std::vector<std::string>{"Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-noreset", "-nolisten", "tcp"});
+    xvfb_ = std::make_unique<Program>(std::vector<std::string>{
+        "Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-noreset", "-nolisten", "tcp"});
     std::string number;  // it says so on the same pipe when it finds a display taken and tries the next one
     for (int line = 0; line < 40 && !parseInteger(number); ++line) number = xvfb_->readLine();
     ASSERT_TRUE(parseInteger(number)) << "Xvfb did not start";
     display_ = "DISPLAY=:" + number;
-    program_ = std::make_unique<Program>(
-        std::vector<std::string>{GELENK_PROGRAM, "sandbox", "figure", "--status", statusPath(), "--size", "900x640", "--scale", "1"},
-        std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
+    program_ =
+        std::make_unique<Program>(std::vector<std::string>{GELENK_PROGRAM, "sandbox", "figure", "--status",
+                                                           statusPath(), "--size", "900x640", "--scale", "1"},
+                                  std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
     waitFor([](const json& s) { return s["frame"] >= 2; });
   }
   void TearDown() override {
@@ -120,13 +122,16 @@ TEST_F(RealWindow, TheRightHandFollowsTheMouseAndIsStillWhereItCannot) {
   const int arrived = status["frame"];
   status = waitFor([&](const json& s) { return s["frame"] >= arrived + 25; });
   EXPECT_GT(goal(status, "hand_r")["error"].get<double>(), 0.05);
-  // Read two statuses at least one frame apart: motion a frame is at most their difference over the frames between.
+  // Read two statuses at least one frame apart: motion a frame is at most their difference over the frames
+  // between.
   const Skeleton skeleton = mannequin();
   const auto motion = [&](int least) {
     const json a = waitFor([&](const json& s) { return s["frame"] >= arrived + least; });
     const json b = nextFrames(5);
-    EXPECT_LT(a["joint_motion"].get<double>(), least >= 200 ? 1e-5 : 1e-4) << a["frame"] << " " << goal(a, "hand_r");
-    return difference(skeleton, configuration(a), configuration(b)).lpNorm<Eigen::Infinity>() / (b["frame"].get<int>() - a["frame"].get<int>());
+    EXPECT_LT(a["joint_motion"].get<double>(), least >= 200 ? 1e-5 : 1e-4)
+        << a["frame"] << " " << goal(a, "hand_r");
+    return difference(skeleton, configuration(a), configuration(b)).lpNorm<Eigen::Infinity>() /
+           (b["frame"].get<int>() - a["frame"].get<int>());
   };
   EXPECT_LT(motion(25), 1e-4);
   EXPECT_LT(motion(200), 1e-5);

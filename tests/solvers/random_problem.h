@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "kinematics/notation/dh_table.h"
 #include "kinematics/forward_kinematics.h"
+#include "kinematics/notation/dh_table.h"
 #include "kinematics/notation/robots.h"
 #include "solvers/problem/ik_problem.h"
 #include "tests/kinematics/random_skeleton.h"
@@ -21,7 +21,8 @@ struct OwnedProblem {
 
 inline Goal randomGoal(const Skeleton& skeleton, std::mt19937_64& random, const Frames& frames) {
   const int joint = static_cast<int>(random() % skeleton.jointCount());
-  Goal goal{.kind = static_cast<GoalKind>(random() % 4), .joint = joint,
+  Goal goal{.kind = static_cast<GoalKind>(random() % 4),
+            .joint = joint,
             .pointInJoint = 0.2 * uniform01(random) * randomUnit(random)};
   goal.axisInJoint = randomUnit(random);
   goal.orientation = Eigen::Quaterniond(frames[joint].linear());
@@ -72,7 +73,8 @@ inline OwnedProblem problemOn(std::shared_ptr<const Skeleton> model, std::mt1993
         setBallRotation(skeleton, owned.problem.start, i, expRotation(3.0 * randomUnit(random)));
     owned.story = "start outside the limits";
   } else if (kind == 5) {  // half a turn away: the rotation vector is at its cut
-    for (Goal& goal : owned.problem.goals) goal.orientation = expRotation(M_PI * randomUnit(random)) * goal.orientation;
+    for (Goal& goal : owned.problem.goals)
+      goal.orientation = expRotation(M_PI * randomUnit(random)) * goal.orientation;
     owned.story = "half a turn away";
   } else if (kind == 6) {
     const int joint = owned.problem.goals[0].joint;
@@ -83,23 +85,29 @@ inline OwnedProblem problemOn(std::shared_ptr<const Skeleton> model, std::mt1993
     }
     owned.story = "targets at one point, weights and priorities";
   } else if (kind == 7) {
-    owned.problem.goals.push_back({.kind = GoalKind::Posture, .posture = randomWithinLimits(skeleton, random), .weight = 1e-3});
+    owned.problem.goals.push_back(
+        {.kind = GoalKind::Posture, .posture = randomWithinLimits(skeleton, random), .weight = 1e-3});
     owned.story = "with a posture";
   }
   return owned;
 }
 
-/// Trees of every joint kind with goals as above, and straight arms whose target lies on their axis: gradient zero.
+/// Trees of every joint kind with goals as above, and straight arms whose target lies on their axis: gradient
+/// zero.
 inline OwnedProblem randomProblem(std::mt19937_64& random, int number) {
-  if (number % 10 != 0) return problemOn(std::make_shared<Skeleton>(randomSkeleton(random, 2 + static_cast<int>(random() % 9))), random, number);
-  OwnedProblem owned{.skeleton = std::make_shared<Skeleton>(straightChain(3, number % 20 == 0 ? unlimited : 1.5))};
+  if (number % 10 != 0)
+    return problemOn(std::make_shared<Skeleton>(randomSkeleton(random, 2 + static_cast<int>(random() % 9))),
+                     random, number);
+  OwnedProblem owned{.skeleton =
+                         std::make_shared<Skeleton>(straightChain(3, number % 20 == 0 ? unlimited : 1.5))};
   owned.problem = {.skeleton = owned.skeleton.get(), .start = Eigen::VectorXd::Zero(3)};
   owned.problem.goals = {{.joint = 3, .target = {number % 3 ? 1.5 : 4.0, 0.0, 0.0}}};
   owned.story = "straight arm, target on its axis";
   return owned;
 }
 
-/// One goal on the end of a chain, as the solvers of chains want it; singular, unreachable and degenerate in turn.
+/// One goal on the end of a chain, as the solvers of chains want it; singular, unreachable and degenerate in
+/// turn.
 inline OwnedProblem chainProblem(std::shared_ptr<const Skeleton> model, std::mt19937_64& random, int number) {
   OwnedProblem owned{.skeleton = std::move(model)};
   const Skeleton& skeleton = *owned.skeleton;
@@ -113,7 +121,10 @@ inline OwnedProblem chainProblem(std::shared_ptr<const Skeleton> model, std::mt1
     owned.story = "the model's neutral pose, where its joints are often in line";
   }
   const Eigen::Isometry3d frame = forwardKinematics(skeleton, there)[tip];
-  Goal goal{.kind = kinds[random() % kinds.size()], .joint = tip, .target = frame.translation(), .orientation = Eigen::Quaterniond(frame.linear())};
+  Goal goal{.kind = kinds[random() % kinds.size()],
+            .joint = tip,
+            .target = frame.translation(),
+            .orientation = Eigen::Quaterniond(frame.linear())};
   if (random() % 4 == 0) {
     goal.pointInJoint = 0.2 * randomUnit(random);
     goal.target = frame * goal.pointInJoint;
@@ -126,12 +137,14 @@ inline OwnedProblem chainProblem(std::shared_ptr<const Skeleton> model, std::mt1
     goal.target *= 1.0 + 100.0 * uniform01(random);
     owned.story = "out of reach";
   } else if (kind == 4) {
-    goal.orientation = expRotation(M_PI * randomUnit(random)) * Eigen::Quaterniond(forwardKinematics(skeleton, owned.problem.start)[tip].linear());
+    goal.orientation = expRotation(M_PI * randomUnit(random)) *
+                       Eigen::Quaterniond(forwardKinematics(skeleton, owned.problem.start)[tip].linear());
     owned.story = "half a turn away";
   } else if (kind == 5) {
     for (double& q : owned.problem.start) q += 20.0 * (uniform01(random) - 0.5);
     for (int i = 0; i < skeleton.jointCount(); ++i)
-      if (skeleton.joint(i).ball) setBallRotation(skeleton, owned.problem.start, i, expRotation(3.0 * randomUnit(random)));
+      if (skeleton.joint(i).ball)
+        setBallRotation(skeleton, owned.problem.start, i, expRotation(3.0 * randomUnit(random)));
     owned.story = "start outside the limits";
   } else if (kind == 6) {
     goal.target = forwardKinematics(skeleton, there)[0].translation();
@@ -145,9 +158,12 @@ inline OwnedProblem chainProblem(std::shared_ptr<const Skeleton> model, std::mt1
   return owned;
 }
 
-/// Chains of hinges and sliders in Denavit-Hartenberg form: general, with parallel and intersecting axes, lengths and ranges of zero.
+/// Chains of hinges and sliders in Denavit-Hartenberg form: general, with parallel and intersecting axes,
+/// lengths and ranges of zero.
 inline Skeleton randomDhChain(std::mt19937_64& random, int dofs) {
-  const auto oneOf = [&](std::initializer_list<double> values) { return values.begin()[random() % values.size()]; };
+  const auto oneOf = [&](std::initializer_list<double> values) {
+    return values.begin()[random() % values.size()];
+  };
   const auto signedRandom = [&] { return 2.0 * uniform01(random) - 1.0; };
   DhTable table{.convention = random() % 2 ? DhConvention::Modified : DhConvention::Standard};
   for (int i = 0; i < dofs; ++i) {
@@ -184,7 +200,10 @@ inline Skeleton randomBallChain(std::mt19937_64& random) {
   std::vector<Joint> joints;
   for (int i = 0; i <= bones; ++i) {
     Joint joint{.name = "b" + std::to_string(i), .parent = i - 1, .ball = i < bones};
-    if (i > 0) joint.parentFromZero.translation() = (random() % 8 ? 1.0 : 0.0) * (random() % 2 ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : randomUnit(random));
+    if (i > 0)
+      joint.parentFromZero.translation() =
+          (random() % 8 ? 1.0 : 0.0) *
+          (random() % 2 ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : randomUnit(random));
     if (limited && joint.ball) joint.ballLimit = BallLimit{{0.1, -0.2}, {0.9, 0.5}, -0.7, 1.1};
     joints.push_back(joint);
   }

@@ -33,15 +33,20 @@ const Budget shortBudget{.maxIterations = 60, .maxSeconds = 1e9, .restarts = 1, 
 /// A model and how problems on it are drawn.
 struct ContractModel {
   std::shared_ptr<const Skeleton> skeleton;  ///< none: a new one for every problem
-  testing::OwnedProblem (*draw)(std::shared_ptr<const Skeleton>, std::mt19937_64&, int) = testing::chainProblem;
+  testing::OwnedProblem (*draw)(std::shared_ptr<const Skeleton>, std::mt19937_64&,
+                                int) = testing::chainProblem;
 };
 
-/// New trees; trees that are asked again; chains of hinges and sliders, of balls, in the plane; robots. Few models with many problems
-/// each, so that tables are built once a model.
+/// New trees; trees that are asked again; chains of hinges and sliders, of balls, in the plane; robots. Few
+/// models with many problems each, so that tables are built once a model.
 std::vector<ContractModel> contractModels() {
   std::mt19937_64 random(21);
-  std::vector<ContractModel> models{{nullptr, [](std::shared_ptr<const Skeleton>, std::mt19937_64& r, int i) { return randomProblem(r, i); }}};
-  const auto add = [&](Skeleton skeleton, auto draw) { models.push_back({std::make_shared<Skeleton>(std::move(skeleton)), draw}); };
+  std::vector<ContractModel> models{{nullptr, [](std::shared_ptr<const Skeleton>, std::mt19937_64& r, int i) {
+                                       return randomProblem(r, i);
+                                     }}};
+  const auto add = [&](Skeleton skeleton, auto draw) {
+    models.push_back({std::make_shared<Skeleton>(std::move(skeleton)), draw});
+  };
   for (int i = 0; i < 2; ++i) add(testing::randomSkeleton(random, 2 + 6 * i), testing::problemOn);
   for (const Robot& robot : robots()) add(toSkeleton(robot.table()), testing::chainProblem);
   for (int dofs = 1; dofs <= 8; ++dofs) add(testing::randomDhChain(random, dofs), testing::chainProblem);
@@ -63,8 +68,8 @@ class SolverContract : public ::testing::TestWithParam<SolverEntry> {
     return model.draw(model.skeleton, random, number);
   }
 
-  /// Calls check(owned, report) for at least `count` problems that the solver supports, shared evenly among the models on which it
-  /// supports anything; what it does not support must be refused honestly.
+  /// Calls check(owned, report) for at least `count` problems that the solver supports, shared evenly among
+  /// the models on which it supports anything; what it does not support must be refused honestly.
   template <typename Check>
   void forEachProblem(int count, std::uint64_t seed, Check check) {
     const std::vector<ContractModel> all = contractModels();
@@ -72,9 +77,12 @@ class SolverContract : public ::testing::TestWithParam<SolverEntry> {
     std::vector<const ContractModel*> able;
     for (const ContractModel& model : all) {
       bool some = false;
-      for (int i = 0; i < probes && !some; ++i) some = solver->whyUnsupported(problemOf(model, seed, i).problem).empty();
-      if (some) able.push_back(&model);
-      else if (model.skeleton) refuses(problemOf(model, seed, 0).problem);
+      for (int i = 0; i < probes && !some; ++i)
+        some = solver->whyUnsupported(problemOf(model, seed, i).problem).empty();
+      if (some)
+        able.push_back(&model);
+      else if (model.skeleton)
+        refuses(problemOf(model, seed, 0).problem);
     }
     ASSERT_FALSE(able.empty());
     const int share = (count + static_cast<int>(able.size()) - 1) / static_cast<int>(able.size());
@@ -84,11 +92,13 @@ class SolverContract : public ::testing::TestWithParam<SolverEntry> {
       int here = 0;
       for (int i = 0; here < share && i < 400 * share; ++i) {
         const Owned owned = problemOf(*model, seed, i);
-        SCOPED_TRACE("model " + std::to_string(model - all.data()) + ", problem " + std::to_string(i) + " of seed " + std::to_string(seed) + ": " + owned.story);
+        SCOPED_TRACE("model " + std::to_string(model - all.data()) + ", problem " + std::to_string(i) +
+                     " of seed " + std::to_string(seed) + ": " + owned.story);
         if (!solver->whyUnsupported(owned.problem).empty()) {
           refuses(owned.problem);
         } else {
-          if (!model->skeleton && here % 8 == 0) solver->prepare(*owned.skeleton);  // the others must do without, or notice that it was another
+          if (!model->skeleton && here % 8 == 0)
+            solver->prepare(*owned.skeleton);  // the others must do without, or notice that it was another
           ++here;
           const IkReport report = solver->solve(owned.problem, shortBudget, TraceLevel::Off);
           ASSERT_NE(report.why, Stop::Unsupported);
@@ -160,7 +170,8 @@ TEST_P(SolverContract, NoGoalsAreMetAtOnce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract,
-                         ::testing::ValuesIn(solverCatalogue().begin(), solverCatalogue().end()), [](const auto& info) {
+                         ::testing::ValuesIn(solverCatalogue().begin(), solverCatalogue().end()),
+                         [](const auto& info) {
                            std::string name(info.param.name);
                            for (char& c : name)
                              if (c == '-') c = '_';
@@ -183,7 +194,8 @@ TEST(Catalogue, EveryIterativeSolverReachesMostReachablePositionsOfAFreeArm) {
       if (!solver->whyUnsupported(problem).empty()) continue;
       ++supported;
       solver->prepare(arm);
-      const IkReport report = solver->solve(problem, {.maxIterations = 500, .maxSeconds = 1e9, .restarts = 5}, TraceLevel::Off);
+      const IkReport report =
+          solver->solve(problem, {.maxIterations = 500, .maxSeconds = 1e9, .restarts = 5}, TraceLevel::Off);
       solved += judge(problem, report.q).solved;
     }
     EXPECT_GE(solved, supported - 1) << entry.name << " of " << supported;
@@ -195,7 +207,10 @@ TEST(Catalogue, APositionAndAnOrientationOfOneEffectorAreAPose) {
   const int tip = puma.jointCount() - 1;
   std::mt19937_64 random(8);
   const Eigen::Isometry3d there = forwardKinematics(puma, randomWithinLimits(puma, random))[tip];
-  const Goal pose{.kind = GoalKind::Pose, .joint = tip, .target = there.translation(), .orientation = Eigen::Quaterniond(there.linear())};
+  const Goal pose{.kind = GoalKind::Pose,
+                  .joint = tip,
+                  .target = there.translation(),
+                  .orientation = Eigen::Quaterniond(there.linear())};
   Goal position = pose, orientation = pose;
   position.kind = GoalKind::Position;
   orientation.kind = GoalKind::Orientation;

@@ -53,7 +53,8 @@ std::vector<std::string> targetWords(const Skeleton& panda, const Eigen::VectorX
   const Eigen::Isometry3d tip = forwardKinematics(panda, q).back();
   const Eigen::Quaterniond r(tip.linear());
   std::vector<std::string> words;
-  for (double x : {tip.translation().x(), tip.translation().y(), tip.translation().z(), r.w(), r.x(), r.y(), r.z()})
+  for (double x :
+       {tip.translation().x(), tip.translation().y(), tip.translation().z(), r.w(), r.x(), r.y(), r.z()})
     words.push_back(exactNumber(x));
   return words;
 }
@@ -78,7 +79,8 @@ TEST(SolveCommand, PrintsASolutionThatForwardKinematicsConfirms) {
 }
 
 TEST(SolveCommand, SaysByItsExitStatusThatATargetIsOutOfReach) {
-  const Outcome outcome = type({"solve", "--model", "panda", "--target", "5", "0", "0", "--solver", "lm-gain-ratio", "--restarts", "2", "--trace"});
+  const Outcome outcome = type({"solve", "--model", "panda", "--target", "5", "0", "0", "--solver",
+                                "lm-gain-ratio", "--restarts", "2", "--trace"});
   EXPECT_EQ(outcome.status, 2);
   const auto out = nlohmann::json::parse(outcome.output);
   EXPECT_FALSE(out["solved"].get<bool>());
@@ -88,23 +90,32 @@ TEST(SolveCommand, SaysByItsExitStatusThatATargetIsOutOfReach) {
 
 TEST(SolveCommand, MistakesAreNamed) {
   EXPECT_NE(type({"solve", "--target", "1", "2"}).complaint.find("X Y Z QW QX QY QZ"), std::string::npos);
-  EXPECT_NE(type({"solve", "--target", "1", "2", "3", "1", "1", "0", "0"}).complaint.find("length 1"), std::string::npos);
-  EXPECT_NE(type({"solve", "--target", "1", "0", "0", "--solver", "newtonn"}).complaint.find("exact-hessian"), std::string::npos);
-  EXPECT_NE(type({"solve", "--target", "1", "0", "0", "--joint", "hand"}).complaint.find("hand"), std::string::npos);
-  EXPECT_NE(type({"solve", "--target", "1", "0", "0", "--start", "1"}).complaint.find("7 values"), std::string::npos);
-  EXPECT_NE(type({"solve", "--model", "pandda", "--target", "1", "0", "0"}).complaint.find("panda"), std::string::npos);
+  EXPECT_NE(type({"solve", "--target", "1", "2", "3", "1", "1", "0", "0"}).complaint.find("length 1"),
+            std::string::npos);
+  EXPECT_NE(type({"solve", "--target", "1", "0", "0", "--solver", "newtonn"}).complaint.find("exact-hessian"),
+            std::string::npos);
+  EXPECT_NE(type({"solve", "--target", "1", "0", "0", "--joint", "hand"}).complaint.find("hand"),
+            std::string::npos);
+  EXPECT_NE(type({"solve", "--target", "1", "0", "0", "--start", "1"}).complaint.find("7 values"),
+            std::string::npos);
+  EXPECT_NE(type({"solve", "--model", "pandda", "--target", "1", "0", "0"}).complaint.find("panda"),
+            std::string::npos);
 }
 
 TEST(CompareCommand, WritesTheFolderItPromises) {
   const std::string folder = (fs::path(::testing::TempDir()) / "gelenk-compare-command").string();
   fs::remove_all(folder);
-  const Outcome outcome = type({"compare", "--model", "panda", "--set", "D1", "--solver", "dls", "--solver", "default", "--problems", "5", "--out", folder});
+  const Outcome outcome = type({"compare", "--model", "panda", "--set", "D1", "--solver", "dls", "--solver",
+                                "default", "--problems", "5", "--out", folder});
   EXPECT_EQ(outcome.status, 0) << outcome.complaint;
-  for (const char* file : {"results.csv", "solutions.csv", "summary.json", "report.html"}) EXPECT_TRUE(fs::exists(folder + '/' + file)) << file;
+  for (const char* file : {"results.csv", "solutions.csv", "summary.json", "report.html"})
+    EXPECT_TRUE(fs::exists(folder + '/' + file)) << file;
   const std::string solutions = readFile(folder + "/solutions.csv");
-  EXPECT_EQ(solutions.substr(0, solutions.find('\n')),
-            "model,set,solver,problem,status,start_1,start_2,start_3,start_4,start_5,start_6,start_7,target_x,target_y,target_z,target_qw,target_qx,"
-            "target_qy,target_qz,solution_1,solution_2,solution_3,solution_4,solution_5,solution_6,solution_7");
+  EXPECT_EQ(
+      solutions.substr(0, solutions.find('\n')),
+      "model,set,solver,problem,status,start_1,start_2,start_3,start_4,start_5,start_6,start_7,target_x,"
+      "target_y,target_z,target_qw,target_qx,"
+      "target_qy,target_qz,solution_1,solution_2,solution_3,solution_4,solution_5,solution_6,solution_7");
   fs::remove_all(folder);
 }
 
@@ -123,8 +134,11 @@ TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterrupt
   const fs::path folder = fs::path(::testing::TempDir()) / "gelenk-compare-killed";
   fs::remove_all(folder);
   const auto words = [&](const char* out) {
-    return std::vector<std::string>{GELENK_PROGRAM, "compare", "--model", "panda", "--set", "D1", "--set", "D5", "--solver", "sdls", "--solver", "evolution",
-                                    "--problems", "100", "--seeds", "3", "--traces", "20", "--out", (folder / out).string()};
+    return std::vector<std::string>{GELENK_PROGRAM, "compare", "--model",  "panda",
+                                    "--set",        "D1",      "--set",    "D5",
+                                    "--solver",     "sdls",    "--solver", "evolution",
+                                    "--problems",   "100",     "--seeds",  "3",
+                                    "--traces",     "20",      "--out",    (folder / out).string()};
   };
   ASSERT_EQ(testing::runProgram(words("whole")).status, 0);
   const fs::path results = folder / "cut" / "results.csv";
@@ -134,7 +148,8 @@ TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterrupt
     testing::Program program(words("cut"));
     const auto before = size();
     // mid-solve: a few more lines than there were, and no end of the run
-    while (program.running() && size() < before + 4000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (program.running() && size() < before + 4000)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ended = !program.running();
     if (ended) break;
     program.kill();
@@ -142,8 +157,15 @@ TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterrupt
     ASSERT_LT(kills, 100);
   }
   EXPECT_GE(kills, 1);
-  for (const auto& [file, times] : {std::pair{"/results.csv", 2}, {"/seeds.csv", 1}, {"/traces.csv", 1}, {"/solutions.csv", 0}, {"/goals.csv", 0}, {"/problem_sets.csv", 0}})
-    EXPECT_EQ(withoutLastColumns((folder / "whole").string() + file, times), withoutLastColumns((folder / "cut").string() + file, times)) << file;
+  for (const auto& [file, times] : {std::pair{"/results.csv", 2},
+                                    {"/seeds.csv", 1},
+                                    {"/traces.csv", 1},
+                                    {"/solutions.csv", 0},
+                                    {"/goals.csv", 0},
+                                    {"/problem_sets.csv", 0}})
+    EXPECT_EQ(withoutLastColumns((folder / "whole").string() + file, times),
+              withoutLastColumns((folder / "cut").string() + file, times))
+        << file;
   EXPECT_TRUE(fs::exists(folder / "cut" / "report.html"));
   fs::remove_all(folder);
 }
@@ -170,7 +192,8 @@ TEST(CompareCommand, MistakesAreNamedAndNothingIsWritten) {
 }
 
 TEST(CompareCommand, AnExperimentWritesOverItsOwnFilesOnly) {
-  const std::string folder = (fs::path(::testing::TempDir()) / "gelenk-compare-reproduce").string(), page = folder + "/squared-tolerance.md";
+  const std::string folder = (fs::path(::testing::TempDir()) / "gelenk-compare-reproduce").string(),
+                    page = folder + "/squared-tolerance.md";
   fs::remove_all(folder);
   fs::create_directories(folder);
   writeFile(page, "my notes\n");

@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "apps/document/binding_scene.h"
 #include "apps/commands/commands.h"
+#include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
 #include "apps/document/scene.h"
 #include "kinematics/configuration.h"
@@ -18,7 +18,9 @@ namespace {
 
 class ConvertCommand : public ::testing::Test {
  protected:
-  ConvertCommand() : folder_(::testing::TempDir() + "gelenk_convert_" + ::testing::UnitTest::GetInstance()->current_test_info()->name() + "/") {
+  ConvertCommand()
+      : folder_(::testing::TempDir() + "gelenk_convert_" +
+                ::testing::UnitTest::GetInstance()->current_test_info()->name() + "/") {
     std::filesystem::create_directories(folder_);
   }
   ~ConvertCommand() override { std::filesystem::remove_all(folder_); }
@@ -48,7 +50,8 @@ TEST_F(ConvertCommand, AMeshAloneChangesItsUnitAndItsAxes) {
   EXPECT_LE((readObj(out).positions[3] - Eigen::Vector3d(0, 0, 0.03)).norm(), 1e-16);
   convert({cm, out, "--unit-out", "mm"});
   EXPECT_LE((readObj(out).positions[2] - Eigen::Vector3d(0, 2000, 0)).norm(), 1e-9);
-  convert({cm, out, "--up-in", "z"});  // what pointed up (z) points up (y); what pointed along y now comes towards -z
+  convert({cm, out, "--up-in",
+           "z"});  // what pointed up (z) points up (y); what pointed along y now comes towards -z
   EXPECT_LE((readObj(out).positions[3] - Eigen::Vector3d(0, 3, 0)).norm(), 1e-15);
   EXPECT_LE((readObj(out).positions[2] - Eigen::Vector3d(0, 0, -2)).norm(), 1e-15);
   convert({out, out, "--up-out", "z"});
@@ -57,41 +60,56 @@ TEST_F(ConvertCommand, AMeshAloneChangesItsUnitAndItsAxes) {
 }
 
 TEST_F(ConvertCommand, TheUnitOfABodyHoldsForItsMeshAndForASkeletonWithoutOne) {
-  const std::string obj = file("b.obj", tetrahedron), skeleton = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\nc 0 2 0 b\n"), out = path("b.glb");
-  convert({obj, out, "--skeleton", skeleton, "--weights", file("w.attachment", "1 0\n0.5 0.5\n0 1\n1 0\n"), "--unit-in", "cm"});
+  const std::string obj = file("b.obj", tetrahedron),
+                    skeleton = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\nc 0 2 0 b\n"), out = path("b.glb");
+  convert({obj, out, "--skeleton", skeleton, "--weights", file("w.attachment", "1 0\n0.5 0.5\n0 1\n1 0\n"),
+           "--unit-in", "cm"});
   const Imported body = importFiles(out);
   EXPECT_LE((restFrames(body.model.skeleton)[2].translation() - Eigen::Vector3d(0, 0.02, 0)).norm(), 1e-7);
-  EXPECT_LE((body.model.skin->mesh.positions[3] - Eigen::Vector3d(0, 0, 0.03)).norm(), 1e-8);  // 32-bit floats
-  EXPECT_THROW(convert({file("arm.dh", "dh standard\nrevolute 1 0 0 0\n"), path("arm.bvh"), "--unit-in", "cm"}), std::invalid_argument);
+  EXPECT_LE((body.model.skin->mesh.positions[3] - Eigen::Vector3d(0, 0, 0.03)).norm(),
+            1e-8);  // 32-bit floats
+  EXPECT_THROW(
+      convert({file("arm.dh", "dh standard\nrevolute 1 0 0 0\n"), path("arm.bvh"), "--unit-in", "cm"}),
+      std::invalid_argument);
 }
 
 TEST_F(ConvertCommand, JointsInTheirParentsPlacesAreNoBones) {
   const std::string bvh = file("hips.bvh",
-                               "HIERARCHY\nROOT hips\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+                               "HIERARCHY\nROOT hips\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition "
+                               "Zposition Zrotation Xrotation Yrotation\n"
                                "JOINT turn\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-                               "JOINT leg\n{\nOFFSET 0 -0.5 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 -0.5 0\n}\n}\n}\n}\n"
+                               "JOINT leg\n{\nOFFSET 0 -0.5 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd "
+                               "Site\n{\nOFFSET 0 -0.5 0\n}\n}\n}\n}\n"
                                "MOTION\nFrames: 1\nFrame Time: 0.1\n0 1 0 0 0 0 0 0 0 0 0 0\n");
   for (const char* name : {"hips.skel", "hips.figure"}) {
     convert({bvh, path(name)});
     const Skeleton bones = importFiles(path(name)).model.skeleton;  // refuses bones of no length
     ASSERT_EQ(bones.jointCount(), 3) << name;
     EXPECT_EQ(bones.parent(1), 0);
-    EXPECT_LE((restFrames(bones)[2].translation() - restFrames(importFiles(bvh).model.skeleton).back().translation()).norm(), 1e-12) << name;
+    EXPECT_LE((restFrames(bones)[2].translation() -
+               restFrames(importFiles(bvh).model.skeleton).back().translation())
+                  .norm(),
+              1e-12)
+        << name;
   }
-  EXPECT_THROW(convert({bvh, path("hips.pose")}), std::invalid_argument);  // the two joints' angles are not one's
+  EXPECT_THROW(convert({bvh, path("hips.pose")}),
+               std::invalid_argument);  // the two joints' angles are not one's
 }
 
 TEST_F(ConvertCommand, ATutorialFigureKeepsItsNumbersAndSoFitsItsPose) {
-  const std::string figure = file("f.figure",
-                                  "NumJoints: 3\nNonAnimatedJointPositions:\n0, 2, 0,\n0, 1, 0,\n0, 0, 0,\nNumBones: 2\n2, 1,\n1, 0,\n"
-                                  "NumJointHierarchies: 1\nNumJoints-Arm: 3\n2, 1, 0,\n");
+  const std::string figure = file(
+      "f.figure",
+      "NumJoints: 3\nNonAnimatedJointPositions:\n0, 2, 0,\n0, 1, 0,\n0, 0, 0,\nNumBones: 2\n2, 1,\n1, 0,\n"
+      "NumJointHierarchies: 1\nNumJoints-Arm: 3\n2, 1, 0,\n");
   const std::string pose = file("p.pose", "NumJoints: 3\nJointAngles:\n0, 0, 0,\n0.5, 0, 0,\n0, 0, 0.25,\n");
   std::filesystem::create_directories(path("there"));
   convert({figure, path("there/f.figure")});
   convert({pose, path("there/p.pose")});
   const Imported before = importFiles(pose), after = importFiles(path("there/p.pose"));
   const auto tip = [](const Imported& imported) {
-    return Eigen::Vector3d(forwardKinematics(imported.model.skeleton, imported.model.clip->q.col(0))[imported.figure->jointOfIndex[0]].translation());
+    return Eigen::Vector3d(forwardKinematics(imported.model.skeleton,
+                                             imported.model.clip->q.col(0))[imported.figure->jointOfIndex[0]]
+                               .translation());
   };
   EXPECT_EQ(before.figure->jointOfIndex, after.figure->jointOfIndex);
   EXPECT_EQ(tip(before), tip(after));
@@ -99,13 +117,17 @@ TEST_F(ConvertCommand, ATutorialFigureKeepsItsNumbersAndSoFitsItsPose) {
 }
 
 TEST_F(ConvertCommand, ASceneBringsItsPoseAndItsEditedWeights) {
-  const std::string obj = file("b.obj", tetrahedron), bones = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\nc 0 2 0 b\n");
-  const ModelReference reference{.nameOrFile = obj, .skeletonFile = bones, .weightsFile = file("w.attachment", "1 0\n0.5 0.5\n0 1\n1 0\n")};
+  const std::string obj = file("b.obj", tetrahedron),
+                    bones = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\nc 0 2 0 b\n");
+  const ModelReference reference{.nameOrFile = obj,
+                                 .skeletonFile = bones,
+                                 .weightsFile = file("w.attachment", "1 0\n0.5 0.5\n0 1\n1 0\n")};
   const Model model = readModel(reference);
   Scene scene;
   scene.model = reference;
   scene.q = model.skeleton.rest();
-  setBallRotation(model.skeleton, scene.q, 1, Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX())));
+  setBallRotation(model.skeleton, scene.q, 1,
+                  Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX())));
   Influences quarter{};
   quarter.joints = {0, 1, 0, 0};
   quarter.weights = {0.25, 0.75, 0.0, 0.0};
@@ -119,7 +141,8 @@ TEST_F(ConvertCommand, ASceneBringsItsPoseAndItsEditedWeights) {
   convert({path("scene.json"), path("posed.obj")});
   EXPECT_GT((readObj(path("posed.obj")).positions[3] - model.skin->mesh.positions[3]).norm(), 0.1);
 
-  EXPECT_THROW(convert({path("scene.json"), path("out.attachment"), "--unit-in", "cm"}), std::invalid_argument);
+  EXPECT_THROW(convert({path("scene.json"), path("out.attachment"), "--unit-in", "cm"}),
+               std::invalid_argument);
   std::string text = readFile(path("scene.json"));
   text.replace(text.find("0.75"), 4, "0.85");
   const std::string before = readFile(path("out.attachment"));
@@ -129,19 +152,32 @@ TEST_F(ConvertCommand, ASceneBringsItsPoseAndItsEditedWeights) {
 
 TEST_F(ConvertCommand, PositionsThatStandStillAreNoObstacleForAsf) {
   const auto bvh = [](double second) {
-    return std::string("HIERARCHY\nROOT hips\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
-                       "JOINT leg\n{\nOFFSET 0.1 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
-                       "JOINT foot\n{\nOFFSET 0 -0.5 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 0 0.2\n}\n}\n}\n}\n"
-                       "MOTION\nFrames: 2\nFrame Time: 0.1\n0 1 0 10 0 0  0.1 0.02 0 0 30 0  5 0 0\n0.5 1 0 20 0 0  0.1 ") +
+    return std::string(
+               "HIERARCHY\nROOT hips\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation "
+               "Xrotation Yrotation\n"
+               "JOINT leg\n{\nOFFSET 0.1 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+               "Yrotation\n"
+               "JOINT foot\n{\nOFFSET 0 -0.5 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd "
+               "Site\n{\nOFFSET 0 0 0.2\n}\n}\n}\n}\n"
+               "MOTION\nFrames: 2\nFrame Time: 0.1\n0 1 0 10 0 0  0.1 0.02 0 0 30 0  5 0 0\n0.5 1 0 20 0 0  "
+               "0.1 ") +
            exactNumber(second) + " 0 0 40 0  6 0 0\n";
   };
   const std::string still = file("still.bvh", bvh(0.02));
   convert({still, path("still.asf")});
   convert({still, path("still.amc")});
-  const Imported before = importFiles(still), after = importFiles(path("still.amc"), {.skeleton = {}, .weights = {}, .asf = path("still.asf"), .amc = {}, .mapping = {}, .figure = {}});
+  const Imported before = importFiles(still),
+                 after = importFiles(path("still.amc"), {.skeleton = {},
+                                                         .weights = {},
+                                                         .asf = path("still.asf"),
+                                                         .amc = {},
+                                                         .mapping = {},
+                                                         .figure = {}});
   for (int f = 0; f < 2; ++f) {
-    const Frames was = forwardKinematics(before.model.skeleton, before.model.clip->q.col(f)), is = forwardKinematics(after.model.skeleton, after.model.clip->q.col(f));
-    const Eigen::Vector3d foot = was[before.model.skeleton.jointIndex("foot")].translation(), end = was[before.model.skeleton.jointIndex("foot_end")].translation();
+    const Frames was = forwardKinematics(before.model.skeleton, before.model.clip->q.col(f)),
+                 is = forwardKinematics(after.model.skeleton, after.model.clip->q.col(f));
+    const Eigen::Vector3d foot = was[before.model.skeleton.jointIndex("foot")].translation(),
+                          end = was[before.model.skeleton.jointIndex("foot_end")].translation();
     EXPECT_LE((is[after.model.skeleton.jointIndex("foot")].translation() - foot).norm(), 1e-9) << f;
     EXPECT_LE((is[after.model.skeleton.jointIndex("foot_end")].translation() - end).norm(), 1e-9) << f;
   }

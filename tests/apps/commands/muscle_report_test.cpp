@@ -24,7 +24,8 @@ using Eigen::Vector3d;
 
 const std::string bodies = std::string(GELENK_DATA_DIR) + "/characters/makehuman/";
 
-/// A limb cut out of the trial body, with the artist's weights: three joints by name, resting as the rig rests.
+/// A limb cut out of the trial body, with the artist's weights: three joints by name, resting as the rig
+/// rests.
 struct TrialLimb {
   Skeleton skeleton;
   Skin skin;
@@ -48,12 +49,13 @@ std::map<std::string, RigBone> readRig() {
   return bones;
 }
 
-/// Per body vertex (joint of the chain, weight): joint 0 is the trunk, i + 1 the chain's i-th, and what lies below the chain
-/// moves with its last joint.
-SparseWeights readBodyWeights(const std::map<std::string, RigBone>& bones, const std::vector<std::string>& chain,
-                              const std::vector<std::string>& below) {
+/// Per body vertex (joint of the chain, weight): joint 0 is the trunk, i + 1 the chain's i-th, and what lies
+/// below the chain moves with its last joint.
+SparseWeights readBodyWeights(const std::map<std::string, RigBone>& bones,
+                              const std::vector<std::string>& chain, const std::vector<std::string>& below) {
   std::map<int, int> jointOfBone;
-  for (std::size_t i = 0; i < chain.size(); ++i) jointOfBone[bones.at(chain[i]).index] = static_cast<int>(i) + 1;
+  for (std::size_t i = 0; i < chain.size(); ++i)
+    jointOfBone[bones.at(chain[i]).index] = static_cast<int>(i) + 1;
   for (const auto& [name, bone] : bones)
     for (const std::string& part : below)
       if (name.starts_with(part)) jointOfBone[bone.index] = static_cast<int>(chain.size());
@@ -66,12 +68,14 @@ SparseWeights readBodyWeights(const std::map<std::string, RigBone>& bones, const
     double weight = 0.0;
     words >> n;
     auto& row = weights.emplace_back();
-    while (n-- > 0 && words >> bone >> weight) row.emplace_back(jointOfBone.count(bone) ? jointOfBone[bone] : 0, weight);
+    while (n-- > 0 && words >> bone >> weight)
+      row.emplace_back(jointOfBone.count(bone) ? jointOfBone[bone] : 0, weight);
   }
   return weights;
 }
 
-TrialLimb trialLimb(const std::string& name, const std::vector<std::string>& chain, const std::vector<std::string>& below) {
+TrialLimb trialLimb(const std::string& name, const std::vector<std::string>& chain,
+                    const std::vector<std::string>& below) {
   const auto bones = readRig();
   std::vector<Joint> joints{Joint{.name = "trunk"}};
   joints[0].parentFromZero.translation() = bones.at(chain[0]).head;
@@ -163,9 +167,11 @@ struct FittedMuscle {
   MuscleFit scale, offset, points;
 };
 
-/// The trial body's sculpted muscles that move at least 50 vertices of the limb. check sees body, displacement and fit of each.
+/// The trial body's sculpted muscles that move at least 50 vertices of the limb. check sees body,
+/// displacement and fit of each.
 std::vector<FittedMuscle> fitMuscles(const TrialCase& trial, const std::function<void(LimbShape&)>& vary,
-                                     const std::function<void(const MuscleSkin&, const std::vector<Vector3d>&, const FittedMuscle&)>& check = {}) {
+                                     const std::function<void(const MuscleSkin&, const std::vector<Vector3d>&,
+                                                              const FittedMuscle&)>& check = {}) {
   const TrialLimb trialBody = trialLimb(trial.name, trial.chain, trial.below);
   const Frames rest = restFrames(trialBody.skeleton);
   Limb limb = trial.limb(trialBody.skeleton);
@@ -189,14 +195,19 @@ std::vector<FittedMuscle> fitMuscles(const TrialCase& trial, const std::function
   return fitted;
 }
 
-const TrialCase trialCases[] = {{"arm_left", {"upperarm_l", "lowerarm_l", "hand_l"}, {"index", "middle", "ring", "pinky", "thumb"}, elbowGap},
+const TrialCase trialCases[] = {{"arm_left",
+                                 {"upperarm_l", "lowerarm_l", "hand_l"},
+                                 {"index", "middle", "ring", "pinky", "thumb"},
+                                 elbowGap},
                                 {"leg_left", {"thigh_l", "calf_l", "foot_l"}, {"ball"}, kneeGap}};
 
 /// Three bars a muscle before the bands of the prototype.
 std::string fitPlot(const std::vector<FittedMuscle>& muscles) {
   std::ostringstream script;
-  script << "set title 'Sculpted muscle displacements: what the fit leaves'\nset ylabel '% of the displacement''s rms'\n"
-            "set bmargin 4\nset yrange [0:90]\nset grid y lc rgb '#dddddd'\nset key inside top center horizontal\nset xtics scale 0\n"
+  script << "set title 'Sculpted muscle displacements: what the fit leaves'\nset ylabel '% of the "
+            "displacement''s rms'\n"
+            "set bmargin 4\nset yrange [0:90]\nset grid y lc rgb '#dddddd'\nset key inside top center "
+            "horizontal\nset xtics scale 0\n"
             "set style fill solid 0.9 border rgb '#ffffff'\nset boxwidth 0.26\nset xrange [-0.6:"
          << muscles.size() - 0.4 << "]\n";
   const struct {
@@ -209,21 +220,32 @@ std::string fitPlot(const std::vector<FittedMuscle>& muscles) {
   int object = 0;
   std::ostringstream plot;
   for (const auto& freedom : freedoms) {
-    script << "set object " << ++object << " rectangle from graph 0, first " << freedom.lower << " to graph 1, first " << freedom.upper
-           << " behind fillcolor rgb '" << freedom.colour << "' fillstyle solid 0.15 noborder\n";
+    script << "set object " << ++object << " rectangle from graph 0, first " << freedom.lower
+           << " to graph 1, first " << freedom.upper << " behind fillcolor rgb '" << freedom.colour
+           << "' fillstyle solid 0.15 noborder\n";
     script << "$d" << object << " << EOD\n";
     for (std::size_t m = 0; m < muscles.size(); ++m) {
       std::string label = muscles[m].name;
-      for (const auto& [theirs, ours] : {std::pair{"l-lowerarm", "forearm"}, {"l-upperarm", "upper arm"}, {"l-lowerleg", "shank"}, {"l-upperleg", "thigh"},
-                                         {"-muscle-incr", "\\nswelling"}, {"-muscle-decr", "\\nshrinking"}})
-        if (const auto at = label.find(theirs); at != std::string::npos) label.replace(at, std::string(theirs).size(), ours);
+      for (const auto& [theirs, ours] : {std::pair{"l-lowerarm", "forearm"},
+                                         {"l-upperarm", "upper arm"},
+                                         {"l-lowerleg", "shank"},
+                                         {"l-upperleg", "thigh"},
+                                         {"-muscle-incr", "\\nswelling"},
+                                         {"-muscle-decr", "\\nshrinking"}})
+        if (const auto at = label.find(theirs); at != std::string::npos)
+          label.replace(at, std::string(theirs).size(), ours);
       script << m << ' ' << 100.0 * (muscles[m].*freedom.of).residual << " \"" << label << "\"\n";
     }
     script << "EOD\n";
-    plot << (object == 1 ? "plot " : ", ") << "$d" << object << " using ($1" << (object == 1 ? "-0.28" : object == 2 ? "+0" : "+0.28")
-         << "):2" << (object == 2 ? ":xtic(3)" : "") << " with boxes lc rgb '" << freedom.colour << "' title '" << freedom.name << "'";
+    plot << (object == 1 ? "plot " : ", ") << "$d" << object << " using ($1"
+         << (object == 1   ? "-0.28"
+             : object == 2 ? "+0"
+                           : "+0.28")
+         << "):2" << (object == 2 ? ":xtic(3)" : "") << " with boxes lc rgb '" << freedom.colour
+         << "' title '" << freedom.name << "'";
   }
-  return script.str() + plot.str() + ", NaN with filledcurves lc rgb '#bbbbbb' title 'shaded: range of the prototype'\n";
+  return script.str() + plot.str() +
+         ", NaN with filledcurves lc rgb '#bbbbbb' title 'shaded: range of the prototype'\n";
 }
 
 /// GELENK_FIT_PLOT=FILE.svg draws the table.
@@ -231,29 +253,37 @@ TEST(TrialMuscles, MoreFreedomFitsTheSculptedMuscleBetter) {
   if (!std::filesystem::exists(bodies)) GTEST_SKIP() << "trial data not found in " << bodies;
   std::vector<FittedMuscle> all;
   for (const TrialCase& trial : trialCases) {
-    const auto fitted = fitMuscles(trial, [](LimbShape&) {}, [](const MuscleSkin& body, const std::vector<Vector3d>& displacement, const FittedMuscle& muscle) {
-      EXPECT_LT(muscle.offset.residual, muscle.scale.residual);
-      EXPECT_LT(muscle.points.residual, muscle.offset.residual);
-      EXPECT_LT(muscle.points.residual, 0.5);
-      // The states that come back do what the fit says: pose the limb with them and measure. The body rests as it is bound.
-      const Limb& limb = body.limbs[0];
-      Frames rest;
-      for (const Eigen::Isometry3d& jointFromWorld : body.skin.jointFromRestWorld) rest.push_back(jointFromWorld.inverse());
-      const LimbPose pose = poseLimb(limb.shape, limbFrames(limb, rest), muscle.points.states);
-      double left = 0.0, whole = 0.0;
-      for (std::size_t v = 0; v < displacement.size(); ++v) {
-        if (body.vertices[v].volume < 0 || body.vertices[v].limb != 0 || displacement[v].norm() == 0.0) continue;
-        left += (deformLimbPoint(pose, body.vertices[v]) - body.skin.mesh.positions[v] - displacement[v]).squaredNorm();
-        whole += displacement[v].squaredNorm();
-      }
-      EXPECT_NEAR(std::sqrt(left / whole), muscle.points.residual, 1e-9);
-    });
+    const auto fitted = fitMuscles(
+        trial, [](LimbShape&) {},
+        [](const MuscleSkin& body, const std::vector<Vector3d>& displacement, const FittedMuscle& muscle) {
+          EXPECT_LT(muscle.offset.residual, muscle.scale.residual);
+          EXPECT_LT(muscle.points.residual, muscle.offset.residual);
+          EXPECT_LT(muscle.points.residual, 0.5);
+          // The states that come back do what the fit says: pose the limb with them and measure. The body
+          // rests as it is bound.
+          const Limb& limb = body.limbs[0];
+          Frames rest;
+          for (const Eigen::Isometry3d& jointFromWorld : body.skin.jointFromRestWorld)
+            rest.push_back(jointFromWorld.inverse());
+          const LimbPose pose = poseLimb(limb.shape, limbFrames(limb, rest), muscle.points.states);
+          double left = 0.0, whole = 0.0;
+          for (std::size_t v = 0; v < displacement.size(); ++v) {
+            if (body.vertices[v].volume < 0 || body.vertices[v].limb != 0 || displacement[v].norm() == 0.0)
+              continue;
+            left += (deformLimbPoint(pose, body.vertices[v]) - body.skin.mesh.positions[v] - displacement[v])
+                        .squaredNorm();
+            whole += displacement[v].squaredNorm();
+          }
+          EXPECT_NEAR(std::sqrt(left / whole), muscle.points.residual, 1e-9);
+        });
     EXPECT_EQ(fitted.size(), 4u);
     all.insert(all.end(), fitted.begin(), fitted.end());
   }
   for (const FittedMuscle& m : all)
-    std::printf("%-32s %4d vertices: residual of rms: scale %.1f %%, scale and offset %.1f %%, free points %.1f %%\n", m.name.c_str(),
-                m.scale.vertices, 100 * m.scale.residual, 100 * m.offset.residual, 100 * m.points.residual);
+    std::printf(
+        "%-32s %4d vertices: residual of rms: scale %.1f %%, scale and offset %.1f %%, free points %.1f %%\n",
+        m.name.c_str(), m.scale.vertices, 100 * m.scale.residual, 100 * m.offset.residual,
+        100 * m.points.residual);
   if (const char* path = std::getenv("GELENK_FIT_PLOT")) {
     const std::string svg = plotSvg(fitPlot(all), 1000, 480);
     ASSERT_FALSE(svg.empty()) << "gnuplot is missing or failed";
@@ -271,10 +301,14 @@ TEST(TrialMuscles, TheShankFitsBetterTheNearerItsFreePlanesStandToTheKnee) {
         link.middle = middle * link.length;
       }
     });
-    const auto muscle = [&](const char* name) { return *std::ranges::find(fitted, std::string(name), &FittedMuscle::name); };
+    const auto muscle = [&](const char* name) {
+      return *std::ranges::find(fitted, std::string(name), &FittedMuscle::name);
+    };
     const FittedMuscle calf = muscle("l-lowerleg-muscle-decr"), thigh = muscle("l-upperleg-muscle-incr");
-    std::printf("gap %.2f, inner %.3f L, middle %.2f L: shank %.1f %% and %.1f %%, thigh %.1f %% and %.1f %%\n", gap, inner, middle, 100 * calf.offset.residual,
-                100 * calf.points.residual, 100 * thigh.offset.residual, 100 * thigh.points.residual);
+    std::printf(
+        "gap %.2f, inner %.3f L, middle %.2f L: shank %.1f %% and %.1f %%, thigh %.1f %% and %.1f %%\n", gap,
+        inner, middle, 100 * calf.offset.residual, 100 * calf.points.residual, 100 * thigh.offset.residual,
+        100 * thigh.points.residual);
     return calf.offset.residual;
   };
   const double asIs = shank(kneeGap, 0.1, 0.5);
@@ -284,7 +318,8 @@ TEST(TrialMuscles, TheShankFitsBetterTheNearerItsFreePlanesStandToTheKnee) {
   EXPECT_GT(shank(0.17, 0.1, 0.5), asIs + 0.05);  // plane 1, which cannot move, takes the place
 }
 
-INSTANTIATE_TEST_SUITE_P(OfTheTrialBody, TrialLimbs, ::testing::ValuesIn(trialCases), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(OfTheTrialBody, TrialLimbs, ::testing::ValuesIn(trialCases),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
 }  // namespace gelenk

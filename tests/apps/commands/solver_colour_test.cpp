@@ -12,10 +12,13 @@ namespace {
 
 /// Ottosson 2020, "A perceptual color space for image processing".
 Eigen::Vector3f oklab(const Eigen::Vector3f& srgb) {
-  const Eigen::Vector3f linear = srgb.unaryExpr([](float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); });
+  const Eigen::Vector3f linear = srgb.unaryExpr(
+      [](float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); });
   Eigen::Matrix3f cones, opponents;
-  cones << 0.4122214708f, 0.5363325363f, 0.0514459929f, 0.2119034982f, 0.6806995451f, 0.1073969566f, 0.0883024619f, 0.2817188376f, 0.6299787005f;
-  opponents << 0.2104542553f, 0.7936177850f, -0.0040720468f, 1.9779984951f, -2.4285922050f, 0.4505937099f, 0.0259040371f, 0.7827717662f, -0.8086757660f;
+  cones << 0.4122214708f, 0.5363325363f, 0.0514459929f, 0.2119034982f, 0.6806995451f, 0.1073969566f,
+      0.0883024619f, 0.2817188376f, 0.6299787005f;
+  opponents << 0.2104542553f, 0.7936177850f, -0.0040720468f, 1.9779984951f, -2.4285922050f, 0.4505937099f,
+      0.0259040371f, 0.7827717662f, -0.8086757660f;
   return opponents * Eigen::Vector3f((cones * linear).unaryExpr([](float v) { return std::cbrt(v); }));
 }
 
@@ -30,7 +33,8 @@ TEST(SolverColour, EighteenColoursAreToldApart) {
   ASSERT_EQ(seen.size(), 18u);
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
-      EXPECT_GE((oklab(seen[i]) - oklab(seen[k])).norm(), 0.1f) << i << " and " << k;  // five times a just noticeable difference
+      EXPECT_GE((oklab(seen[i]) - oklab(seen[k])).norm(), 0.1f)
+          << i << " and " << k;  // five times a just noticeable difference
 }
 
 }  // namespace

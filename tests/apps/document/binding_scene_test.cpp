@@ -41,7 +41,8 @@ TEST(BindingScene, WeightsReadBackToTheLastBit) {
 TEST(BindingScene, ErrorsNameTheEntry) {
   EXPECT_EQ(messageOf("{"), "binding: no valid JSON");
   EXPECT_EQ(messageOf("{}"), "binding has no entry 'vertices'");
-  EXPECT_EQ(messageOf(R"({"vertices": 9, "joints": [], "changed": []})"), "binding.vertices: expected the body's 10 vertices, found 9");
+  EXPECT_EQ(messageOf(R"({"vertices": 9, "joints": [], "changed": []})"),
+            "binding.vertices: expected the body's 10 vertices, found 9");
   EXPECT_EQ(messageOf(R"({"vertices": 10, "joints": ["elbow", "tail"], "changed": []})"),
             "binding.joints[1]: expected a joint of the model, found \"tail\"");
   const auto row = [](const std::string& rows) {
@@ -53,7 +54,8 @@ TEST(BindingScene, ErrorsNameTheEntry) {
   EXPECT_EQ(row("[3, 2, 1]"), "binding.changed[0]: expected an index into the list of 2 joints, found 2");
   EXPECT_EQ(row("[3, 0, -1]"), "binding.changed[0]: expected a weight in (0, 1], found -1");
   EXPECT_EQ(row("[3, 0, 0.5, 1, 0.25]"), "binding.changed[0]: expected weights that sum to 1, found 0.75");
-  EXPECT_EQ(row("[3, 0]"), "binding.changed[0]: expected a vertex and one to four pairs of joint and weight, found [3,0]");
+  EXPECT_EQ(row("[3, 0]"),
+            "binding.changed[0]: expected a vertex and one to four pairs of joint and weight, found [3,0]");
 }
 
 }  // namespace

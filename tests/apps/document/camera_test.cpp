@@ -44,7 +44,8 @@ TEST(Camera, APixelsRayPassesThroughThePointThatProjectsToIt) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 200; ++trial) {
     const Camera camera = randomCamera(random, trial % 2 == 0);
-    const Vector3d point = camera.target + 0.4 * Vector3d(uniform01(random), uniform01(random), uniform01(random));
+    const Vector3d point =
+        camera.target + 0.4 * Vector3d(uniform01(random), uniform01(random), uniform01(random));
     const Projected at = project(camera, wide, point);
     const Ray ray = rayThroughPixel(camera, wide, at.pixel);
     const double along = ray.direction.dot(point - ray.origin);
@@ -57,11 +58,15 @@ TEST(Camera, MatricesAndProjectionAgree) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 200; ++trial) {
     const Camera camera = randomCamera(random, trial % 2 == 0);
-    const Eigen::AlignedBox3d box(Vector3d(camera.target.array() - 1.0), Vector3d(camera.target.array() + 1.0));
+    const Eigen::AlignedBox3d box(Vector3d(camera.target.array() - 1.0),
+                                  Vector3d(camera.target.array() + 1.0));
     const DepthRange range = depthRange(camera, box, 5.0);
-    const Vector3d point = camera.target + 0.3 * Vector3d(uniform01(random), uniform01(random), uniform01(random));
-    const Eigen::Vector4d clip = clipFromView(camera, wide, range) * viewFromWorld(camera) * point.homogeneous();
-    const Vector2d pixel(0.5 * wide.width * (1.0 + clip.x() / clip.w()), 0.5 * wide.height * (1.0 - clip.y() / clip.w()));
+    const Vector3d point =
+        camera.target + 0.3 * Vector3d(uniform01(random), uniform01(random), uniform01(random));
+    const Eigen::Vector4d clip =
+        clipFromView(camera, wide, range) * viewFromWorld(camera) * point.homogeneous();
+    const Vector2d pixel(0.5 * wide.width * (1.0 + clip.x() / clip.w()),
+                         0.5 * wide.height * (1.0 - clip.y() / clip.w()));
     EXPECT_LE((pixel - project(camera, wide, point).pixel).norm(), 1e-9) << "seed 2, trial " << trial;
     EXPECT_LE(std::abs(clip.z() / clip.w()), 1.0) << "the box lies within the depth range";
   }
@@ -106,11 +111,13 @@ TEST(Camera, AFramedBoxIsWhollyInThePictureAndTouchesItsMargin) {
   for (int trial = 0; trial < 200; ++trial) {
     Camera camera = randomCamera(random, trial % 2 == 0);
     Eigen::AlignedBox3d box;
-    for (int i = 0; i < 2; ++i) box.extend(500.0 * Vector3d(uniform01(random), uniform01(random), uniform01(random)));
+    for (int i = 0; i < 2; ++i)
+      box.extend(500.0 * Vector3d(uniform01(random), uniform01(random), uniform01(random)));
     camera = frameBox(camera, wide, box, 0.1);
     double used = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
-      const Projected at = project(camera, wide, box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+      const Projected at =
+          project(camera, wide, box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
       EXPECT_GT(at.depth, 0.0);
       used = std::max({used, std::abs(at.pixel.x() - 640.0) / 640.0, std::abs(at.pixel.y() - 400.0) / 400.0});
     }

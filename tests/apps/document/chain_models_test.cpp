@@ -39,7 +39,8 @@ TEST(ChainModels, AnyPlanarArmIsDescribedByItsNumbers) {
   EXPECT_EQ(chain->lengths, (std::vector<double>{4, 6, 2}));
   EXPECT_FALSE(parsePlanarChain("planar"));
   EXPECT_EQ(openModel("balls:1,0.5").skeleton.nv(), 6);
-  for (const char* bad : {"planar:", "planar:1:2", "planar:0,0:", "planar:0,0:1,x", "planar:0,0:1,-1", "planar:0,0:1:2", "balls:", "balls:1:2", "balls:0"})
+  for (const char* bad : {"planar:", "planar:1:2", "planar:0,0:", "planar:0,0:1,x", "planar:0,0:1,-1",
+                          "planar:0,0:1:2", "balls:", "balls:1:2", "balls:0"})
     EXPECT_THROW(openModel(bad), std::invalid_argument) << bad;
 }
 

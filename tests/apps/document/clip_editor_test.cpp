@@ -34,7 +34,7 @@ TEST(ClipEditor, KeysAreHitMovedTakenAwayAndUndone) {
   pose[1] = 0.5;
   editor.setKeys({1}, 20, pose);
   EXPECT_EQ(editor.clip().q(7, 20), 1.0);
-  EXPECT_EQ(editor.clip().q(1, 20), 0.0);  // the root was not asked for
+  EXPECT_EQ(editor.clip().q(1, 20), 0.0);                // the root was not asked for
   EXPECT_EQ(editor.clip().q(7, 40), original.q(7, 40));  // beyond the fade of 0.25 s
   editor.setKeys({0, 1}, 40, pose);
   EXPECT_THAT(editor.keyFrames(), ElementsAre(20, 40));

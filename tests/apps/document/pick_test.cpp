@@ -8,7 +8,8 @@ namespace {
 using Eigen::Vector3d;
 
 TEST(Pick, TheNearestTriangleThatFacesTheRayIsHit) {
-  const std::vector<Vector3d> positions{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}, {-1, -1, 1}, {1, -1, 1}, {0, 1, 1}};
+  const std::vector<Vector3d> positions{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0},
+                                        {-1, -1, 1}, {1, -1, 1}, {0, 1, 1}};
   const std::vector<std::array<int, 3>> triangles{{0, 1, 2}, {3, 4, 5}, {5, 4, 3}};  // the last faces away
   const Ray ray{{0.1, -0.2, 5.0}, {0, 0, -1}};
   const auto hit = pickSurface(triangles, positions, ray);
@@ -41,7 +42,8 @@ TEST(PickLattice, EveryControlPointOfEveryPlaneIsPickedByItsPixel) {
       const auto hit = pickLattice(limb, camera, viewport, at.pixel, 1.0);
       ASSERT_TRUE(hit) << plane << " " << c;
       if (hit->plane != plane) {  // another plane's line crosses here, nearer to the eye
-        EXPECT_LT(project(camera, viewport, limb.controlPoints(hit->plane)[hit->point]).depth, at.depth) << plane << " " << c;
+        EXPECT_LT(project(camera, viewport, limb.controlPoints(hit->plane)[hit->point]).depth, at.depth)
+            << plane << " " << c;
         continue;
       }
       EXPECT_EQ(hit->point, c);
@@ -86,7 +88,8 @@ TEST(DragTarget, KeepsToTheGroundPlaneAndToALockedAxis) {
   ASSERT_TRUE(along);
   EXPECT_EQ(along->y(), start.y());
   EXPECT_EQ(along->z(), start.z());
-  // The locked point is the one of its line that is nearest to the pixel's ray: moving along the line either way is farther.
+  // The locked point is the one of its line that is nearest to the pixel's ray: moving along the line either
+  // way is farther.
   const Ray ray = rayThroughPixel(camera, viewport, {500.0, 400.0});
   const auto distance = [&](const Vector3d& p) { return (p - ray.origin).cross(ray.direction).norm(); };
   EXPECT_LT(distance(*along), distance(*along + Vector3d(1e-3, 0, 0)));
@@ -94,7 +97,8 @@ TEST(DragTarget, KeepsToTheGroundPlaneAndToALockedAxis) {
 }
 
 TEST(DragTarget, RefusesAPlaneSeenEdgeOn) {
-  const Camera camera{.target = {0.0, 1.0, 0.0}, .distance = 3.0};  // level: the ground plane at eye height is a line
+  const Camera camera{.target = {0.0, 1.0, 0.0},
+                      .distance = 3.0};  // level: the ground plane at eye height is a line
   EXPECT_FALSE(dragTarget(camera, {960, 600}, {480.0, 300.0}, {0.0, 1.0, 0.0}, DragConstraint::GroundPlane));
   EXPECT_FALSE(dragTarget(camera, {960, 600}, {480.0, 300.0}, {0.0, 1.0, 0.0}, DragConstraint::AxisZ));
 }

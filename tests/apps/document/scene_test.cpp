@@ -16,7 +16,8 @@ namespace gelenk {
 namespace {
 
 std::string temporary(const std::string& name) {
-  return (std::filesystem::temp_directory_path() / ("gelenk_scene_" + std::to_string(getpid()) + "_" + name)).string();
+  return (std::filesystem::temp_directory_path() / ("gelenk_scene_" + std::to_string(getpid()) + "_" + name))
+      .string();
 }
 
 Scene someScene(const Skeleton& skeleton) {
@@ -24,7 +25,9 @@ Scene someScene(const Skeleton& skeleton) {
   Scene scene;
   scene.model = {"figure", "", ""};
   scene.q = randomWithinLimits(skeleton, random);
-  SceneGoal goal{.goal = {.kind = GoalKind::Pose, .name = "hand_r", .joint = skeleton.jointIndex("hand_r")}, .state = GoalState::Pinned, .handle = true};
+  SceneGoal goal{.goal = {.kind = GoalKind::Pose, .name = "hand_r", .joint = skeleton.jointIndex("hand_r")},
+                 .state = GoalState::Pinned,
+                 .handle = true};
   goal.goal.target = {0.1, 1.0 / 3.0, -1e-17};
   goal.goal.orientation = Eigen::Quaterniond(0.1, 0.2, 0.3, 0.4).normalized();
   scene.goals = {goal};
@@ -97,11 +100,19 @@ TEST(SceneFile, SaysWhatIsWrongAndWhere) {
   testing::expectRefused(
       {
           {"empty", "", 1, "expected JSON, found the end of the file"},
-          {"cut off", good.substr(0, good.size() / 2), 1 + static_cast<int>(std::count(good.begin(), good.begin() + good.size() / 2, '\n')), "expected JSON, found the end of the file"},
-          {"syntax", with("\"solver\": ", "\"solver\" "), 1 + static_cast<int>(std::count(good.begin(), good.begin() + good.find("\"solver\""), '\n')), "a character that does not belong there"},
+          {"cut off", good.substr(0, good.size() / 2),
+           1 + static_cast<int>(std::count(good.begin(), good.begin() + good.size() / 2, '\n')),
+           "expected JSON, found the end of the file"},
+          {"syntax", with("\"solver\": ", "\"solver\" "),
+           1 + static_cast<int>(std::count(good.begin(), good.begin() + good.find("\"solver\""), '\n')),
+           "a character that does not belong there"},
           {"CRLF keeps line numbers", "{\r\n\"format\": x}\r\n", 2, "a character that does not belong there"},
           {"NaN", "{\n\"version\": NaN}", 2, "a character that does not belong there"},
-          {"binary", std::string("\x7f" "ELF\0\1", 6), 1, "expected JSON"},
+          {"binary",
+           std::string("\x7f"
+                       "ELF\0\1",
+                       6),
+           1, "expected JSON"},
           {"a number too large", "{\"version\": 1e999}", 0, "numbers that a double can hold"},
           {"nested a million deep", std::string(1000000, '['), 0, "nested at most 200 deep"},
           {"a list", "[]", 0, "a Gelenk scene"},
@@ -109,25 +120,45 @@ TEST(SceneFile, SaysWhatIsWrongAndWhere) {
           {"no format", "{}", 0, "an entry \"format\", found none"},
           {"format a number", "{\"format\": 3}", 0, "format: a text, found 3"},
           {"another version", with("\"version\": 1", "\"version\": 2"), 0, "version 1, found 2"},
-          {"version a fraction", with("\"version\": 1", "\"version\": 1.5"), 0, "version: an integer of 32 bits, found 1.5"},
-          {"version too large", with("\"version\": 1", "\"version\": 4294967297"), 0, "version: an integer of 32 bits, found 4294967297"},
+          {"version a fraction", with("\"version\": 1", "\"version\": 1.5"), 0,
+           "version: an integer of 32 bits, found 1.5"},
+          {"version too large", with("\"version\": 1", "\"version\": 4294967297"), 0,
+           "version: an integer of 32 bits, found 4294967297"},
           {"no model", head + "}", 0, "an entry \"model\", found none"},
           {"model a text", head + ", \"model\": \"figure\"}", 0, "model: an object {...}, found \"figure\""},
           {"no name", head + ", \"model\": {}}", 0, "model: an entry \"name\""},
           {"no pose", head + ", \"model\": {\"name\": \"figure\"}}", 0, "an entry \"q\""},
-          {"pose too long", with("\"q\": [", "\"q\": [1.0,"), 0, "q: " + std::to_string(skeleton.nq()) + " numbers, found " + std::to_string(skeleton.nq() + 1)},
-          {"pose of words", with("\"q\": [\n  ", "\"q\": [\n  \"x\" , "), 0, "q: " + std::to_string(skeleton.nq()) + " numbers"},
-          {"unknown joint", with("\"joint\": \"hand_r\"", "\"joint\": \"tail\""), 0, "joint: a joint of the model, found 'tail'"},
-          {"joint in other case", with("\"joint\": \"hand_r\"", "\"joint\": \"Hand_R\""), 0, "found 'Hand_R'"},
-          {"unknown state", with("\"state\": \"pinned\"", "\"state\": \"glued\""), 0, "state: one of free, held, dragged, pinned, found 'glued'"},
-          {"unknown kind", with("\"kind\": \"pose\"", "\"kind\": \"wish\""), 0, "one of position, orientation, pose, aim, pole, posture, found 'wish'"},
-          {"goals no list", head + ", \"model\": {\"name\": \"figure\"}, \"q\": " + [&] { const auto at = good.find("\"q\": [") + 5; return good.substr(at, good.find(']', at) + 1 - at); }() + ", \"goals\": 7}", 0, "goals: a list [...], found 7"},
-          {"handle no truth value", with("\"handle\": true", "\"handle\": \"yes\""), 0, "handle: true or false, found \"yes\""},
-          {"distance negative", with("\"distance\": 4.0", "\"distance\": -4.0"), 0, "camera.distance: a distance above 0, found -4"},
-          {"an orthographic number", with("\"orthographic\": ", "\"orthographic\": 1, \"x\": "), 0, "camera.orthographic: true or false, found 1"},
-          {"show no truth value", with("\"ground\": ", "\"ground\": 0, \"x\": "), 0, "show.ground: true or false, found 0"},
+          {"pose too long", with("\"q\": [", "\"q\": [1.0,"), 0,
+           "q: " + std::to_string(skeleton.nq()) + " numbers, found " + std::to_string(skeleton.nq() + 1)},
+          {"pose of words", with("\"q\": [\n  ", "\"q\": [\n  \"x\" , "), 0,
+           "q: " + std::to_string(skeleton.nq()) + " numbers"},
+          {"unknown joint", with("\"joint\": \"hand_r\"", "\"joint\": \"tail\""), 0,
+           "joint: a joint of the model, found 'tail'"},
+          {"joint in other case", with("\"joint\": \"hand_r\"", "\"joint\": \"Hand_R\""), 0,
+           "found 'Hand_R'"},
+          {"unknown state", with("\"state\": \"pinned\"", "\"state\": \"glued\""), 0,
+           "state: one of free, held, dragged, pinned, found 'glued'"},
+          {"unknown kind", with("\"kind\": \"pose\"", "\"kind\": \"wish\""), 0,
+           "one of position, orientation, pose, aim, pole, posture, found 'wish'"},
+          {"goals no list",
+           head + ", \"model\": {\"name\": \"figure\"}, \"q\": " +
+               [&] {
+                 const auto at = good.find("\"q\": [") + 5;
+                 return good.substr(at, good.find(']', at) + 1 - at);
+               }() +
+               ", \"goals\": 7}",
+           0, "goals: a list [...], found 7"},
+          {"handle no truth value", with("\"handle\": true", "\"handle\": \"yes\""), 0,
+           "handle: true or false, found \"yes\""},
+          {"distance negative", with("\"distance\": 4.0", "\"distance\": -4.0"), 0,
+           "camera.distance: a distance above 0, found -4"},
+          {"an orthographic number", with("\"orthographic\": ", "\"orthographic\": 1, \"x\": "), 0,
+           "camera.orthographic: true or false, found 1"},
+          {"show no truth value", with("\"ground\": ", "\"ground\": 0, \"x\": "), 0,
+           "show.ground: true or false, found 0"},
           {"unknown theme", with("\"theme\": \"", "\"theme\": \"very "), 0, "theme: one of light, dark"},
-          {"panels a list", with("\"panels\": {", "\"panels\": [], \"x\": {"), 0, "panels: an object {...}, found []"},
+          {"panels a list", with("\"panels\": {", "\"panels\": [], \"x\": {"), 0,
+           "panels: an object {...}, found []"},
       },
       [&](const std::string& text, const std::string& file) { parseScene(text, file, skeleton); });
   EXPECT_THROW(loadScene(path, skeleton), std::runtime_error);

@@ -19,7 +19,8 @@ Model figure() {
   return model;
 }
 
-/// Three links of 0.3 m along x that turn about z, in a sleeve whose rings blend neighbouring joints half and half.
+/// Three links of 0.3 m along x that turn about z, in a sleeve whose rings blend neighbouring joints half and
+/// half.
 Model sleeve() {
   std::vector<Joint> joints;
   for (int i = 0; i < 4; ++i) {
@@ -37,7 +38,8 @@ Model sleeve() {
   for (int i = 1; i < 3; ++i) {  // one triangle beside each inner joint
     const Vector3d at = frames[i].translation();
     const int first = static_cast<int>(mesh.positions.size());
-    for (const Vector3d& offset : {Vector3d(0.0, 0.05, 0.05), Vector3d(0.05, 0.05, 0.05), Vector3d(0.0, 0.1, 0.05)}) {
+    for (const Vector3d& offset :
+         {Vector3d(0.0, 0.05, 0.05), Vector3d(0.05, 0.05, 0.05), Vector3d(0.0, 0.1, 0.05)}) {
       mesh.positions.push_back(at + offset);
       influences.push_back({{i - 1, i, 0, 0}, {0.5, 0.5, 0.0, 0.0}});
     }
@@ -92,7 +94,8 @@ TEST(Session, OutOfReachTheArmIsStretchedTowardsTheTargetAndStill) {
 }
 
 TEST(Session, OutOfReachInAnyDirectionThePoseComesToRest) {
-  for (const Vector3d& by : {Vector3d(2, 0, 0), Vector3d(0, 0, 3), Vector3d(-1.5, 0.45, 0.7), Vector3d(0, 2, 0), Vector3d(1, 0, -2)}) {
+  for (const Vector3d& by : {Vector3d(2, 0, 0), Vector3d(0, 0, 3), Vector3d(-1.5, 0.45, 0.7),
+                             Vector3d(0, 2, 0), Vector3d(1, 0, -2)}) {
     Session session(figure());
     drag(session, *session.findGoal("hand_r"), by, 10);
     stepFrames(session, 200);
@@ -149,10 +152,12 @@ TEST(Session, APointOfTheSkinFollowsByItsBlendNotByOneBone) {
   drag(session, goal, {-0.1, 0.12, 0.0}, 20);
   stepFrames(session, 30);
   EXPECT_LT(session.error(goal), 1e-3);
-  // The point moved in the frame of its dominant joint, so that a point fixed to that joint would have missed.
+  // The point moved in the frame of its dominant joint, so that a point fixed to that joint would have
+  // missed.
   EXPECT_NEAR((session.reached(goal) - before - Vector3d(-0.1, 0.12, 0.0)).norm(), 0.0, 1e-3);
   const SkinnedVertices skinned = linearBlendSkin(*session.model().skin, session.frames());
-  const Vector3d onSurface = 0.2 * skinned.positions[3] + 0.3 * skinned.positions[4] + 0.5 * skinned.positions[5];
+  const Vector3d onSurface =
+      0.2 * skinned.positions[3] + 0.3 * skinned.positions[4] + 0.5 * skinned.positions[5];
   EXPECT_LT((onSurface - session.reached(goal)).norm(), 1e-12);
 }
 

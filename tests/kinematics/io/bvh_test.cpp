@@ -28,7 +28,8 @@ TEST(Bvh, TwoJointsByHandInTheOrderOfTheirChannels) {
   EXPECT_EQ(bvh.skeleton.joint(1).name, "upper arm");
   EXPECT_NEAR(bvh.clip.framesPerSecond, 40.0, 1e-12);
   const Frames frames = forwardKinematics(bvh.skeleton, bvh.clip.q.col(1));
-  // The hip's Rz(90) carries the arm's start to +y. The arm: Ry(90) Rz(90) x = Ry(90) y = y, which the hip turns to -x.
+  // The hip's Rz(90) carries the arm's start to +y. The arm: Ry(90) Rz(90) x = Ry(90) y = y, which the hip
+  // turns to -x.
   EXPECT_LE((frames[1].translation() - Vector3d(0, 2, 0)).norm(), 1e-14);
   EXPECT_LE((frames[2].translation() - Vector3d(-0.5, 2, 0)).norm(), 1e-14);
 }
@@ -48,11 +49,15 @@ TEST(Bvh, UnitIsWhatTheCallerSays) {
 
 TEST(Bvh, PositionsOfInnerJointsAreDifferencesOrPlacesWhicheverKeepsTheBones) {
   const auto text = [](const std::string& position) {
-    return "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\nJOINT b\n{\nOFFSET 0 2 0\nCHANNELS 3 Xposition Yposition "
-           "Zposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n}\nMOTION\nFrames: 1\nFrame Time: 1\n0 0 0 " + position + "\n";
+    return "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\nJOINT b\n{\nOFFSET "
+           "0 2 0\nCHANNELS 3 Xposition Yposition "
+           "Zposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n}\nMOTION\nFrames: 1\nFrame Time: 1\n0 0 0 " +
+           position + "\n";
   };
-  const BvhMotion differences = parseBvh(text("0 0.01 0"), "a.bvh"), places = parseBvh(text("0 2.01 0"), "b.bvh");
-  EXPECT_NEAR(forwardKinematics(differences.skeleton, differences.clip.q.col(0))[1].translation().y(), 2.01, 1e-15);
+  const BvhMotion differences = parseBvh(text("0 0.01 0"), "a.bvh"),
+                  places = parseBvh(text("0 2.01 0"), "b.bvh");
+  EXPECT_NEAR(forwardKinematics(differences.skeleton, differences.clip.q.col(0))[1].translation().y(), 2.01,
+              1e-15);
   EXPECT_NEAR(forwardKinematics(places.skeleton, places.clip.q.col(0))[1].translation().y(), 2.01, 1e-15);
   EXPECT_NEAR(restFrames(differences.skeleton)[1].translation().y(), 2.0, 1e-15);
   EXPECT_NEAR(restFrames(places.skeleton)[1].translation().y(), 2.0, 1e-15);
@@ -64,7 +69,8 @@ TEST(Bvh, PositionsOfInnerJointsAreDifferencesOrPlacesWhicheverKeepsTheBones) {
 TEST(Bvh, AnotherRootPositionConventionIsAnOption) {
   std::string text = arm;
   text.replace(text.find("OFFSET 0 0 0"), 12, "OFFSET 0 9 0");
-  const BvhMotion replaced = parseBvh(text, "arm.bvh"), added = parseBvh(text, "arm.bvh", {.positions = BvhPositions::Add});
+  const BvhMotion replaced = parseBvh(text, "arm.bvh"),
+                  added = parseBvh(text, "arm.bvh", {.positions = BvhPositions::Add});
   EXPECT_NEAR(forwardKinematics(replaced.skeleton, replaced.clip.q.col(0))[0].translation().y(), 1.0, 1e-15);
   EXPECT_NEAR(forwardKinematics(added.skeleton, added.clip.q.col(0))[0].translation().y(), 10.0, 1e-15);
 }
@@ -107,7 +113,8 @@ TEST(Bvh, BadInputIsRefusedWithItsLine) {
           {"a million channels", with(arm, "CHANNELS 6", "CHANNELS 1000000"), 5, "0 to 6"},
           {"minus one channel", with(arm, "CHANNELS 6", "CHANNELS -1"), 5, "0 to 6"},
           {"half a channel", with(arm, "CHANNELS 6", "CHANNELS 2.5"), 5, "'2.5'"},
-          {"two lines CHANNELS", with(arm, "\tJOINT upper", "\tCHANNELS 1 Xrotation\n\tJOINT upper"), 6, "second one"},
+          {"two lines CHANNELS", with(arm, "\tJOINT upper", "\tCHANNELS 1 Xrotation\n\tJOINT upper"), 6,
+           "second one"},
           {"name twice", with(arm, "upper arm", "hip"), 6, "'hip' again"},
           {"unknown keyword", with(arm, "JOINT", "BONE"), 6, "'BONE'"},
           {"end without site", with(arm, "End Site", "End"), 11, "'Site'"},
@@ -117,7 +124,8 @@ TEST(Bvh, BadInputIsRefusedWithItsLine) {
           {"no motion", arm.substr(0, arm.find("MOTION")), 15, "'MOTION'"},
           {"no frame", with(arm, "Frames: 2", "Frames: 0"), 17, "at least one frame"},
           {"frames negative", with(arm, "Frames: 2", "Frames: -2"), 17, "at least one frame"},
-          {"a billion frames", with(arm, "Frames: 2", "Frames: 1000000000"), 20, "1000000000 frames of 9 values, found 18 values"},
+          {"a billion frames", with(arm, "Frames: 2", "Frames: 1000000000"), 20,
+           "1000000000 frames of 9 values, found 18 values"},
           {"frames overflow", with(arm, "Frames: 2", "Frames: 99999999999"), 17, "'99999999999'"},
           {"frame time zero", with(arm, "Time: 0.025", "Time: 0"), 18, "positive frame time"},
           {"frame time negative", with(arm, "Time: 0.025", "Time: -1"), 18, "positive frame time"},
@@ -125,7 +133,8 @@ TEST(Bvh, BadInputIsRefusedWithItsLine) {
           {"too many values", arm + "1\n", 21, "the end of the file"},
           {"a word among values", with(arm, "90 90 0\n", "90 x 0\n"), 20, "'x'"},
           {"NaN among values", with(arm, "90 90 0\n", "90 nan 0\n"), 20, "'nan'"},
-          {"no channel at all", "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\n}\n" + motion, 2, "at least one channel"},
+          {"no channel at all", "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\n}\n" + motion, 2,
+           "at least one channel"},
           {"CRLF keeps line numbers", "HIERARCHY\r\nROOT a\r\n{\r\nOFFSET 0 x 0\r\n", 4, "'x'"},
           {"cut in the hierarchy", arm.substr(0, 120), 6, ""},
       },
@@ -140,9 +149,14 @@ TEST(Bvh, EveryFileOfTheTrialDataIsReadAndSurvivesWriting) {
     const BvhMotion again = parseBvh(formatBvh(bvh.skeleton, bvh.clip), name);
     ASSERT_EQ(again.clip.frameCount(), bvh.clip.frameCount());
     for (int f = 0; f < bvh.clip.frameCount(); ++f) {
-      const Frames a = forwardKinematics(bvh.skeleton, bvh.clip.q.col(f)), b = forwardKinematics(again.skeleton, again.clip.q.col(f));
+      const Frames a = forwardKinematics(bvh.skeleton, bvh.clip.q.col(f)),
+                   b = forwardKinematics(again.skeleton, again.clip.q.col(f));
       for (int i = 0; i < bvh.skeleton.jointCount(); ++i)
-        ASSERT_LE((a[i].translation() - b[again.skeleton.jointIndex(bvh.skeleton.joint(i).name)].translation()).norm(), 1e-9) << name << ' ' << i;
+        ASSERT_LE(
+            (a[i].translation() - b[again.skeleton.jointIndex(bvh.skeleton.joint(i).name)].translation())
+                .norm(),
+            1e-9)
+            << name << ' ' << i;
     }
   }
 }

@@ -10,8 +10,9 @@
 
 namespace gelenk::testing {
 
-/// Optical markers of a C3D file by label: per frame a position in file units (CMU: millimetres, axes y z x of the ASF); frames without a
-/// measurement are NaN. Reads little-endian files with integer or float points, enough for the checks here.
+/// Optical markers of a C3D file by label: per frame a position in file units (CMU: millimetres, axes y z x
+/// of the ASF); frames without a measurement are NaN. Reads little-endian files with integer or float points,
+/// enough for the checks here.
 struct C3d {
   int frames = 0;
   std::map<std::string, std::vector<Eigen::Vector3d>> markers;
@@ -29,7 +30,8 @@ inline C3d parseC3d(const std::string& bytes) {
   const std::size_t data = (read(16, std::uint16_t{}) - 1) * std::size_t{512};
   const int wordSize = scale < 0 ? 4 : 2;
 
-  // Parameters: records of name length, group id, name, offset to the next, ...; find LABELS of the group POINT.
+  // Parameters: records of name length, group id, name, offset to the next, ...; find LABELS of the group
+  // POINT.
   std::vector<std::string> labels;
   std::size_t at = (static_cast<unsigned char>(bytes[0]) - 1) * std::size_t{512} + 4;
   int pointGroup = 0;
@@ -41,7 +43,8 @@ inline C3d parseC3d(const std::string& bytes) {
       const int next = read(link, std::int16_t{});
       if (group < 0 && name == "POINT") pointGroup = -group;
       if (group > 0 && group == pointGroup && name == "LABELS" && labels.empty()) {
-        const int width = static_cast<unsigned char>(bytes[link + 4]), count = static_cast<unsigned char>(bytes[link + 5]);
+        const int width = static_cast<unsigned char>(bytes[link + 4]),
+                  count = static_cast<unsigned char>(bytes[link + 5]);
         for (int k = 0; k < count; ++k) {
           std::string label = bytes.substr(link + 6 + k * width, width);
           label.erase(label.find_last_not_of(' ') + 1);
@@ -62,7 +65,8 @@ inline C3d parseC3d(const std::string& bytes) {
         v[k] = scale < 0 ? read(word, float{}) : (k < 3 ? scale : 1.0f) * read(word, std::int16_t{});
       }
       const bool measured = v[3] >= 0.0;
-      result.markers[labels[m]].push_back(measured ? Eigen::Vector3d(v[0], v[1], v[2]) : Eigen::Vector3d::Constant(std::nan("")));
+      result.markers[labels[m]].push_back(measured ? Eigen::Vector3d(v[0], v[1], v[2])
+                                                   : Eigen::Vector3d::Constant(std::nan("")));
     }
   return result;
 }

@@ -30,7 +30,8 @@ TEST(PinocchioSkeleton, ExerciseSheetBecomesATreeOfBallsWithFixedEnds) {
 }
 
 TEST(PinocchioSkeleton, WordsAreIdsAndBlankLinesAndCrLfAreNothing) {
-  const Skeleton skeleton = parsePinocchioSkeleton("hip 0 1 0 -1\r\n\r\n\tknee 0 .5 0 hip\r\nankle 1e-2 0 0 knee", "words.skel");
+  const Skeleton skeleton =
+      parsePinocchioSkeleton("hip 0 1 0 -1\r\n\r\n\tknee 0 .5 0 hip\r\nankle 1e-2 0 0 knee", "words.skel");
   ASSERT_EQ(skeleton.jointCount(), 3);
   EXPECT_EQ(skeleton.joint(2).name, "ankle");
   EXPECT_EQ(skeleton.parent(2), 1);
@@ -78,7 +79,11 @@ TEST(PinocchioSkeleton, BadInputIsRefusedWithItsLine) {
           {"truncated last line", "0 0 0 0 -1\n1 1 0", 2, "found 3"},
           {"bare CR as line end", "0 0 0 0 -1\r1 1 0 0 0\r", 1, "five words"},
           {"a comment", "# skeleton\n0 0 0 0 -1\n", 1, "five words"},
-          {"binary", std::string("\x7f" "ELF\0\0\1", 7), 1, "five words"},
+          {"binary",
+           std::string("\x7f"
+                       "ELF\0\0\1",
+                       7),
+           1, "five words"},
           {"a header with a count", "18\n0 0 0 0 -1\n", 1, "five words"},
           {"hexadecimal", "0 0x10 0 0 -1\n", 1, "finite number"},
           {"CRLF keeps line numbers", "0 0 0 0 -1\r\n\r\n1 x 0 0 0\r\n", 3, "'x'"},

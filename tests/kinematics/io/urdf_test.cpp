@@ -14,12 +14,15 @@ using Eigen::Vector3d;
 const std::string arm =
     "<?xml version=\"1.0\"?>\n"
     "<robot name=\"arm\">\n"
-    "<link name=\"base\"><visual><origin xyz=\"0 0 0.1\"/><geometry><box size=\"1 2 3\"/></geometry></visual></link>\n"
+    "<link name=\"base\"><visual><origin xyz=\"0 0 0.1\"/><geometry><box size=\"1 2 "
+    "3\"/></geometry></visual></link>\n"
     "<link name=\"upper\"/>\n"
     "<link name=\"slide\"/>\n"
-    "<joint name=\"shoulder\" type=\"revolute\"><origin xyz=\"0 0 1\" rpy=\"0 0 1.5707963267948966\"/><parent link=\"base\"/><child link=\"upper\"/>"
+    "<joint name=\"shoulder\" type=\"revolute\"><origin xyz=\"0 0 1\" rpy=\"0 0 "
+    "1.5707963267948966\"/><parent link=\"base\"/><child link=\"upper\"/>"
     "<axis xyz=\"0 0 2\"/><limit lower=\"0.5\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>\n"
-    "<joint name=\"push\" type=\"prismatic\"><origin xyz=\"1 0 0\"/><parent link=\"upper\"/><child link=\"slide\"/>"
+    "<joint name=\"push\" type=\"prismatic\"><origin xyz=\"1 0 0\"/><parent link=\"upper\"/><child "
+    "link=\"slide\"/>"
     "<limit upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\n"
     "</robot>\n";
 
@@ -30,7 +33,8 @@ TEST(Urdf, ArmByHand) {
   EXPECT_EQ(robot.skeleton.rest()[0], 0.5);  // zero is outside the limits
   Eigen::VectorXd q(2);
   q << M_PI / 2, 0.25;
-  // Turned by 90 + 90 degrees the upper arm points to -x; the slide moves along it (its axis is x where none is given).
+  // Turned by 90 + 90 degrees the upper arm points to -x; the slide moves along it (its axis is x where none
+  // is given).
   EXPECT_LE((forwardKinematics(robot.skeleton, q)[2].translation() - Vector3d(-1.25, 0, 1)).norm(), 1e-15);
   ASSERT_EQ(robot.visuals.size(), 1u);
   EXPECT_EQ(robot.visuals[0].size, Vector3d(1, 2, 3));
@@ -39,17 +43,23 @@ TEST(Urdf, ArmByHand) {
 /// A gripper: three fingers that slide as the first does, the third by way of the second.
 const std::string gripper =
     "<robot name=\"g\">\n<link name=\"palm\"/><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>\n"
-    "<joint name=\"third\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"c\"/><limit lower=\"-9\" upper=\"9\"/><mimic joint=\"second\" multiplier=\"0.5\"/></joint>\n"
-    "<joint name=\"first\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"a\"/><limit lower=\"0.25\" upper=\"1\"/></joint>\n"
-    "<joint name=\"second\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"b\"/><limit lower=\"-9\" upper=\"9\"/><mimic joint=\"first\" multiplier=\"-2\" offset=\"0.1\"/></joint>\n"
+    "<joint name=\"third\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"c\"/><limit lower=\"-9\" "
+    "upper=\"9\"/><mimic joint=\"second\" multiplier=\"0.5\"/></joint>\n"
+    "<joint name=\"first\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"a\"/><limit "
+    "lower=\"0.25\" upper=\"1\"/></joint>\n"
+    "<joint name=\"second\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"b\"/><limit lower=\"-9\" "
+    "upper=\"9\"/><mimic joint=\"first\" multiplier=\"-2\" offset=\"0.1\"/></joint>\n"
     "</robot>\n";
 
 TEST(Urdf, MimicsAreToldAndFollowInTheRestPose) {
   const UrdfRobot robot = parseUrdf(gripper, "g.urdf");
   ASSERT_EQ(robot.mimics.size(), 2u);
   ASSERT_EQ(robot.notes.size(), 2u);
-  EXPECT_NE(robot.notes[1].find("'second' mimics 'first' (-2 times its value plus 0.1)"), std::string::npos) << robot.notes[1];
-  const auto value = [&](const Eigen::VectorXd& q, const char* name) { return q[robot.skeleton.qIndex(robot.skeleton.jointIndex(name))]; };
+  EXPECT_NE(robot.notes[1].find("'second' mimics 'first' (-2 times its value plus 0.1)"), std::string::npos)
+      << robot.notes[1];
+  const auto value = [&](const Eigen::VectorXd& q, const char* name) {
+    return q[robot.skeleton.qIndex(robot.skeleton.jointIndex(name))];
+  };
   EXPECT_EQ(value(robot.skeleton.rest(), "first"), 0.25);
   EXPECT_EQ(value(robot.skeleton.rest(), "second"), -2 * 0.25 + 0.1);
   EXPECT_EQ(value(robot.skeleton.rest(), "third"), 0.5 * (-2 * 0.25 + 0.1));
@@ -86,13 +96,23 @@ TEST(Urdf, BadInputIsRefusedWithItsLine) {
           {"joint without a parent", with(arm, "<parent link=\"upper\"/>", ""), 7, "<parent>"},
           {"joint without a child", with(arm, "<child link=\"slide\"/>", ""), 7, "<child>"},
           {"unknown link", with(arm, "<child link=\"slide\"/>", "<child link=\"slid\"/>"), 7, "'slid'"},
-          {"two parents", with(arm, "<child link=\"slide\"/>", "<child link=\"upper\"/>"), 7, "second one for 'upper'"},
-          {"two roots", with(arm, "<link name=\"slide\"/>", "<link name=\"slide\"/><link name=\"lost\"/>"), 5, "'lost'"},
-          {"cycle at the root", with(arm, "<child link=\"slide\"/>", "<child link=\"base\"/>"), 6, "on a cycle of links"},
-          {"only a cycle", "<robot><link name=\"a\"/><link name=\"b\"/><joint name=\"x\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>"
-                           "<joint name=\"y\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>", 1, "cycle"},
-          {"a cycle aside", with(arm, "</robot>", "<link name=\"a\"/><link name=\"b\"/><joint name=\"x\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>"
-                                              "<joint name=\"y\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>"), 8, "cycle"},
+          {"two parents", with(arm, "<child link=\"slide\"/>", "<child link=\"upper\"/>"), 7,
+           "second one for 'upper'"},
+          {"two roots", with(arm, "<link name=\"slide\"/>", "<link name=\"slide\"/><link name=\"lost\"/>"), 5,
+           "'lost'"},
+          {"cycle at the root", with(arm, "<child link=\"slide\"/>", "<child link=\"base\"/>"), 6,
+           "on a cycle of links"},
+          {"only a cycle",
+           "<robot><link name=\"a\"/><link name=\"b\"/><joint name=\"x\" type=\"fixed\"><parent "
+           "link=\"a\"/><child link=\"b\"/></joint>"
+           "<joint name=\"y\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>",
+           1, "cycle"},
+          {"a cycle aside",
+           with(arm, "</robot>",
+                "<link name=\"a\"/><link name=\"b\"/><joint name=\"x\" type=\"fixed\"><parent "
+                "link=\"a\"/><child link=\"b\"/></joint>"
+                "<joint name=\"y\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>"),
+           8, "cycle"},
           {"axis of length zero", with(arm, "0 0 2", "0 0 0"), 6, "positive length"},
           {"axis of two numbers", with(arm, "0 0 2", "0 2"), 6, "'0 2'"},
           {"NaN", with(arm, "0 0 2", "0 nan 2"), 6, "'0 nan 2'"},
@@ -102,8 +122,10 @@ TEST(Urdf, BadInputIsRefusedWithItsLine) {
           {"limit a word", with(arm, "upper=\"2\"", "upper=\"high\""), 7, "'high'"},
           {"reversed limits", with(arm, "lower=\"0.5\"", "lower=\"2\""), 6, "lower <= upper"},
           {"box of size zero", with(arm, "1 2 3", "1 0 3"), 3, "sizes above 0"},
-          {"unknown geometry", with(arm, "<box size=\"1 2 3\"/>", "<cone/>"), 3, "a mesh, box, cylinder or sphere"},
-          {"CRLF keeps line numbers", with(arm, "<robot name=\"arm\">\n", "<robot>\r\n<link/>\r\n"), 3, "an attribute name"},
+          {"unknown geometry", with(arm, "<box size=\"1 2 3\"/>", "<cone/>"), 3,
+           "a mesh, box, cylinder or sphere"},
+          {"CRLF keeps line numbers", with(arm, "<robot name=\"arm\">\n", "<robot>\r\n<link/>\r\n"), 3,
+           "an attribute name"},
       },
       [](const std::string& text, const std::string& file) { parseUrdf(text, file); });
 }

@@ -21,15 +21,20 @@ TEST(EulerAngles, EveryOrderGivesTheRotationBackAndThePoseNearestToTheHint) {
   const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
   for (const auto& order : orders)
     for (int trial = 0; trial < 200; ++trial) {
-      const Vector3d e1 = Vector3d::Unit(order[0]), e2 = Vector3d::Unit(order[1]), e3 = Vector3d::Unit(order[2]);
-      Vector3d angles(8.0 * uniform01(random) - 4.0, 8.0 * uniform01(random) - 4.0, 8.0 * uniform01(random) - 4.0);
+      const Vector3d e1 = Vector3d::Unit(order[0]), e2 = Vector3d::Unit(order[1]),
+                     e3 = Vector3d::Unit(order[2]);
+      Vector3d angles(8.0 * uniform01(random) - 4.0, 8.0 * uniform01(random) - 4.0,
+                      8.0 * uniform01(random) - 4.0);
       if (trial % 10 == 0) angles[1] = trial % 20 ? M_PI / 2 : -M_PI / 2;  // gimbal lock
       const Quaterniond q = product(angles, e1, e2, e3);
       const Vector3d back = eulerAngles(q, e1, e2, e3, angles);
-      // The hint is the answer, so it must come back itself: away from the lock to rounding, at the lock to the square root of it.
+      // The hint is the answer, so it must come back itself: away from the lock to rounding, at the lock to
+      // the square root of it.
       const double tolerance = trial % 10 == 0 ? 1e-7 : 1e-11 / std::max(1e-3, std::abs(std::cos(angles[1])));
       EXPECT_LE((back - angles).norm(), tolerance) << back.transpose() << " for " << angles.transpose();
-      EXPECT_LE(logRotation(q.conjugate() * product(eulerAngles(q, e1, e2, e3, Vector3d::Zero()), e1, e2, e3)).norm(), 1e-7);
+      EXPECT_LE(logRotation(q.conjugate() * product(eulerAngles(q, e1, e2, e3, Vector3d::Zero()), e1, e2, e3))
+                    .norm(),
+                1e-7);
     }
 }
 
@@ -77,17 +82,21 @@ TEST(Sample, TurnsEveryKindOfJointAtConstantSpeedAndHitsTheFrames) {
   const Skeleton skeleton = testing::randomSkeleton(random, 12);
   MotionClip clip{.framesPerSecond = 10.0, .q = Eigen::MatrixXd(skeleton.nq(), 4)};
   for (int f = 0; f < 4; ++f) clip.q.col(f) = randomWithinLimits(skeleton, random);
-  for (int f = 0; f < 4; ++f) EXPECT_LE((sample(skeleton, clip, 0.1 * f) - clip.q.col(f)).norm(), 1e-9) << "seed " << seed;
+  for (int f = 0; f < 4; ++f)
+    EXPECT_LE((sample(skeleton, clip, 0.1 * f) - clip.q.col(f)).norm(), 1e-9) << "seed " << seed;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
     if (!joint.ball) continue;
-    const Quaterniond a = jointRotation(skeleton, clip.q.col(1), i), b = jointRotation(skeleton, clip.q.col(2), i);
+    const Quaterniond a = jointRotation(skeleton, clip.q.col(1), i),
+                      b = jointRotation(skeleton, clip.q.col(2), i);
     const Quaterniond quarter = jointRotation(skeleton, sample(skeleton, clip, 0.125), i);
-    EXPECT_NEAR(logRotation(a.conjugate() * quarter).norm(), 0.25 * logRotation(a.conjugate() * b).norm(), 1e-12);
+    EXPECT_NEAR(logRotation(a.conjugate() * quarter).norm(), 0.25 * logRotation(a.conjugate() * b).norm(),
+                1e-12);
   }
   EXPECT_LE((sample(skeleton, clip, -1.0) - clip.q.col(0)).norm(), 0.0);
   EXPECT_LE((sample(skeleton, clip, 9.0) - clip.q.col(3)).norm(), 0.0);
-  EXPECT_LE((sample(skeleton, clip, 0.5, BeyondEnd::Loop) - clip.q.col(1)).norm(), 1e-9);  // four frames a round
+  EXPECT_LE((sample(skeleton, clip, 0.5, BeyondEnd::Loop) - clip.q.col(1)).norm(),
+            1e-9);  // four frames a round
 }
 
 TEST(Resampled, TwiceTheRateKeepsEveryOldFrame) {
@@ -98,7 +107,8 @@ TEST(Resampled, TwiceTheRateKeepsEveryOldFrame) {
   const MotionClip twice = resampled(skeleton, clip, 60.0);
   ASSERT_EQ(twice.frameCount(), 9);
   for (int f = 0; f < 5; ++f) {
-    const Frames a = forwardKinematics(skeleton, clip.q.col(f)), b = forwardKinematics(skeleton, twice.q.col(2 * f));
+    const Frames a = forwardKinematics(skeleton, clip.q.col(f)),
+                 b = forwardKinematics(skeleton, twice.q.col(2 * f));
     for (int i = 0; i < skeleton.jointCount(); ++i) EXPECT_LE((a[i].matrix() - b[i].matrix()).norm(), 1e-9);
   }
 }

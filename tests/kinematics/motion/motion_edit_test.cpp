@@ -53,7 +53,9 @@ std::pair<double, double> gainAndDelay(const Eigen::VectorXd& out, double hertz,
 TEST(LowPass, HalvesThePowerAtItsCutOffWithoutDelay) {
   const Skeleton skeleton = swingAndBall();
   const double rate = 120.0;
-  const auto at = [&](double hertz) { return gainAndDelay(lowPassed(skeleton, sine(skeleton, hertz, rate, 1200), 6.0).q.row(0), hertz, rate); };
+  const auto at = [&](double hertz) {
+    return gainAndDelay(lowPassed(skeleton, sine(skeleton, hertz, rate, 1200), 6.0).q.row(0), hertz, rate);
+  };
   EXPECT_NEAR(at(6.0).first, std::sqrt(0.5), 1e-3);
   EXPECT_GT(at(1.0).first, 0.999);
   EXPECT_LT(at(24.0).first, 0.01);
@@ -64,7 +66,8 @@ TEST(LowPass, TurnsAreFilteredLikeAnglesWhereTheyAreSmall) {
   const Skeleton skeleton = swingAndBall();
   const MotionClip clip = sine(skeleton, 6.0, 120.0, 1200), smooth = lowPassed(skeleton, clip, 6.0);
   Eigen::VectorXd angle(1200);
-  for (int f = 0; f < 1200; ++f) angle[f] = logRotation(jointRotation(skeleton, smooth.q.col(f), 0)).y() / 0.1;
+  for (int f = 0; f < 1200; ++f)
+    angle[f] = logRotation(jointRotation(skeleton, smooth.q.col(f), 0)).y() / 0.1;
   EXPECT_NEAR(gainAndDelay(angle, 6.0, 120.0).first, std::sqrt(0.5), 3e-3);
   for (int f = 0; f < 1200; ++f) EXPECT_NEAR(ballRotation(skeleton, smooth.q.col(f), 0).norm(), 1.0, 1e-12);
 }
@@ -90,14 +93,18 @@ TEST_P(Layered, WeightOneOverTheReferenceGivesTheLayerAndWeightZeroTheBase) {
   MotionClip base{.framesPerSecond = 30, .q = reference.replicate(1, 4)}, layer = base;
   for (int f = 0; f < 4; ++f) layer.q.col(f) = randomWithinLimits(skeleton, random);
   const auto over = [&](Layer::Kind kind, double weight, std::vector<int> joints) {
-    return layered(skeleton, base, {.clip = layer, .kind = kind, .weight = weight, .joints = std::move(joints), .reference = reference});
+    return layered(
+        skeleton, base,
+        {.clip = layer, .kind = kind, .weight = weight, .joints = std::move(joints), .reference = reference});
   };
   const auto kind = GetParam();
   const MotionClip whole = over(kind, 1.0, {}), none = over(kind, 0.0, {}), masked = over(kind, 1.0, {1});
   for (int f = 0; f < 4; ++f)
     for (int i = 0; i < 2; ++i) {
       const auto angle = [&](const MotionClip& a, const MotionClip& b) {
-        return logRotation(jointRotation(skeleton, a.q.col(f), i).conjugate() * jointRotation(skeleton, b.q.col(f), i)).norm();
+        return logRotation(jointRotation(skeleton, a.q.col(f), i).conjugate() *
+                           jointRotation(skeleton, b.q.col(f), i))
+            .norm();
       };
       EXPECT_LE(angle(whole, layer), 1e-12);
       EXPECT_LE(angle(none, base), 1e-12);
@@ -112,13 +119,15 @@ TEST(Layer, HalfAWeightOfAHalfTurnedHingeIsAQuarterOfATurnInBothKinds) {
   base.q.row(0).setConstant(5.0);
   layer.q.row(7).setConstant(1.0);
   const std::vector<int> hinge{1};
-  const MotionClip added = layered(skeleton, base, {.clip = layer, .kind = Layer::Kind::Additive, .weight = 0.5, .joints = hinge});
+  const MotionClip added =
+      layered(skeleton, base, {.clip = layer, .kind = Layer::Kind::Additive, .weight = 0.5, .joints = hinge});
   const MotionClip mixed = layered(skeleton, base, {.clip = layer, .weight = 0.5, .joints = hinge});
   EXPECT_NEAR(added.q(7, 2), 0.2 + 0.5 * 1.0, 1e-15);  // 0.5 of the departure from rest on top
   EXPECT_NEAR(mixed.q(7, 2), 0.5 * (0.2 + 1.0), 1e-15);
   EXPECT_EQ(mixed.q(0, 2), 5.0);  // the root takes no part
   EXPECT_EQ(limbBelow(skeleton, 0), (std::vector<int>{0, 1}));
-  for (const double weight : {-0.1, 1.1, std::nan("")}) EXPECT_THROW(layered(skeleton, base, {.clip = layer, .weight = weight}), std::invalid_argument);
+  for (const double weight : {-0.1, 1.1, std::nan("")})
+    EXPECT_THROW(layered(skeleton, base, {.clip = layer, .weight = weight}), std::invalid_argument);
   EXPECT_THROW(layered(skeleton, base, {.clip = layer, .joints = {2}}), std::invalid_argument);
 }
 
@@ -136,9 +145,11 @@ TEST(CrossFade, BeginsAsTheFirstEndsAsTheSecondAndNeverJumps) {
   ASSERT_EQ(both.frameCount(), 210);
   EXPECT_EQ(both.q.col(0), first.q.col(0));
   double largest = 0.0;
-  for (int f = 1; f < both.frameCount(); ++f) largest = std::max(largest, (both.q.col(f) - both.q.col(f - 1)).head<3>().norm());
+  for (int f = 1; f < both.frameCount(); ++f)
+    largest = std::max(largest, (both.q.col(f) - both.q.col(f - 1)).head<3>().norm());
   EXPECT_LE(largest, 0.02);  // each walks 0.01 a frame
-  // Aligned, the second goes on where the first one's root faced when the fade began: frame 90, turned by 0.1 sin(1.5 pi) about y.
+  // Aligned, the second goes on where the first one's root faced when the fade began: frame 90, turned by 0.1
+  // sin(1.5 pi) about y.
   const Vector3d onward = 0.09 * (expRotation(Vector3d(0, -0.1, 0)) * Vector3d::UnitX());
   EXPECT_LE(((both.q.col(209) - both.q.col(200)).head<3>() - onward).norm(), 1e-9);
 }
@@ -180,10 +191,15 @@ TEST(FootPlant, WalkStandsStillAboveTheFloorAndTheRestOfTheBodyStays) {
   EXPECT_LE(after.largestSlide, 0.1e-3);
   EXPECT_EQ(after.deepestPenetration, 0.0);
   for (int f = 0; f < clip.frameCount(); ++f) {
-    const Frames a = forwardKinematics(asf.skeleton, clip.q.col(f)), b = forwardKinematics(asf.skeleton, planted.q.col(f));
-    for (int i = 0; i < asf.skeleton.jointCount(); ++i) ASSERT_LE((a[i].translation() - b[i].translation()).norm(), 0.02) << asf.skeleton.joint(i).name << ' ' << f;
+    const Frames a = forwardKinematics(asf.skeleton, clip.q.col(f)),
+                 b = forwardKinematics(asf.skeleton, planted.q.col(f));
+    for (int i = 0; i < asf.skeleton.jointCount(); ++i)
+      ASSERT_LE((a[i].translation() - b[i].translation()).norm(), 0.02)
+          << asf.skeleton.joint(i).name << ' ' << f;
     for (const char* still : {"head", "lhand", "rhand", "thorax", "root"})
-      EXPECT_EQ((a[asf.skeleton.jointIndex(still)].matrix() - b[asf.skeleton.jointIndex(still)].matrix()).norm(), 0.0);
+      EXPECT_EQ(
+          (a[asf.skeleton.jointIndex(still)].matrix() - b[asf.skeleton.jointIndex(still)].matrix()).norm(),
+          0.0);
   }
 }
 

@@ -26,7 +26,10 @@ DhTable randomTable(std::mt19937_64& random, DhConvention convention) {
   const int n = 1 + static_cast<int>(random() % 8);
   for (int i = 0; i < n; ++i)
     table.rows.push_back({.kind = static_cast<DhJoint>(random() % 3),
-                          .a = between(-1, 1), .alpha = between(-3, 3), .d = between(-1, 1), .phi = between(-3, 3)});
+                          .a = between(-1, 1),
+                          .alpha = between(-3, 3),
+                          .d = between(-1, 1),
+                          .phi = between(-3, 3)});
   table.base.linear() = expRotation(2.0 * testing::randomUnit(random)).toRotationMatrix();
   table.base.translation() = testing::randomUnit(random);
   table.tool.linear() = expRotation(testing::randomUnit(random)).toRotationMatrix();
@@ -74,7 +77,8 @@ TEST(DhTable, RobotsAgreeWithTheirMatricesTo1em14) {
     const Skeleton skeleton = toSkeleton(table);
     for (int i = 0; i < 1000; ++i) {
       const VectorXd q = randomWithinLimits(skeleton, random);
-      const Isometry3d difference = Isometry3d(dhFrames(table, q).back().matrix() - forwardKinematics(skeleton, q).back().matrix());
+      const Isometry3d difference =
+          Isometry3d(dhFrames(table, q).back().matrix() - forwardKinematics(skeleton, q).back().matrix());
       EXPECT_LE(difference.matrix().cwiseAbs().maxCoeff(), 1e-14) << robot.name;
     }
     EXPECT_EQ(limitViolation(skeleton, skeleton.rest()), 0.0) << robot.name;
@@ -91,7 +95,9 @@ TEST(DhTable, EachConventionTurnsIntoTheOtherAndBack) {
     const VectorXd q = randomVariables(table, random);
     EXPECT_EQ(other.convention, to);
     EXPECT_LE((dhFrames(table, q).back().matrix() - dhFrames(other, q).back().matrix()).norm(), 1e-13);
-    EXPECT_LE((dhFrames(table, q).back().matrix() - dhFrames(toConvention(other, from), q).back().matrix()).norm(), 1e-13);
+    EXPECT_LE(
+        (dhFrames(table, q).back().matrix() - dhFrames(toConvention(other, from), q).back().matrix()).norm(),
+        1e-13);
   }
 }
 
@@ -112,7 +118,8 @@ TEST(CommonNormal, IsPerpendicularToBothAndShortest) {
     EXPECT_LE(std::abs(n.x.dot(v)), slack);
     EXPECT_LE((n.footOnSecond - n.footOnFirst - n.a * n.x).norm(), slack);
     for (int k = 0; k < 10; ++k) {
-      const Vector3d p = n.footOnFirst + (uniform01(random) - 0.5) * u, q = n.footOnSecond + (uniform01(random) - 0.5) * v;
+      const Vector3d p = n.footOnFirst + (uniform01(random) - 0.5) * u,
+                     q = n.footOnSecond + (uniform01(random) - 0.5) * v;
       EXPECT_GE((p - q).norm(), n.a - slack);
     }
     EXPECT_LE((Eigen::AngleAxisd(n.alpha, n.x) * u - v).norm(), slack);
@@ -157,18 +164,21 @@ TEST(DhFromAxes, GivesBackTheAxes) {
     for (int k = 0; k < n; ++k) {
       AxisLine line{testing::randomUnit(random), testing::randomUnit(random)};
       const int relation = static_cast<int>(random() % 5);
-      if (k > 0 && relation == 1) line.direction = axes.back().direction;                                // parallel
-      if (k > 0 && relation == 2) line.point = axes.back().point + 0.7 * axes.back().direction;          // crossing
-      if (k > 0 && relation == 3) line = {axes.back().point + axes.back().direction, axes.back().direction};  // coincident
-      if (k > 0 && relation == 4) line.direction = -axes.back().direction;                               // antiparallel
+      if (k > 0 && relation == 1) line.direction = axes.back().direction;                        // parallel
+      if (k > 0 && relation == 2) line.point = axes.back().point + 0.7 * axes.back().direction;  // crossing
+      if (k > 0 && relation == 3)
+        line = {axes.back().point + axes.back().direction, axes.back().direction};  // coincident
+      if (k > 0 && relation == 4) line.direction = -axes.back().direction;          // antiparallel
       axes.push_back(line);
     }
     const DhTable table = dhFromAxes(axes);
     EXPECT_EQ(table.convention, DhConvention::Modified);
     const auto again = jointAxes(table, VectorXd::Zero(n));
     ASSERT_EQ(again.size(), axes.size());
-    for (int k = 0; k < n; ++k) EXPECT_LE(distanceBetweenLines(axes[k], again[k]), 1e-8) << "axis " << k << " of " << n;
-    // Canonical parameters describe themselves: the axes of the table give the table's own axes and lengths again.
+    for (int k = 0; k < n; ++k)
+      EXPECT_LE(distanceBetweenLines(axes[k], again[k]), 1e-8) << "axis " << k << " of " << n;
+    // Canonical parameters describe themselves: the axes of the table give the table's own axes and lengths
+    // again.
     for (const DhRow& row : table.rows) EXPECT_GE(row.a, 0.0);
   }
 }
@@ -199,7 +209,9 @@ void expectSameMotion(const Skeleton& skeleton, int end, const DhChain& chain) {
     for (std::size_t k = 0; k < chain.joints.size(); ++k) variables[k] = q[skeleton.qIndex(chain.joints[k])];
     const Matrix4d wanted = forwardKinematics(skeleton, q)[end].matrix();
     EXPECT_LE((dhFrames(again, variables).back().matrix() - wanted).cwiseAbs().maxCoeff(), 1e-9);
-    EXPECT_LE((forwardKinematics(toSkeleton(again), variables).back().matrix() - wanted).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LE(
+        (forwardKinematics(toSkeleton(again), variables).back().matrix() - wanted).cwiseAbs().maxCoeff(),
+        1e-9);
   }
 }
 
@@ -230,8 +242,10 @@ TEST(DhFromSkeleton, RobotsOfUrdfFiles) {
     const char *file, *end;
     int rows;
   };
-  for (const Case& c : {Case{"ur5/urdf/ur5_robot.urdf", "wrist_3_joint", 6}, Case{"kuka_iiwa/model.urdf", "lbr_iiwa_joint_7", 7}, Case{"panda/urdf/panda.urdf", "panda_joint7", 7},
-                        Case{"panda/urdf/panda.urdf", "panda_finger_joint1", 8}}) {
+  for (const Case& c :
+       {Case{"ur5/urdf/ur5_robot.urdf", "wrist_3_joint", 6},
+        Case{"kuka_iiwa/model.urdf", "lbr_iiwa_joint_7", 7}, Case{"panda/urdf/panda.urdf", "panda_joint7", 7},
+        Case{"panda/urdf/panda.urdf", "panda_finger_joint1", 8}}) {
     SCOPED_TRACE(c.file);
     const Skeleton skeleton = readUrdf(folder + c.file).skeleton;
     const int end = skeleton.jointIndex(c.end);
@@ -251,14 +265,16 @@ TEST(DhFromSkeleton, SaysWhatIsNoChain) {
     return "no complaint";
   };
   using ::testing::HasSubstr;
-  const Joint root{.name = "root"}, turning{.name = "a", .parent = 0, .axes = {AxisDof{}}}, beside{.name = "b", .parent = 0, .axes = {AxisDof{}}}, ball{.name = "c", .parent = 0, .ball = true};
+  const Joint root{.name = "root"}, turning{.name = "a", .parent = 0, .axes = {AxisDof{}}},
+      beside{.name = "b", .parent = 0, .axes = {AxisDof{}}}, ball{.name = "c", .parent = 0, .ball = true};
   EXPECT_THAT(complaint(Skeleton({root})), HasSubstr("needs a joint that moves"));
   EXPECT_THAT(complaint(Skeleton({root, turning, beside})), HasSubstr("joint 'a' is not on the way to 'b'"));
   EXPECT_THAT(complaint(Skeleton({root, ball})), HasSubstr("joint 'c' has 3"));
   Joint tilted{.name = "d", .parent = 1, .axes = {AxisDof{}}};
   tilted.parentFromZero.translation().x() = 1.0;
   tilted.parentFromZero.linear() = expRotation(Vector3d(0, 3e-9, 0)).toRotationMatrix();
-  EXPECT_THAT(complaint(Skeleton({root, turning, tilted})), ::testing::AnyOf(HasSubstr("nearly parallel"), HasSubstr("no complaint")));
+  EXPECT_THAT(complaint(Skeleton({root, turning, tilted})),
+              ::testing::AnyOf(HasSubstr("nearly parallel"), HasSubstr("no complaint")));
 }
 
 TEST(DhText, ReadsBackWhatItWrites) {
@@ -267,14 +283,17 @@ TEST(DhText, ReadsBackWhatItWrites) {
     table.base.translation() = Vector3d(0.1, 0.2, 0.3);
     const DhTable again = parseDhTable(formatDhTable(table), "robot.dh");
     EXPECT_EQ(formatDhTable(table), formatDhTable(again));
-    EXPECT_LE((dhFrames(table, *table.rest).back().matrix() - dhFrames(again, *again.rest).back().matrix()).norm(), 1e-15);
+    EXPECT_LE(
+        (dhFrames(table, *table.rest).back().matrix() - dhFrames(again, *again.rest).back().matrix()).norm(),
+        1e-15);
   }
 }
 
 TEST(DhText, UnderstandsDegreesAndMultiplesOfPi) {
   const DhTable table = parseDhTable(
       "# a comment\ndh standard\nname arm\nangles degrees\nbase 0 0 1\n"
-      "revolute 0.5 90 0 -pi/2 -45 45  # elbow\nprismatic 0 3pi/4 0.1 30 0 0.2\nfixed 0 0 0.1 0\ntool 0 0 0.1\nrest 10 0.15\n",
+      "revolute 0.5 90 0 -pi/2 -45 45  # elbow\nprismatic 0 3pi/4 0.1 30 0 0.2\nfixed 0 0 0.1 0\ntool 0 0 "
+      "0.1\nrest 10 0.15\n",
       "arm.dh");
   ASSERT_EQ(table.rows.size(), 3u);
   EXPECT_DOUBLE_EQ(table.rows[0].alpha, M_PI / 2);
@@ -293,17 +312,20 @@ TEST(DhText, BadInputIsRefusedWithItsLine) {
       {
           {"empty", "", 0, "'dh modified' or 'dh standard' as the first line"},
           {"only comments", "# nothing\n\n", 0, "as the first line, found no such line"},
-          {"row before the convention", "revolute 0 0 0 0\n", 1, "'dh modified' or 'dh standard' first, found 'revolute'"},
+          {"row before the convention", "revolute 0 0 0 0\n", 1,
+           "'dh modified' or 'dh standard' first, found 'revolute'"},
           {"unknown convention", "dh craig\n", 1, "found 'dh craig'"},
           {"convention in other case", "dh Modified\n", 1, "found 'dh Modified'"},
           {"no convention", "dh\n", 1, "found 'dh'"},
           {"two conventions", head + "dh standard\n", 2, "one line 'dh' only, found a second one"},
           {"no row", head + "tool 0 0 1\n", 0, "at least one row"},
-          {"three parameters", head + "revolute 0 0 0\n", 2, "the four parameters a alpha d phi, and both limits or none, found 3 values"},
+          {"three parameters", head + "revolute 0 0 0\n", 2,
+           "the four parameters a alpha d phi, and both limits or none, found 3 values"},
           {"no parameter", head + "prismatic\n", 2, "found 0 values"},
           {"one limit", head + "revolute 0 0 0 0 1\n", 2, "both limits or none, found 5 values"},
           {"limits of a fixed row", head + "fixed 0 0 0 0 1 2\n", 2, "found 6 values"},
-          {"reversed limits", head + "revolute 0 0 0 0 2 1\n", 2, "a lower limit not above the upper one, found '2' above '1'"},
+          {"reversed limits", head + "revolute 0 0 0 0 2 1\n", 2,
+           "a lower limit not above the upper one, found '2' above '1'"},
           {"infinite limits", head + "revolute 0 0 0 0 -inf inf\n", 2, "for lower limit, found '-inf'"},
           {"a word", head + "revolute 0 x 0 0\n", 2, "a number (or a multiple of pi) for alpha, found 'x'"},
           {"NaN", head + "revolute 0 nan 0 0\n", 2, "'nan'"},
@@ -312,20 +334,27 @@ TEST(DhText, BadInputIsRefusedWithItsLine) {
           {"pi over zero", head + "revolute 0 pi/0 0 0\n", 2, "'pi/0'"},
           {"pi over a word", head + "revolute 0 pi/two 0 0\n", 2, "'pi/two'"},
           {"pi as a length", head + "revolute pi 0 0 0\n", 2, "a number for a, found 'pi'"},
-          {"unknown row", head + "\nscrew 0 0 0 0\n", 3, "'revolute', 'prismatic', 'fixed', 'name', 'angles', 'base', 'tool' or 'rest', found 'screw'"},
+          {"unknown row", head + "\nscrew 0 0 0 0\n", 3,
+           "'revolute', 'prismatic', 'fixed', 'name', 'angles', 'base', 'tool' or 'rest', found 'screw'"},
           {"row in other case", head + "Revolute 0 0 0 0\n", 2, "found 'Revolute'"},
-          {"unit of angles", head + "angles grad\n", 2, "'angles radians' or 'angles degrees', found 'angles grad'"},
+          {"unit of angles", head + "angles grad\n", 2,
+           "'angles radians' or 'angles degrees', found 'angles grad'"},
           {"unit after a row", head + "revolute 0 0 0 0\nangles degrees\n", 3, "before the first row"},
           {"name of two words", head + "name my arm\n", 2, "'name' and one word, found 'name my arm'"},
           {"base of two numbers", head + "base 0 0\n", 2, "'base x y z' (metres), or with a quaternion"},
           {"base with NaN", head + "base 0 nan 0\n", 2, "a number for y, found 'nan'"},
           {"quaternion of length 2", head + "tool 0 0 0 2 0 0 0\n", 2, "length 1, found length 2"},
-          {"rest of another length", head + "revolute 0 0 0 0\nrest 1 2\n", 3, "1 values of the rest pose, one a moving row, found 2"},
+          {"rest of another length", head + "revolute 0 0 0 0\nrest 1 2\n", 3,
+           "1 values of the rest pose, one a moving row, found 2"},
           {"rest a word", head + "rest up\n", 2, "value 1 of the rest pose, found 'up'"},
           {"rest twice", head + "rest 0\nrest 0\n", 3, "one line 'rest' only"},
           {"cut in a row", head + "revolute 0 0 0 0\nprismatic 0 0", 3, "found 2 values"},
           {"CRLF keeps line numbers", "dh standard\r\n\r\nrevolute 0 0 y 0\r\n", 3, "'y'"},
-          {"binary", std::string("\x7f" "ELF\0\1", 6), 1, "'dh modified' or 'dh standard' first"},
+          {"binary",
+           std::string("\x7f"
+                       "ELF\0\1",
+                       6),
+           1, "'dh modified' or 'dh standard' first"},
       },
       [](const std::string& text, const std::string& file) { parseDhTable(text, file); });
 }

@@ -14,7 +14,8 @@ TEST(Euler, AnglesOfARotationGiveTheRotationBackInAllTwelveOrders) {
   std::mt19937_64 random(1);
   for (const EulerOrder& order : eulerOrders())
     for (int i = 0; i < 1000; ++i) {
-      const Matrix3d R = expRotation(M_PI * uniform01(random) * testing::randomUnit(random)).toRotationMatrix();
+      const Matrix3d R =
+          expRotation(M_PI * uniform01(random) * testing::randomUnit(random)).toRotationMatrix();
       EXPECT_LE((rotationFromEuler(order, eulerFromRotation(order, R)) - R).norm(), 1e-13) << order.name;
     }
 }
@@ -23,9 +24,11 @@ TEST(Euler, AnglesWithinTheirRangesAreRecovered) {
   std::mt19937_64 random(2);
   for (const EulerOrder& order : eulerOrders())
     for (int i = 0; i < 200; ++i) {
-      Vector3d angles(6.0 * uniform01(random) - 3.0, 1.4 * (2.0 * uniform01(random) - 1.0), 6.0 * uniform01(random) - 3.0);
+      Vector3d angles(6.0 * uniform01(random) - 3.0, 1.4 * (2.0 * uniform01(random) - 1.0),
+                      6.0 * uniform01(random) - 3.0);
       if (order.isProper()) angles[1] = 0.1 + std::abs(angles[1]);
-      EXPECT_LE((eulerFromRotation(order, rotationFromEuler(order, angles)) - angles).norm(), 1e-12) << order.name;
+      EXPECT_LE((eulerFromRotation(order, rotationFromEuler(order, angles)) - angles).norm(), 1e-12)
+          << order.name;
     }
 }
 
@@ -63,8 +66,10 @@ TEST(Euler, RatesAreTheAngularVelocity) {
 
 TEST(Euler, TheLecturesOrderIsXyz) {
   EXPECT_EQ(lectureEulerOrder().name, "xyz");
-  const Matrix3d expected = (Eigen::AngleAxisd(0.1, Vector3d::UnitX()) * Eigen::AngleAxisd(0.2, Vector3d::UnitY()) *
-                             Eigen::AngleAxisd(0.3, Vector3d::UnitZ())).toRotationMatrix();
+  const Matrix3d expected =
+      (Eigen::AngleAxisd(0.1, Vector3d::UnitX()) * Eigen::AngleAxisd(0.2, Vector3d::UnitY()) *
+       Eigen::AngleAxisd(0.3, Vector3d::UnitZ()))
+          .toRotationMatrix();
   EXPECT_LE((rotationFromEuler(lectureEulerOrder(), {0.1, 0.2, 0.3}) - expected).norm(), 1e-15);
 }
 

@@ -26,7 +26,8 @@ double largestDistance(const Skeleton& skeleton, const VectorXd& q, const Vector
   const std::vector<int> partners = mirrorPartners(skeleton);
   double worst = 0.0;
   for (int i = 0; i < skeleton.jointCount(); ++i)
-    worst = std::max(worst, (reflected(frames[i].translation()) - mirrored[partners[i]].translation()).norm());
+    worst =
+        std::max(worst, (reflected(frames[i].translation()) - mirrored[partners[i]].translation()).norm());
   return worst;
 }
 
@@ -70,7 +71,9 @@ TEST(Mannequin, RestLiesWithinEveryLimitWithThreeDegreesToSpare) {
     }
     if (!joint.ball) continue;
     const Vector3d c = swingTwistCoordinates(ballRotation(figure, q, i));
-    EXPECT_LE((c.head<2>() - joint.ballLimit->swingCentre).cwiseQuotient(joint.ballLimit->swingRadii).norm(), 0.9) << joint.name;
+    EXPECT_LE((c.head<2>() - joint.ballLimit->swingCentre).cwiseQuotient(joint.ballLimit->swingRadii).norm(),
+              0.9)
+        << joint.name;
     EXPECT_GE(c.z(), joint.ballLimit->twistLower + 3 * degree) << joint.name;
     EXPECT_LE(c.z(), joint.ballLimit->twistUpper - 3 * degree) << joint.name;
   }
@@ -84,7 +87,9 @@ TEST(Mannequin, NoSwingWithinLimitsReaches150Degrees) {
     double farthest = 0.0;
     for (int k = 0; k < 720; ++k) {
       const double angle = k * 0.5 * degree;
-      farthest = std::max(farthest, (limit.swingCentre + limit.swingRadii.cwiseProduct(Eigen::Vector2d(std::cos(angle), std::sin(angle)))).norm());
+      farthest = std::max(farthest, (limit.swingCentre + limit.swingRadii.cwiseProduct(Eigen::Vector2d(
+                                                             std::cos(angle), std::sin(angle))))
+                                        .norm());
     }
     EXPECT_LE(farthest, 2.0 * std::sin(75 * degree)) << joint.name;
   }
@@ -101,13 +106,15 @@ double violationOfTurn(const std::string& name, const Eigen::Quaterniond& turn) 
   return limitViolation(figure, q, i);
 }
 
-Eigen::Quaterniond about(const Vector3d& axis, double degrees) { return expRotation(degrees * degree * axis); }
+Eigen::Quaterniond about(const Vector3d& axis, double degrees) {
+  return expRotation(degrees * degree * axis);
+}
 
 TEST(Mannequin, HipsAndSpineBendTheWayABodyDoes) {
   const Vector3d left = Vector3d::UnitX(), forward = Vector3d::UnitZ();
   EXPECT_LE(violationOfTurn("thigh_l", about(left, -90)), 0.0);  // sitting
   EXPECT_LE(violationOfTurn("thigh_r", about(left, -90)), 0.0);
-  EXPECT_GT(violationOfTurn("thigh_l", about(left, 50)), 0.1);   // kicking backwards
+  EXPECT_GT(violationOfTurn("thigh_l", about(left, 50)), 0.1);  // kicking backwards
   EXPECT_LE(violationOfTurn("thigh_l", about(forward, 30)), 0.0);
   EXPECT_GT(violationOfTurn("thigh_l", about(forward, -60)), 0.1);
   EXPECT_LE(violationOfTurn("thigh_r", about(forward, -30)), 0.0);
@@ -128,11 +135,13 @@ double violationOfDirection(const std::string& name, const Vector3d& direction) 
 }
 
 TEST(Mannequin, TheArmReachesUpForwardSidewaysAndAcrossButNotBehind) {
-  for (const Vector3d& d : {Vector3d(0.1, 1, 0.1), Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(0, -1, 0), Vector3d(-0.5, 0, 0.87)})
+  for (const Vector3d& d : {Vector3d(0.1, 1, 0.1), Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(0, -1, 0),
+                            Vector3d(-0.5, 0, 0.87)})
     EXPECT_LE(violationOfDirection("upperarm_l", d), 0.0) << d.transpose();
   EXPECT_GT(violationOfDirection("upperarm_l", {0, 0, -1}), 0.1);
   EXPECT_GT(violationOfDirection("upperarm_l", {-1, 0, -0.3}), 0.1);
-  for (const Vector3d& d : {Vector3d(-0.1, 1, 0.1), Vector3d(-1, 0, 0)}) EXPECT_LE(violationOfDirection("upperarm_r", d), 0.0);
+  for (const Vector3d& d : {Vector3d(-0.1, 1, 0.1), Vector3d(-1, 0, 0)})
+    EXPECT_LE(violationOfDirection("upperarm_r", d), 0.0);
 }
 
 /// Where a joint goes when one angle grows by 20 degrees.
@@ -146,9 +155,9 @@ Vector3d moved(const std::string& turned, int axis, const std::string& seen) {
 
 TEST(Mannequin, PositiveAnglesFlex) {
   for (const std::string side : {"_l", "_r"}) {
-    EXPECT_LT(moved("calf" + side, 0, "foot" + side).z(), -0.1);       // the heel goes back
-    EXPECT_GT(moved("lowerarm" + side, 0, "hand" + side).y(), 0.03);   // the hand rises
-    EXPECT_LT(moved("foot" + side, 0, "toe_end" + side).y(), -0.03);   // the toes point down
+    EXPECT_LT(moved("calf" + side, 0, "foot" + side).z(), -0.1);      // the heel goes back
+    EXPECT_GT(moved("lowerarm" + side, 0, "hand" + side).y(), 0.03);  // the hand rises
+    EXPECT_LT(moved("foot" + side, 0, "toe_end" + side).y(), -0.03);  // the toes point down
     const Skeleton figure = mannequin();
     const Frames rest = restFrames(figure);
     const Vector3d dorsal = rest[figure.jointIndex("hand" + side)].linear().col(1);
@@ -190,7 +199,8 @@ TEST(Mirror, AsymmetricSkeletonsAreRefusedByName) {
 
 TEST(Mirror, SidesAreFoundInTheUsualSpellings) {
   std::vector<Joint> joints{{.name = "hips"}};
-  for (const std::string name : {"LeftArm", "RightArm", "leg.L", "leg.R", "hand_l", "hand_r"}) joints.push_back({.name = name, .parent = 0});
+  for (const std::string name : {"LeftArm", "RightArm", "leg.L", "leg.R", "hand_l", "hand_r"})
+    joints.push_back({.name = name, .parent = 0});
   EXPECT_EQ(mirrorPartners(Skeleton(joints)), (std::vector<int>{0, 2, 1, 4, 3, 6, 5}));
 }
 

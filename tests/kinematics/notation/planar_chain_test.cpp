@@ -50,7 +50,8 @@ TEST(PlanarChain, JacobianEqualsTheSkeletonsAndCentralDifferences) {
     const VectorXd phi = randomAngles(chain, random);
     const Eigen::Matrix2Xd D = jacobian(chain, phi);
     const Skeleton skeleton = toSkeleton(chain);
-    const auto J = pointJacobian(skeleton, phi, forwardKinematics(skeleton, phi), skeleton.jointCount() - 1, {0, 0, 0});
+    const auto J =
+        pointJacobian(skeleton, phi, forwardKinematics(skeleton, phi), skeleton.jointCount() - 1, {0, 0, 0});
     EXPECT_LE((D - J.topRows<2>()).norm(), 1e-12);
     for (int k = 0; k < chain.linkCount(); ++k) {
       const VectorXd step = h * VectorXd::Unit(chain.linkCount(), k);

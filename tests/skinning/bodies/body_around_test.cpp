@@ -33,7 +33,8 @@ void expectBody(const Skeleton& skeleton, const Mesh& mesh, const std::string& w
   EXPECT_GT(enclosedVolume(mesh), 0.0) << what;
   const BodyShape shape = shapeAround(skeleton);
   for (const Bone& bone : bonesOf(skeleton, restFrames(skeleton)))
-    EXPECT_LT(shape.value(bone.from, shape.everywhere()), 0.0) << what << ", " << skeleton.joint(bone.joint).name;
+    EXPECT_LT(shape.value(bone.from, shape.everywhere()), 0.0)
+        << what << ", " << skeleton.joint(bone.joint).name;
 }
 
 TEST(BodyAround, ThePlanarArmGetsAFlatBodyAtItsOwnScale) {
@@ -53,7 +54,8 @@ TEST(BodyAround, ItIsFreeOfUnits) {
   for (Joint& joint : joints) joint.parentFromZero.translation() *= 1.0 / 1024.0;  // exact in binary
   const Mesh small = bodyAround(Skeleton(joints));
   ASSERT_NEAR(small.positions.size(), large.positions.size(), 0.01 * large.positions.size());
-  EXPECT_NEAR(enclosedVolume(small) * std::pow(1024.0, 3), enclosedVolume(large), 1e-3 * enclosedVolume(large));
+  EXPECT_NEAR(enclosedVolume(small) * std::pow(1024.0, 3), enclosedVolume(large),
+              1e-3 * enclosedVolume(large));
 }
 
 TEST(BodyAround, EveryBuiltInRobotGetsAClosedManifoldBody) {

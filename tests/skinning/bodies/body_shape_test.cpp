@@ -13,11 +13,17 @@ namespace {
 using Eigen::Vector3d;
 
 BodyPart cone(const Vector3d& a, const Vector3d& b, double radiusA, double radiusB, int parent = -1) {
-  return {.form = BodyPart::Form::RoundCone, .parent = parent, .a = a, .b = b, .radiusA = radiusA, .radiusB = radiusB};
+  return {.form = BodyPart::Form::RoundCone,
+          .parent = parent,
+          .a = a,
+          .b = b,
+          .radiusA = radiusA,
+          .radiusB = radiusB};
 }
 
 Vector3d randomIn(const Eigen::AlignedBox3d& box, std::mt19937_64& random) {
-  return box.min() + Vector3d(uniform01(random), uniform01(random), uniform01(random)).cwiseProduct(box.sizes());
+  return box.min() +
+         Vector3d(uniform01(random), uniform01(random), uniform01(random)).cwiseProduct(box.sizes());
 }
 
 TEST(BodyShape, RoundConeMeasuresTheDistanceToTheHullOfTwoBalls) {
@@ -51,9 +57,11 @@ TEST(BodyShape, GradientsMatchCentralDifferencesNearTheFiguresSkin) {
       expected[d] = (shape.value(p + h, all) - shape.value(p - h, all)) / 2e-6;
     }
     EXPECT_EQ(sample.value, shape.value(p, all));
-    if ((sample.gradient - expected).norm() > 0.15) ++bad;  // the slope estimate is held constant; kinks of the union
+    if ((sample.gradient - expected).norm() > 0.15)
+      ++bad;  // the slope estimate is held constant; kinks of the union
   }
-  EXPECT_LE(bad, 30) << "of 300";  // 15 with one order of evaluation in randomIn, 20 with the other: other points
+  EXPECT_LE(bad, 30)
+      << "of 300";  // 15 with one order of evaluation in randomIn, 20 with the other: other points
 }
 
 TEST(BodyShape, ARegionSeesTheSameSurfaceAsTheWholeBody) {
@@ -72,8 +80,9 @@ TEST(BodyShape, ARegionSeesTheSameSurfaceAsTheWholeBody) {
 }
 
 TEST(BodyShape, SiblingsBlendTheSameInAnyOrder) {
-  std::vector<BodyPart> parts{cone({0, 0, 0}, {0, 0, 0.1}, 0.3, 0.3), cone({0, 0, 0}, {0.5, 0.3, 0}, 0.2, 0.1, 0),
-                              cone({0, 0, 0}, {0.5, 0, 0}, 0.2, 0.1, 0), cone({0, 0, 0}, {0.5, 0, 0.3}, 0.2, 0.1, 0)};
+  std::vector<BodyPart> parts{
+      cone({0, 0, 0}, {0, 0, 0.1}, 0.3, 0.3), cone({0, 0, 0}, {0.5, 0.3, 0}, 0.2, 0.1, 0),
+      cone({0, 0, 0}, {0.5, 0, 0}, 0.2, 0.1, 0), cone({0, 0, 0}, {0.5, 0, 0.3}, 0.2, 0.1, 0)};
   for (BodyPart& part : parts) part.blend = 0.1, part.siblingBlend = 0.06;
   const BodyShape shape(parts);
   std::swap(parts[1], parts[3]);

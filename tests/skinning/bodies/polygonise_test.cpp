@@ -16,7 +16,8 @@ double smallestAngle(const Mesh& mesh) {
   double least = M_PI;
   for (const auto& t : mesh.triangles)
     for (int k = 0; k < 3; ++k) {
-      const Vector3d a = mesh.positions[t[(k + 1) % 3]] - mesh.positions[t[k]], b = mesh.positions[t[(k + 2) % 3]] - mesh.positions[t[k]];
+      const Vector3d a = mesh.positions[t[(k + 1) % 3]] - mesh.positions[t[k]],
+                     b = mesh.positions[t[(k + 2) % 3]] - mesh.positions[t[k]];
       least = std::min(least, std::atan2(a.cross(b).norm(), a.dot(b)));
     }
   return least;

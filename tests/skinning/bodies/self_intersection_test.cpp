@@ -8,7 +8,8 @@ namespace {
 using Eigen::Vector3d;
 
 TEST(SelfIntersection, CrossingTrianglesAreFoundAndNeighboursAreNot) {
-  const std::vector<Vector3d> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, -1}, {0.2, 0.2, 1}, {0.2, 2, 0}, {1, 1, 0.1}};
+  const std::vector<Vector3d> positions{{0, 0, 0},     {1, 0, 0},   {0, 1, 0},  {0.2, 0.2, -1},
+                                        {0.2, 0.2, 1}, {0.2, 2, 0}, {1, 1, 0.1}};
   EXPECT_EQ(selfIntersections(positions, {{0, 1, 2}, {3, 4, 5}}).size(), 1u);
   EXPECT_EQ(selfIntersections(positions, {{0, 1, 2}, {1, 6, 2}}).size(), 0u);  // share an edge
 }

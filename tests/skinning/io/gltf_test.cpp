@@ -34,7 +34,8 @@ Body randomBody(unsigned seed) {
   SparseWeights weights;
   for (int v = 0; v < 60; ++v) {
     mesh.positions.push_back(2.0 * testing::randomUnit(random));
-    weights.push_back({{static_cast<int>(random() % 8), 0.1 + uniform01(random)}, {static_cast<int>(random() % 8), uniform01(random)}});
+    weights.push_back({{static_cast<int>(random() % 8), 0.1 + uniform01(random)},
+                       {static_cast<int>(random() % 8), uniform01(random)}});
   }
   for (int t = 0; t + 2 < 60; ++t) mesh.triangles.push_back({t, t + 1, t + 2});
   body.skin = bindSkin(mesh, restFrames(body.skeleton), fourLargest(weights, 8));
@@ -46,18 +47,25 @@ Body randomBody(unsigned seed) {
 TEST(Gltf, OutAndInKeepsJointsAndSkinInEveryFrame) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Body body = randomBody(seed);
-    const GltfModel again = parseGltf(formatGlb(body.skeleton, &body.skin, {{"move", body.clip}}), "again.glb");
+    const GltfModel again =
+        parseGltf(formatGlb(body.skeleton, &body.skin, {{"move", body.clip}}), "again.glb");
     ASSERT_EQ(again.clips.size(), 1u);
     ASSERT_TRUE(again.skin);
     EXPECT_EQ(again.clips[0].name, "move");
     EXPECT_NEAR(again.clips[0].clip.framesPerSecond, 24.0, 1e-4);
     ASSERT_EQ(again.clips[0].clip.frameCount(), 7);
     for (int f = 0; f < 7; ++f) {
-      const Frames before = forwardKinematics(body.skeleton, body.clip.q.col(f)), after = forwardKinematics(again.skeleton, again.clips[0].clip.q.col(f));
+      const Frames before = forwardKinematics(body.skeleton, body.clip.q.col(f)),
+                   after = forwardKinematics(again.skeleton, again.clips[0].clip.q.col(f));
       for (int i = 0; i < 8; ++i)
-        EXPECT_LE((before[i].translation() - after[again.skeleton.jointIndex(body.skeleton.joint(i).name)].translation()).norm(), 1e-5) << "seed " << seed;
+        EXPECT_LE((before[i].translation() -
+                   after[again.skeleton.jointIndex(body.skeleton.joint(i).name)].translation())
+                      .norm(),
+                  1e-5)
+            << "seed " << seed;
       const SkinnedVertices a = linearBlendSkin(body.skin, before), b = linearBlendSkin(*again.skin, after);
-      for (std::size_t v = 0; v < a.positions.size(); ++v) EXPECT_LE((a.positions[v] - b.positions[v]).norm(), 1e-5) << "seed " << seed;
+      for (std::size_t v = 0; v < a.positions.size(); ++v)
+        EXPECT_LE((a.positions[v] - b.positions[v]).norm(), 1e-5) << "seed " << seed;
     }
   }
 }
@@ -69,7 +77,8 @@ TEST(Gltf, AnIndependentLoaderSeesTheSameJointsMeshAndKeys) {
   const Body body = randomBody(7);
   const std::string bytes = formatGlb(body.skeleton, &body.skin, {{"move", body.clip}});
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_ValidateDataStructure, "glb");
+  const aiScene* scene =
+      importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_ValidateDataStructure, "glb");
   ASSERT_NE(scene, nullptr) << importer.GetErrorString();
   ASSERT_EQ(scene->mNumMeshes, 1u);
   EXPECT_EQ(scene->mMeshes[0]->mNumVertices, 60u);
@@ -88,7 +97,8 @@ TEST(Gltf, AnIndependentLoaderSeesTheSameJointsMeshAndKeys) {
   const Frames posed = forwardKinematics(body.skeleton, body.clip.q.col(frame));
   for (int i = 0; i < 8; ++i) {
     aiMatrix4x4 world;
-    for (const aiNode* node = scene->mRootNode->FindNode(body.skeleton.joint(i).name.c_str()); node; node = node->mParent) {
+    for (const aiNode* node = scene->mRootNode->FindNode(body.skeleton.joint(i).name.c_str()); node;
+         node = node->mParent) {
       aiMatrix4x4 local = node->mTransformation;
       for (unsigned c = 0; c < scene->mAnimations[0]->mNumChannels; ++c) {
         const aiNodeAnim* channel = scene->mAnimations[0]->mChannels[c];
@@ -115,9 +125,12 @@ TEST(Gltf, CmuWalkOutAndInKeepsEveryJoint) {
   ASSERT_EQ(again.clips[0].clip.frameCount(), clip.frameCount());
   double worst = 0.0;
   for (int f = 0; f < clip.frameCount(); ++f) {
-    const Frames a = forwardKinematics(asf.skeleton, clip.q.col(f)), b = forwardKinematics(again.skeleton, again.clips[0].clip.q.col(f));
+    const Frames a = forwardKinematics(asf.skeleton, clip.q.col(f)),
+                 b = forwardKinematics(again.skeleton, again.clips[0].clip.q.col(f));
     for (int i = 0; i < asf.skeleton.jointCount(); ++i)
-      worst = std::max(worst, (a[i].translation() - b[again.skeleton.jointIndex(asf.skeleton.joint(i).name)].translation()).norm());
+      worst = std::max(
+          worst, (a[i].translation() - b[again.skeleton.jointIndex(asf.skeleton.joint(i).name)].translation())
+                     .norm());
   }
   EXPECT_LE(worst, 1e-5);
   RecordProperty("worst_micrometres", std::to_string(1e6 * worst));
@@ -139,11 +152,17 @@ TEST(Gltf, TrialCharactersAreReadWithSkinAndAnimation) {
 TEST(Gltf, BadInputIsRefused) {
   const std::string head = "{\"asset\":{\"version\":\"2.0\"}";
   const auto buffer = [&](const std::string& rest) {  // 12 zero bytes
-    return head + ",\"buffers\":[{\"byteLength\":12,\"uri\":\"data:application/octet-stream;base64,AAAAAAAAAAAAAAAA\"}]," + rest + "}";
+    return head +
+           ",\"buffers\":[{\"byteLength\":12,\"uri\":\"data:application/"
+           "octet-stream;base64,AAAAAAAAAAAAAAAA\"}]," +
+           rest + "}";
   };
-  const std::string mesh = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]";
-  const auto accessor = [&](const std::string& type, const std::string& count, const std::string& offset, const std::string& length) {
-    return buffer("\"bufferViews\":[{\"buffer\":0,\"byteLength\":" + length + "}],\"accessors\":[{\"bufferView\":0,\"byteOffset\":" + offset +
+  const std::string mesh =
+      "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]";
+  const auto accessor = [&](const std::string& type, const std::string& count, const std::string& offset,
+                            const std::string& length) {
+    return buffer("\"bufferViews\":[{\"buffer\":0,\"byteLength\":" + length +
+                  "}],\"accessors\":[{\"bufferView\":0,\"byteOffset\":" + offset +
                   ",\"componentType\":5126,\"count\":" + count + ",\"type\":\"" + type + "\"}]," + mesh);
   };
   testing::expectRefused(
@@ -155,31 +174,53 @@ TEST(Gltf, BadInputIsRefused) {
           {"binary cut off", std::string("glTF\2\0\0\0\x40\0\0\0", 12), 0, "glTF 2.0"},
           {"binary of version 1", std::string("glTF\1\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0", 20), 0, "glTF 2.0"},
           {"no node", head + "}", 0, "at least one node"},
-          {"child that does not exist", head + ",\"nodes\":[{\"children\":[7]}]}", 0, "children among the 1 nodes, found 7"},
+          {"child that does not exist", head + ",\"nodes\":[{\"children\":[7]}]}", 0,
+           "children among the 1 nodes, found 7"},
           {"negative child", head + ",\"nodes\":[{\"children\":[-2]}]}", 0, ""},
           {"two parents", head + ",\"nodes\":[{\"children\":[2]},{\"children\":[2]},{}]}", 0, "one parent"},
-          {"cycle", head + ",\"nodes\":[{\"children\":[1]},{\"children\":[0]}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}", 0, "cycle"},
-          {"its own child", head + ",\"nodes\":[{\"children\":[0]}],\"scenes\":[{\"nodes\":[0]}]}", 0, "cycle"},
-          {"scene of missing nodes", head + ",\"nodes\":[{}],\"scenes\":[{\"nodes\":[3]}]}", 0, "scene's nodes"},
+          {"cycle",
+           head +
+               ",\"nodes\":[{\"children\":[1]},{\"children\":[0]}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}",
+           0, "cycle"},
+          {"its own child", head + ",\"nodes\":[{\"children\":[0]}],\"scenes\":[{\"nodes\":[0]}]}", 0,
+           "cycle"},
+          {"scene of missing nodes", head + ",\"nodes\":[{}],\"scenes\":[{\"nodes\":[3]}]}", 0,
+           "scene's nodes"},
           {"unequal scale", head + ",\"nodes\":[{\"scale\":[1,2,1]}]}", 0, "unequal scales"},
           {"scale zero", head + ",\"nodes\":[{\"scale\":[0,0,0]}]}", 0, "one positive scale"},
           {"mirror", head + ",\"nodes\":[{\"scale\":[-1,1,1]}]}", 0, "mirror"},
           {"shear", head + ",\"nodes\":[{\"matrix\":[1,0,0,0, 1,1,0,0, 0,0,1,0, 0,0,0,1]}]}", 0, "shear"},
           {"quaternion of length 2", head + ",\"nodes\":[{\"rotation\":[0,0,0,2]}]}", 0, "unit quaternions"},
-          {"huge translation", head + ",\"nodes\":[{\"translation\":[1e308,0,0],\"scale\":[1e300,1e300,1e300],\"children\":[1]},{\"translation\":[1e308,0,0]}]}", 0, ""},
+          {"huge translation",
+           head + ",\"nodes\":[{\"translation\":[1e308,0,0],\"scale\":[1e300,1e300,1e300],\"children\":[1]},{"
+                  "\"translation\":[1e308,0,0]}]}",
+           0, ""},
           {"mesh that does not exist", head + ",\"nodes\":[{\"mesh\":4}]}", 0, "a mesh among 0"},
-          {"skin that does not exist", accessor("VEC3", "1", "0", "12").replace(accessor("VEC3", "1", "0", "12").find("{\"mesh\":0}"), 10, "{\"mesh\":0,\"skin\":3,\"children\":[1]},{}"), 0, "a skin among 0"},
+          {"skin that does not exist",
+           accessor("VEC3", "1", "0", "12")
+               .replace(accessor("VEC3", "1", "0", "12").find("{\"mesh\":0}"), 10,
+                        "{\"mesh\":0,\"skin\":3,\"children\":[1]},{}"),
+           0, "a skin among 0"},
           {"accessor beyond its view", accessor("VEC3", "2", "0", "12"), 0, "2 elements in 12 bytes"},
           {"a billion elements", accessor("VEC3", "1000000000", "0", "12"), 0, "1000000000 elements"},
           {"offset beyond the view", accessor("VEC3", "1", "100", "12"), 0, "elements in 12 bytes"},
           {"view beyond its buffer", accessor("VEC3", "1", "0", "1200"), 0, "a view beyond its buffer"},
           {"positions of two numbers", accessor("VEC2", "1", "0", "12"), 0, "2 components instead of 3"},
           {"one vertex, no triangle", accessor("VEC3", "1", "0", "12"), 0, "three indices a triangle"},
-          {"no positions", head + ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{}}]}]}", 0, "positions in every mesh"},
+          {"no positions",
+           head + ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{}}]}]}", 0,
+           "positions in every mesh"},
           {"accessor that does not exist", head + "," + mesh + "}", 0, "accessor 0"},
-          {"skin with a missing joint", head + ",\"nodes\":[{}],\"skins\":[{\"joints\":[5]}]}", 0, "a skin's joints"},
-          {"animation of a missing node", head + ",\"nodes\":[{}],\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":9,\"path\":\"rotation\"}}],\"samplers\":[{\"input\":0,\"output\":0}]}]}", 0, "an animation's node"},
-          {"animation without its sampler", head + ",\"nodes\":[{}],\"animations\":[{\"channels\":[{\"sampler\":3,\"target\":{\"node\":0,\"path\":\"rotation\"}}],\"samplers\":[]}]}", 0, ""},
+          {"skin with a missing joint", head + ",\"nodes\":[{}],\"skins\":[{\"joints\":[5]}]}", 0,
+           "a skin's joints"},
+          {"animation of a missing node",
+           head + ",\"nodes\":[{}],\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":9,"
+                  "\"path\":\"rotation\"}}],\"samplers\":[{\"input\":0,\"output\":0}]}]}",
+           0, "an animation's node"},
+          {"animation without its sampler",
+           head + ",\"nodes\":[{}],\"animations\":[{\"channels\":[{\"sampler\":3,\"target\":{\"node\":0,"
+                  "\"path\":\"rotation\"}}],\"samplers\":[]}]}",
+           0, ""},
       },
       [](const std::string& text, const std::string& file) { parseGltf(text, file); });
 }

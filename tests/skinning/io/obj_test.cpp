@@ -35,8 +35,10 @@ TEST(Obj, WrittenAndReadAgainIsTheSameToTheLastBit) {
   std::mt19937_64 random(7);
   Mesh mesh;
   for (int v = 0; v < 200; ++v)
-    mesh.positions.push_back(std::pow(10.0, 6.0 * uniform01(random) - 3.0) * Eigen::Vector3d(uniform01(random) - 0.5, uniform01(random), -uniform01(random)));
-  for (int t = 0; t < 300; ++t) mesh.triangles.push_back({int(random() % 200), int(random() % 200), int(random() % 200)});
+    mesh.positions.push_back(std::pow(10.0, 6.0 * uniform01(random) - 3.0) *
+                             Eigen::Vector3d(uniform01(random) - 0.5, uniform01(random), -uniform01(random)));
+  for (int t = 0; t < 300; ++t)
+    mesh.triangles.push_back({int(random() % 200), int(random() % 200), int(random() % 200)});
   const Mesh again = parseObj(formatObj(mesh), "again.obj");
   EXPECT_EQ(again.positions, mesh.positions);
   EXPECT_EQ(again.triangles, mesh.triangles);

@@ -5,15 +5,16 @@
 #include <random>
 
 #include "kinematics/io/pinocchio_skeleton.h"
-#include "skinning/io/obj.h"
 #include "skinning/blend/linear_blend.h"
+#include "skinning/io/obj.h"
 #include "tests/kinematics/io/bad_input.h"
 
 namespace gelenk {
 namespace {
 
 TEST(PinocchioWeights, AColumnBelongsToTheBoneFromTheNextJointToItsParentAndIsCarriedByTheParent) {
-  const Skeleton skeleton = parsePinocchioSkeleton("a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 0 1 0 a\n", "tree.skel");
+  const Skeleton skeleton =
+      parsePinocchioSkeleton("a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 0 1 0 a\n", "tree.skel");
   const BoneWeights bones = parsePinocchioWeights("0.5 0.25 0.25\n0 1 0\r\n\n", "tree.attachment", 3, 2);
   const SparseWeights joints = jointWeights(bones, skeleton);
   // Bones a-b and a-d both turn about joint a.
@@ -29,7 +30,8 @@ TEST(PinocchioWeights, WrittenAndReadAgainIsTheSameToTheLastBit) {
 }
 
 TEST(PinocchioWeights, JointWeightsOnOneBoneAJointSurviveTheWayThroughTheFile) {
-  const Skeleton skeleton = parsePinocchioSkeleton("a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 0 1 0 a\n", "tree.skel");
+  const Skeleton skeleton =
+      parsePinocchioSkeleton("a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 0 1 0 a\n", "tree.skel");
   const SparseWeights weights{{{0, 0.75}, {1, 0.25}}, {{1, 1.0}}};
   EXPECT_EQ(jointWeights(boneWeights(weights, skeleton), skeleton), weights);
 }
@@ -42,26 +44,33 @@ double weightOn(const Influences& in, int joint) {
 }
 
 TEST(PinocchioWeights, ASkinsWeightsComeBackExactly) {
-  const Skeleton skeleton = parsePinocchioSkeleton("a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 3 0 0 c\ne 4 0 0 d\nf 2 1 0 b\ng 3 1 0 f\n", "tree.skel");
+  const Skeleton skeleton = parsePinocchioSkeleton(
+      "a 0 0 0 -1\nb 1 0 0 a\nc 2 0 0 b\nd 3 0 0 c\ne 4 0 0 d\nf 2 1 0 b\ng 3 1 0 f\n", "tree.skel");
   const int inner[] = {0, 1, 2, 3, 5};  // joints with a child
   std::mt19937_64 random(7);
   std::vector<Influences> skin;
   for (int v = 0; v < 500; ++v) {  // edited weights: multiples of 2^-30 with sum 1
-    const int first = static_cast<int>(random() % 5), second = (first + 1 + static_cast<int>(random() % 4)) % 5;
+    const int first = static_cast<int>(random() % 5),
+              second = (first + 1 + static_cast<int>(random() % 4)) % 5;
     const double share = std::ldexp(static_cast<double>(random() % (1u << 30)), -30);
     skin.push_back({{inner[first], inner[second], 0, 0}, {1.0 - share, share, 0.0, 0.0}});
   }
   const std::string text = formatPinocchioWeights(boneWeights(skin, skeleton));
-  const auto again = fourLargest(jointWeights(parsePinocchioWeights(text, "tree.attachment", 6, 500), skeleton), skeleton.jointCount());
+  const auto again = fourLargest(
+      jointWeights(parsePinocchioWeights(text, "tree.attachment", 6, 500), skeleton), skeleton.jointCount());
   for (int v = 0; v < 500; ++v)
-    for (int j = 0; j < skeleton.jointCount(); ++j) EXPECT_EQ(weightOn(again[v], j), weightOn(skin[v], j)) << v << " " << j;
+    for (int j = 0; j < skeleton.jointCount(); ++j)
+      EXPECT_EQ(weightOn(again[v], j), weightOn(skin[v], j)) << v << " " << j;
 
-  const std::vector<Influences> onTip{{{4, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}}};  // a tip has no column: its bone turns about the parent
+  const std::vector<Influences> onTip{
+      {{4, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}}};  // a tip has no column: its bone turns about the parent
   EXPECT_EQ(weightOn(fourLargest(jointWeights(boneWeights(onTip, skeleton), skeleton), 7)[0], 3), 1.0);
 }
 
 TEST(PinocchioWeights, BadInputIsRefusedWithItsLine) {
-  const auto parse = [](const std::string& text, const std::string& file) { parsePinocchioWeights(text, file, 3, 2); };
+  const auto parse = [](const std::string& text, const std::string& file) {
+    parsePinocchioWeights(text, file, 3, 2);
+  };
   testing::expectRefused(
       {
           {"empty", "", 0, "rows of weights, found none"},
@@ -97,7 +106,13 @@ TEST(PinocchioWeights, BadInputIsRefusedWithItsLine) {
           {"bare CR as line end", "1 0 0\r1 0 0\r", 0, "2 rows, one for each vertex of the mesh, found 1"},
           {"zeros and minus zeros", "1 0 0\n-0 0 0\n", 2, "only zeros"},
           {"an OBJ instead", "v 0 0 0\nv 1 0 0\n", 1, "found 4"},
-          {"a million rows", [] { std::string text; for (int k = 0; k < 1000000; ++k) text += "1 0 0\n"; return text; }(), 0, "found 1000000"},
+          {"a million rows",
+           [] {
+             std::string text;
+             for (int k = 0; k < 1000000; ++k) text += "1 0 0\n";
+             return text;
+           }(),
+           0, "found 1000000"},
       },
       parse);
 }
@@ -119,20 +134,26 @@ TEST(PinocchioWeights, RowsThatMissTheMeshesLooseVerticesAreExplained) {
 
 TEST(PinocchioWeights, TrioOfTheSheetSkinsInPlaceAndLosesWhatTheFactsSay) {
   const std::string data = GELENK_DATA_DIR;
-  if (!std::filesystem::exists(data + "/pinocchio/mh_male.attachment.out")) GTEST_SKIP() << "no trial data at " << data;
+  if (!std::filesystem::exists(data + "/pinocchio/mh_male.attachment.out"))
+    GTEST_SKIP() << "no trial data at " << data;
   const Mesh mesh = readObj(data + "/characters/makehuman/mh_male.obj");
   const Skeleton skeleton = readPinocchioSkeleton(data + "/pinocchio/mh_male.skeleton.out");
-  const BoneWeights bones = readPinocchioWeights(data + "/pinocchio/mh_male.attachment.out", skeleton.jointCount() - 1, mesh);
+  const BoneWeights bones =
+      readPinocchioWeights(data + "/pinocchio/mh_male.attachment.out", skeleton.jointCount() - 1, mesh);
   EXPECT_TRUE(topology(mesh).closed());
   EXPECT_TRUE(topology(mesh).manifold());
-  for (Eigen::Index v = 0; v < bones.rows(); ++v) EXPECT_NEAR(bones.row(v).sum(), 1.0, 4.1e-4);  // four decimals, 17 columns
+  for (Eigen::Index v = 0; v < bones.rows(); ++v)
+    EXPECT_NEAR(bones.row(v).sum(), 1.0, 4.1e-4);  // four decimals, 17 columns
   WeightLoss loss;
-  const Skin skin = bindSkin(mesh, restFrames(skeleton), fourLargest(jointWeights(bones, skeleton), skeleton.jointCount(), &loss));
-  // 0.7-3.6 % mean and 19-52 % at most were measured over several bodies, before bones of one joint are joined.
+  const Skin skin = bindSkin(mesh, restFrames(skeleton),
+                             fourLargest(jointWeights(bones, skeleton), skeleton.jointCount(), &loss));
+  // 0.7-3.6 % mean and 19-52 % at most were measured over several bodies, before bones of one joint are
+  // joined.
   EXPECT_LT(loss.mean, 0.036);
   EXPECT_LT(loss.max, 0.52);
   const SkinnedVertices rest = linearBlendSkin(skin, restFrames(skeleton));
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) ASSERT_LE((rest.positions[v] - mesh.positions[v]).norm(), 1e-14);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+    ASSERT_LE((rest.positions[v] - mesh.positions[v]).norm(), 1e-14);
 }
 
 }  // namespace

@@ -12,14 +12,18 @@ namespace gelenk {
 namespace {
 
 Skin tetrahedronSkin() {
-  Mesh mesh{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}, .normals = {}};
+  Mesh mesh{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+            .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}},
+            .normals = {}};
   std::mt19937_64 random(4);
   const Skeleton skeleton = testing::randomSkeleton(random, 3);
-  return bindSkin(mesh, restFrames(skeleton), fourLargest({{{0, 1.0}}, {{1, 0.5}, {2, 0.5}}, {{2, 1.0}}, {{1, 1.0}}}, 3));
+  return bindSkin(mesh, restFrames(skeleton),
+                  fourLargest({{{0, 1.0}}, {{1, 0.5}, {2, 0.5}}, {{2, 1.0}}, {{1, 1.0}}}, 3));
 }
 
 struct SkinCache : ::testing::Test {
-  std::string folder = (std::filesystem::temp_directory_path() / ("gelenk-cache-" + std::to_string(getpid()))).string();
+  std::string folder =
+      (std::filesystem::temp_directory_path() / ("gelenk-cache-" + std::to_string(getpid()))).string();
   std::string path = folder + "/body.skin";
   void SetUp() override { std::filesystem::create_directories(folder); }
   void TearDown() override { std::filesystem::remove_all(folder); }
@@ -34,7 +38,8 @@ TEST_F(SkinCache, ASkinComesBackToTheLastBit) {
   EXPECT_EQ(back->mesh.normals, skin.mesh.normals);
   EXPECT_EQ(back->mesh.triangles, skin.mesh.triangles);
   for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(back->influences[v].weights, skin.influences[v].weights);
-  for (int j = 0; j < 3; ++j) EXPECT_EQ(back->jointFromRestWorld[j].matrix(), skin.jointFromRestWorld[j].matrix());
+  for (int j = 0; j < 3; ++j)
+    EXPECT_EQ(back->jointFromRestWorld[j].matrix(), skin.jointFromRestWorld[j].matrix());
 }
 
 TEST_F(SkinCache, EveryDamagedByteAndEveryCutIsNoticed) {

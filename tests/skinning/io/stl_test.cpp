@@ -10,8 +10,10 @@
 namespace gelenk {
 namespace {
 
-const std::string facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
-const std::string facet2 = "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 -0\nendloop\nendfacet\n";
+const std::string facet =
+    "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+const std::string facet2 =
+    "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 -0\nendloop\nendfacet\n";
 
 std::string binary(std::uint32_t count, const std::vector<float>& corners) {
   std::string bytes(80, ' ');
@@ -46,14 +48,18 @@ TEST(Stl, BadInputIsRefused) {
           {"only points", binary(1, {0, 0, 0, 0, 0, 0, 0, 0, 0}), 0, "at least one triangle"},
           {"text without triangles", "solid a\nendsolid a\n", 0, "at least one triangle"},
           {"text cut off", "solid a\n" + facet, 8, "'facet', found the end"},
-          {"two corners", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", 6, "'vertex'"},
+          {"two corners", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", 6,
+           "'vertex'"},
           {"a word", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 x 0\n", 4, "'x'"},
           {"one byte", "s", 0, "84 bytes, found 1 bytes"},
           {"a byte short of a head", std::string(83, ' '), 0, "84 bytes, found 83 bytes"},
-          {"cut in a triangle", binary(1, {0, 0, 0, 1, 0, 0, 0, 1, 0}).substr(0, 120), 0, "1 triangles of 50 bytes, found 36 bytes"},
-          {"one triangle more than there is", binary(2, {0, 0, 0, 1, 0, 0, 0, 1, 0}), 0, "2 triangles of 50 bytes, found 50 bytes"},
+          {"cut in a triangle", binary(1, {0, 0, 0, 1, 0, 0, 0, 1, 0}).substr(0, 120), 0,
+           "1 triangles of 50 bytes, found 36 bytes"},
+          {"one triangle more than there is", binary(2, {0, 0, 0, 1, 0, 0, 0, 1, 0}), 0,
+           "2 triangles of 50 bytes, found 50 bytes"},
           {"infinite", binary(1, {0, 0, 0, infinite, 0, 0, 0, 1, 0}), 0, "NaN or infinity in triangle 0"},
-          {"minus infinite in the second", binary(2, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, -infinite, 0, 0, 0, 1, 0}), 0, "in triangle 1"},
+          {"minus infinite in the second",
+           binary(2, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, -infinite, 0, 0, 0, 1, 0}), 0, "in triangle 1"},
           {"only lines", binary(1, {0, 0, 0, 1, 0, 0, 1, 0, 0}), 0, "at least one triangle"},
           {"another binary", "glTF" + std::string(96, '\xff'), 0, "4294967295 triangles"},
           {"solid alone", "solid", 1, "'facet', found the end"},
@@ -61,16 +67,19 @@ TEST(Stl, BadInputIsRefused) {
           {"cut off, in upper case", "SOLID a\n" + facet, 8, "'facet', found the end"},
           {"no facet", "solid a\nouter loop\n", 2, "'facet', found 'outer'"},
           {"no normal", "solid a\nfacet 0 0 1\n", 2, "'normal', found '0'"},
-          {"two loops", head + "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nouter loop\n", 8, "'endfacet', found 'outer'"},
+          {"two loops", head + "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nouter loop\n", 8,
+           "'endfacet', found 'outer'"},
           {"no loop", "solid a\nfacet normal 0 0 1\nvertex 0 0 0\n", 3, "'outer', found 'vertex'"},
-          {"four corners", head + "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 2 0\n", 7, "'endloop', found 'vertex'"},
+          {"four corners", head + "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 2 0\n", 7,
+           "'endloop', found 'vertex'"},
           {"two coordinates", head + "vertex 0 0\nvertex 1 0 0\n", 5, "a finite number, found 'vertex'"},
           {"four coordinates", head + "vertex 0 0 0 1\n", 4, "'vertex', found '1'"},
           {"infinite in text", head + "vertex inf 0 0\n", 4, "'inf'"},
           {"overflow in text", head + "vertex 0 0 0\nvertex 1e309 0 0\n", 5, "'1e309'"},
           {"decimal comma", head + "vertex 0,5 0 0\n", 4, "'0,5'"},
           {"a second solid", "solid a\n" + facet + "solid b\n", 9, "'facet', found 'solid'"},
-          {"mixed case and CRLF keep line numbers", "solid a\r\nFacet Normal 0 0 1\r\nOUTER Loop\r\nVertex 0 y 0\r\n", 4, "'y'"},
+          {"mixed case and CRLF keep line numbers",
+           "solid a\r\nFacet Normal 0 0 1\r\nOUTER Loop\r\nVertex 0 y 0\r\n", 4, "'y'"},
           {"NaN in text", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 nan 0\n", 4, "'nan'"},
       },
       [](const std::string& text, const std::string& file) { parseStl(text, file); });
@@ -82,7 +91,8 @@ TEST(UrdfBody, RobotsCarryTheirMeshesInMetres) {
   const UrdfModel kuka = openUrdf(folder + "kuka_iiwa/model.urdf");
   ASSERT_TRUE(kuka.skin);
   EXPECT_NEAR(bodySize(kuka.skin->mesh), 1.3, 0.3);  // metres: the arm is 1.3 m tall when upright
-  const UrdfModel panda = openUrdf(folder + "panda/urdf/panda.urdf");  // Collada is not read: collision geometry instead
+  const UrdfModel panda =
+      openUrdf(folder + "panda/urdf/panda.urdf");  // Collada is not read: collision geometry instead
   ASSERT_TRUE(panda.skin);
   EXPECT_NEAR(bodySize(panda.skin->mesh), 1.2, 0.3);
 }

@@ -57,10 +57,12 @@ TEST(MuscleControl, VolumeIsQuadraticInTheCommonScale) {
   const LimbFrames frames = limbFrames(f.rig.body().limbs[0], f.bent(100));
   const auto states = muscleStates(f.rig.body().limbs[0], frames, f.rig.controls()[0]);
   const auto volume = [&](double s) {
-    return limbVolume(f.rig.body(), f.rig.surface(0), f.bent(100), poseLimb(f.rig.body().limbs[0].shape, frames, scaled(states, s)));
+    return limbVolume(f.rig.body(), f.rig.surface(0), f.bent(100),
+                      poseLimb(f.rig.body().limbs[0].shape, frames, scaled(states, s)));
   };
   const double thirdDifference = volume(1.3) - 3.0 * volume(1.1) + 3.0 * volume(0.9) - volume(0.7);
-  EXPECT_LE(std::abs(thirdDifference), 1e-10 * volume(1.0));  // thousands of triple products cancel to the volume
+  EXPECT_LE(std::abs(thirdDifference),
+            1e-10 * volume(1.0));  // thousands of triple products cancel to the volume
 }
 
 TEST(MuscleControl, FlexorSwellsTheInsideAndActivationContractsWithoutMotion) {
@@ -71,7 +73,8 @@ TEST(MuscleControl, FlexorSwellsTheInsideAndActivationContractsWithoutMotion) {
   EXPECT_GT(bent[0].plane2.stretch(0, 0), 1.0);
   EXPECT_GT(bent[0].plane2.offset.x(), 0.0);
   f.rig.controls()[0].activation = 1.0;
-  const auto active = muscleStates(f.rig.body().limbs[0], limbFrames(f.rig.body().limbs[0], f.rest), f.rig.controls()[0]);
+  const auto active =
+      muscleStates(f.rig.body().limbs[0], limbFrames(f.rig.body().limbs[0], f.rest), f.rig.controls()[0]);
   EXPECT_GT(active[0].plane2.stretch(0, 0), 1.0);
 }
 

@@ -19,7 +19,9 @@ struct RandomLimb {
   std::vector<MuscleState> muscles;
 };
 
-double uniform(std::mt19937_64& random, double lower, double upper) { return lower + (upper - lower) * uniform01(random); }
+double uniform(std::mt19937_64& random, double lower, double upper) {
+  return lower + (upper - lower) * uniform01(random);
+}
 
 RandomLimb randomLimb(std::mt19937_64& random) {
   const int links = 2 + static_cast<int>(random() % 3);
@@ -36,7 +38,8 @@ RandomLimb randomLimb(std::mt19937_64& random) {
     limb.frames.joints.push_back(limb.frames.joints.back() + lengths[i] * R.col(2));
     if (i + 1 == links) break;
     const double side = uniform(random, 0.0, 2.0 * M_PI);
-    const AngleAxisd swing(uniform(random, 0.0, 150.0 * M_PI / 180.0), Vector3d(std::cos(side), std::sin(side), 0.0));
+    const AngleAxisd swing(uniform(random, 0.0, 150.0 * M_PI / 180.0),
+                           Vector3d(std::cos(side), std::sin(side), 0.0));
     const AngleAxisd twist(uniform(random, -170.0, 170.0) * M_PI / 180.0, Vector3d::UnitZ());
     limb.frames.rotations.push_back(R * swing * twist);
   }
@@ -52,14 +55,17 @@ RandomLimb randomLimb(std::mt19937_64& random) {
   return limb;
 }
 
-/// Largest jump of position and of the three first derivatives between volume v at w = 1 and volume v + 1 at w = 0.
+/// Largest jump of position and of the three first derivatives between volume v at w = 1 and volume v + 1 at
+/// w = 0.
 double seamJump(const LimbPose& pose) {
   double worst = 0.0;
   for (int v = 0; v + 1 < pose.volumeCount(); ++v)
-    for (const Vector2d& uv : {Vector2d(0.1, 0.2), Vector2d(0.5, 0.5), Vector2d(0.9, 0.3), Vector2d(0.0, 1.0)}) {
+    for (const Vector2d& uv :
+         {Vector2d(0.1, 0.2), Vector2d(0.5, 0.5), Vector2d(0.9, 0.3), Vector2d(0.0, 1.0)}) {
       const FfdSample before = pose.lattice(v).evaluate({uv.x(), uv.y(), 1.0});
       const FfdSample after = pose.lattice(v + 1).evaluate({uv.x(), uv.y(), 0.0});
-      worst = std::max({worst, (before.position - after.position).norm(), (before.derivatives - after.derivatives).norm()});
+      worst = std::max({worst, (before.position - after.position).norm(),
+                        (before.derivatives - after.derivatives).norm()});
     }
   return worst;
 }
@@ -87,7 +93,8 @@ TEST(MuscleLayer, EachOfTheTwoConstraintsIsNeeded) {
   std::mt19937_64 random(3);
   const RandomLimb limb = randomLimb(random);
   LimbPose unequalRatio = poseLimb(limb.shape, limb.frames, limb.muscles);
-  unequalRatio.planes[7].origin += 0.01 * (unequalRatio.planes[7].origin - unequalRatio.planes[6].origin);  // plane 1'
+  unequalRatio.planes[7].origin +=
+      0.01 * (unequalRatio.planes[7].origin - unequalRatio.planes[6].origin);  // plane 1'
   EXPECT_GT(seamJump(unequalRatio), 1e-4);
   LimbPose unevenInner = poseLimb(limb.shape, limb.frames, limb.muscles);
   unevenInner.planes[3].origin += Vector3d(0.001, 0.0, 0.0);  // plane 3 off the middle of 2 and 4
@@ -135,7 +142,8 @@ TEST(MuscleLayer, RigidMotionCommutes) {
     LimbFrames moved = limb.frames;
     for (Vector3d& joint : moved.joints) joint = motion * joint;
     for (Matrix3d& R : moved.rotations) R = motion.linear() * R;
-    const LimbPose here = poseLimb(limb.shape, limb.frames, limb.muscles), there = poseLimb(limb.shape, moved, limb.muscles);
+    const LimbPose here = poseLimb(limb.shape, limb.frames, limb.muscles),
+                   there = poseLimb(limb.shape, moved, limb.muscles);
     for (int v = 0; v < here.volumeCount(); ++v) {
       const Vector3d uvw(uniform01(random), uniform01(random), uniform01(random));
       EXPECT_LE((motion * here.evaluate(v, uvw).position - there.evaluate(v, uvw).position).norm(), 1e-12);
@@ -146,7 +154,8 @@ TEST(MuscleLayer, RigidMotionCommutes) {
 TEST(MuscleLayer, MusclesLeaveTheOuterPlanesAndTheirTangentsFixed) {
   std::mt19937_64 random(7);
   const RandomLimb limb = randomLimb(random);
-  const LimbPose with = poseLimb(limb.shape, limb.frames, limb.muscles), without = poseLimb(limb.shape, limb.frames);
+  const LimbPose with = poseLimb(limb.shape, limb.frames, limb.muscles),
+                 without = poseLimb(limb.shape, limb.frames);
   for (int v = 0; v < with.volumeCount(); ++v) {
     const Vector3d uvw(0.3, 0.8, v % 2 == 0 ? 0.0 : 1.0);  // plane 0 or plane 6 of the link
     EXPECT_LE((with.evaluate(v, uvw).position - without.evaluate(v, uvw).position).norm(), 1e-15);
@@ -159,13 +168,20 @@ TEST(MuscleLayer, EndsJoinTheRigidBodyWithEqualPositionAndTangent) {
   for (int i = 0; i < 100; ++i) {
     const RandomLimb limb = randomLimb(random);
     const LimbPose pose = poseLimb(limb.shape, limb.frames, limb.muscles);
-    const Vector2d uv(0.2, 0.7), p = limb.shape.sectionLower + uv.cwiseProduct(limb.shape.sectionUpper - limb.shape.sectionLower);
+    const Vector2d uv(0.2, 0.7),
+        p = limb.shape.sectionLower + uv.cwiseProduct(limb.shape.sectionUpper - limb.shape.sectionLower);
     const FfdSample near = pose.evaluate(0, {uv.x(), uv.y(), 0.0});
     EXPECT_LE((near.position - pose.worldFromNearEnd * Vector3d(p.x(), p.y(), 0.0)).norm(), 1e-13);
-    EXPECT_LE((near.derivatives.col(2) / (3.0 * limb.shape.links.front().nearGap) - pose.worldFromNearEnd.linear().col(2)).norm(), 1e-12);
+    EXPECT_LE((near.derivatives.col(2) / (3.0 * limb.shape.links.front().nearGap) -
+               pose.worldFromNearEnd.linear().col(2))
+                  .norm(),
+              1e-12);
     const FfdSample far = pose.evaluate(pose.volumeCount() - 1, {uv.x(), uv.y(), 1.0});
     EXPECT_LE((far.position - pose.worldFromFarEnd * Vector3d(p.x(), p.y(), 0.0)).norm(), 1e-13);
-    EXPECT_LE((far.derivatives.col(2) / (3.0 * limb.shape.links.back().farGap) - pose.worldFromFarEnd.linear().col(2)).norm(), 1e-12);
+    EXPECT_LE((far.derivatives.col(2) / (3.0 * limb.shape.links.back().farGap) -
+               pose.worldFromFarEnd.linear().col(2))
+                  .norm(),
+              1e-12);
   }
 }
 
@@ -203,14 +219,27 @@ TEST(MuscleLayer, ImpossibleProportionsAreNamed) {
   };
   const double nan = std::nan("");
   EXPECT_EQ(changed([](LimbShape&) {}), "accepted");
-  EXPECT_NE(changed([](LimbShape& s) { s.links[0].farGap *= 0.5; }).find("link 1 of the limb violates nearGap equal to farGap"), std::string::npos);
-  EXPECT_NE(changed([](LimbShape& s) { s.links[1].inner = 0.2; }).find("link 1 of the limb violates 0 < nearGap < middle - inner"), std::string::npos);
-  EXPECT_NE(changed([](LimbShape& s) { s.links[0].inner = 0.0; }).find("link 0 of the limb violates inner > 0"), std::string::npos);
-  EXPECT_NE(changed([](LimbShape& s) { s.links[0].length = 0.0; }).find("link 0 of the limb violates length > 0"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) {
+              s.links[0].farGap *= 0.5;
+            }).find("link 1 of the limb violates nearGap equal to farGap"),
+            std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) {
+              s.links[1].inner = 0.2;
+            }).find("link 1 of the limb violates 0 < nearGap < middle - inner"),
+            std::string::npos);
+  EXPECT_NE(
+      changed([](LimbShape& s) { s.links[0].inner = 0.0; }).find("link 0 of the limb violates inner > 0"),
+      std::string::npos);
+  EXPECT_NE(
+      changed([](LimbShape& s) { s.links[0].length = 0.0; }).find("link 0 of the limb violates length > 0"),
+      std::string::npos);
   EXPECT_NE(changed([=](LimbShape& s) { s.links[0].middle = nan; }).find("link 0"), std::string::npos);
-  EXPECT_NE(changed([](LimbShape& s) { setJointGap(s, 0.45); }).find("middle + inner < length - farGap"), std::string::npos);
-  EXPECT_NE(changed([](LimbShape& s) { s.sectionUpper = s.sectionLower; }).find("rectangle is empty"), std::string::npos);
-  EXPECT_NE(changed([=](LimbShape& s) { s.sectionUpper.x() = nan; }).find("rectangle is empty"), std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { setJointGap(s, 0.45); }).find("middle + inner < length - farGap"),
+            std::string::npos);
+  EXPECT_NE(changed([](LimbShape& s) { s.sectionUpper = s.sectionLower; }).find("rectangle is empty"),
+            std::string::npos);
+  EXPECT_NE(changed([=](LimbShape& s) { s.sectionUpper.x() = nan; }).find("rectangle is empty"),
+            std::string::npos);
   EXPECT_NE(changed([](LimbShape& s) { s.wedge = 0.5; }).find("[0, 1/2)"), std::string::npos);
 }
 
@@ -223,7 +252,8 @@ TEST(MuscleLayer, AWrongNumberOfDisplacedPointsIsNamed) {
     poseLimb(shape, frames, {muscle});
     ADD_FAILURE() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("15 displaced control points, expected 16"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("15 displaced control points, expected 16"), std::string::npos)
+        << error.what();
   }
 }
 

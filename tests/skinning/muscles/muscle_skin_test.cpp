@@ -23,7 +23,8 @@ TEST(MuscleSkin, RestPoseIsTheIdentityHoweverTheRigRests) {
     skinWithMuscles(body, rest, poseLimbs(body, rest), out);
     const double limb = 0.55;
     for (std::size_t v = 0; v < out.positions.size(); ++v) {
-      EXPECT_LE((out.positions[v] - body.skin.mesh.positions[v]).norm(), 1e-12 * limb) << degrees << " vertex " << v;
+      EXPECT_LE((out.positions[v] - body.skin.mesh.positions[v]).norm(), 1e-12 * limb)
+          << degrees << " vertex " << v;
       EXPECT_LE((out.normals[v] - body.skin.mesh.normals[v]).norm(), 1e-10);
     }
   }
@@ -74,8 +75,8 @@ TEST(MuscleSkin, AxialTwistOfTheShoulderIsSpreadAndDoesNotCollapseTheUpperArm) {
 
 /// Four joints in a row, the last at the given place seen from the one before.
 Skeleton chain(const Vector3d& last, const Vector3d& hingeAxis) {
-  std::vector<Joint> joints{Joint{.name = "root"}, Joint{.name = "hip", .parent = 0}, Joint{.name = "knee", .parent = 1},
-                            Joint{.name = "ankle", .parent = 2}};
+  std::vector<Joint> joints{Joint{.name = "root"}, Joint{.name = "hip", .parent = 0},
+                            Joint{.name = "knee", .parent = 1}, Joint{.name = "ankle", .parent = 2}};
   joints[2].parentFromZero.translation() << 0.0, 0.0, 0.4;
   joints[3].parentFromZero.translation() = last;
   if (hingeAxis.norm() > 0.0) joints[2].axes.push_back({AxisDof::Kind::Rotation, hingeAxis, 0.0, 2.0});
@@ -96,8 +97,10 @@ TEST(MuscleSkin, LimbsThatCannotBeAreNamed) {
   EXPECT_EQ(complaint(chain(below, y), {1}), "limb 'leg' needs at least two joints");
   EXPECT_EQ(complaint(chain(below, y), {1, 3}), "limb 'leg': joint 'ankle' is no child of 'hip'");
   EXPECT_EQ(complaint(chain(below, y), {1, 9}), "limb 'leg' names joint 9, which does not exist");
-  EXPECT_EQ(complaint(chain(Vector3d::Zero(), y), {1, 2, 3}), "limb 'leg': the link from 'knee' to 'ankle' has no length");
-  EXPECT_EQ(complaint(chain(below, Vector3d::UnitZ()), {1, 2, 3}), "limb 'leg': the bend axis runs along a bone");
+  EXPECT_EQ(complaint(chain(Vector3d::Zero(), y), {1, 2, 3}),
+            "limb 'leg': the link from 'knee' to 'ankle' has no length");
+  EXPECT_EQ(complaint(chain(below, Vector3d::UnitZ()), {1, 2, 3}),
+            "limb 'leg': the bend axis runs along a bone");
   EXPECT_EQ(complaint(chain(below, Vector3d::Zero()), {1, 2, 3}),
             "the limb of joint 'hip' rests straight and has no hinge: its bend axis must be given");
 }

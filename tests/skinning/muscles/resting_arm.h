@@ -10,7 +10,8 @@ namespace gelenk::testing {
 /// Shoulder ball, elbow hinge about y, wrist ball; upper arm along z, elbow resting bent by restBend.
 inline Skeleton arm(double restBend) {
   std::vector<Joint> joints{Joint{.name = "chest"}, Joint{.name = "shoulder", .parent = 0, .ball = true},
-                            Joint{.name = "elbow", .parent = 1}, Joint{.name = "wrist", .parent = 2, .ball = true}};
+                            Joint{.name = "elbow", .parent = 1},
+                            Joint{.name = "wrist", .parent = 2, .ball = true}};
   joints[1].parentFromZero.translation() << 0.1, 0.2, 0.0;
   joints[2].parentFromZero.translation() << 0.0, 0.0, 0.30;
   joints[2].axes.push_back({AxisDof::Kind::Rotation, Eigen::Vector3d::UnitY(), 0.0, 2.6});

@@ -26,7 +26,8 @@ double weightOf(const std::vector<std::pair<int, double>>& row, int joint) {
 
 /// A straight bar along z from -1 to 1, radius 0.1.
 Mesh bar() {
-  BodyPart part{.form = BodyPart::Form::RoundCone, .a = {0, 0, -1}, .b = {0, 0, 1}, .radiusA = 0.1, .radiusB = 0.1};
+  BodyPart part{
+      .form = BodyPart::Form::RoundCone, .a = {0, 0, -1}, .b = {0, 0, 1}, .radiusA = 0.1, .radiusB = 0.1};
   return polygonise(BodyShape({part}), {.cell = 0.03});
 }
 
@@ -63,22 +64,25 @@ TEST(BoneHeat, UnweldedOpenAndBrokenMeshesKeepTheirOrderAndEveryVertexIsWeighted
   Mesh soup;  // every triangle on its own
   std::vector<int> source;
   for (const auto& t : whole.triangles) {
-    soup.triangles.push_back({static_cast<int>(source.size()), static_cast<int>(source.size()) + 1, static_cast<int>(source.size()) + 2});
+    soup.triangles.push_back({static_cast<int>(source.size()), static_cast<int>(source.size()) + 1,
+                              static_cast<int>(source.size()) + 2});
     for (const int v : t) source.push_back(v), soup.positions.push_back(whole.positions[v]);
   }
   const SparseWeights soupWeights = boneHeatWeights(soup, twoBones);
   ASSERT_EQ(soupWeights.size(), source.size());
   for (std::size_t v = 0; v < source.size(); ++v)
-    EXPECT_NEAR(weightOf(soupWeights[v], 0), weightOf(expected[source[v]], 0), 1e-9);  // another order of elimination
+    EXPECT_NEAR(weightOf(soupWeights[v], 0), weightOf(expected[source[v]], 0),
+                1e-9);  // another order of elimination
 
   Mesh broken = whole;
-  broken.triangles.resize(broken.triangles.size() - 20);            // a hole
-  std::swap(broken.triangles[5][0], broken.triangles[5][1]);        // a flipped face
-  broken.triangles.push_back({3, 3, 4});                            // degenerate
-  broken.triangles.push_back(broken.triangles[7]);                  // twice: not manifold
-  broken.positions.emplace_back(0.0, 0.5, 0.5);                     // loose
-  const int apart = static_cast<int>(broken.positions.size());      // a second component
-  for (const Vector3d& p : {Vector3d(0.3, 0, -0.5), Vector3d(0.3, 0.1, -0.5), Vector3d(0.3, 0, -0.4)}) broken.positions.push_back(p);
+  broken.triangles.resize(broken.triangles.size() - 20);        // a hole
+  std::swap(broken.triangles[5][0], broken.triangles[5][1]);    // a flipped face
+  broken.triangles.push_back({3, 3, 4});                        // degenerate
+  broken.triangles.push_back(broken.triangles[7]);              // twice: not manifold
+  broken.positions.emplace_back(0.0, 0.5, 0.5);                 // loose
+  const int apart = static_cast<int>(broken.positions.size());  // a second component
+  for (const Vector3d& p : {Vector3d(0.3, 0, -0.5), Vector3d(0.3, 0.1, -0.5), Vector3d(0.3, 0, -0.4)})
+    broken.positions.push_back(p);
   broken.triangles.push_back({apart, apart + 1, apart + 2});
   const SparseWeights weights = boneHeatWeights(broken, twoBones);
   expectPartition(weights);
@@ -87,11 +91,24 @@ TEST(BoneHeat, UnweldedOpenAndBrokenMeshesKeepTheirOrderAndEveryVertexIsWeighted
 }
 
 TEST(BoneHeat, ABoneBesideTheBodyDoesNotTakeHoldOfItThroughTheAir) {
-  // A bar of radius 0.1 and another one beside it, 0.05 away, joined by a bow at the far end. The surface of the thick one
-  // between the two is nearer to the thin one's bone than to its own.
-  std::vector<BodyPart> parts{{.form = BodyPart::Form::RoundCone, .a = {0, 0, 0}, .b = {0, 0, 2}, .radiusA = 0.3, .radiusB = 0.3},
-                              {.form = BodyPart::Form::RoundCone, .parent = 0, .blend = 0.01, .a = {0, 0, 2}, .b = {0.42, 0, 2}, .radiusA = 0.1, .radiusB = 0.05},
-                              {.form = BodyPart::Form::RoundCone, .parent = 1, .blend = 0.01, .a = {0.42, 0, 2}, .b = {0.42, 0, 0}, .radiusA = 0.05, .radiusB = 0.05}};
+  // A bar of radius 0.1 and another one beside it, 0.05 away, joined by a bow at the far end. The surface of
+  // the thick one between the two is nearer to the thin one's bone than to its own.
+  std::vector<BodyPart> parts{
+      {.form = BodyPart::Form::RoundCone, .a = {0, 0, 0}, .b = {0, 0, 2}, .radiusA = 0.3, .radiusB = 0.3},
+      {.form = BodyPart::Form::RoundCone,
+       .parent = 0,
+       .blend = 0.01,
+       .a = {0, 0, 2},
+       .b = {0.42, 0, 2},
+       .radiusA = 0.1,
+       .radiusB = 0.05},
+      {.form = BodyPart::Form::RoundCone,
+       .parent = 1,
+       .blend = 0.01,
+       .a = {0.42, 0, 2},
+       .b = {0.42, 0, 0},
+       .radiusA = 0.05,
+       .radiusB = 0.05}};
   const Mesh mesh = polygonise(BodyShape(parts), {.cell = 0.025});
   const std::vector<Bone> bones{{0, {0, 0, 0}, {0, 0, 2}}, {1, {0.42, 0, 2}, {0.42, 0, 0}}};
   const SparseWeights weights = boneHeatWeights(mesh, bones);
@@ -137,7 +154,8 @@ TEST(MannequinSkin, WeightsAreSymmetricSmoothAndDoNotLeakBetweenLegsOrFingers) {
   }
   const auto weight = [&](int v, int joint) {
     double sum = 0.0;
-    for (int k = 0; k < 4; ++k) sum += skin.influences[v].joints[k] == joint ? skin.influences[v].weights[k] : 0.0;
+    for (int k = 0; k < 4; ++k)
+      sum += skin.influences[v].joints[k] == joint ? skin.influences[v].weights[k] : 0.0;
     return sum;
   };
   const auto sumOf = [&](int v, const std::string& part, const std::string& side) {
@@ -154,11 +172,13 @@ TEST(MannequinSkin, WeightsAreSymmetricSmoothAndDoNotLeakBetweenLegsOrFingers) {
     for (int k = 0; k < 4; ++k) {
       const double w = skin.influences[v].weights[k];
       const double mirrored = weight(image, jointPartner[skin.influences[v].joints[k]]);
-      EXPECT_TRUE(w == 0.0 || std::abs(mirrored - w) < 1e-12) << p.transpose() << ": " << w << " " << mirrored;
+      EXPECT_TRUE(w == 0.0 || std::abs(mirrored - w) < 1e-12)
+          << p.transpose() << ": " << w << " " << mirrored;
     }
     if (p.y() < 0.65 && std::abs(p.x()) < 0.35) {  // a leg, a hand below the crotch
       const std::string other = p.x() > 0.0 ? "_r" : "_l";
-      for (const char* part : {"thigh", "calf", "foot", "ball"}) EXPECT_LT(sumOf(v, part, other), 3e-3) << p.transpose();
+      for (const char* part : {"thigh", "calf", "foot", "ball"})
+        EXPECT_LT(sumOf(v, part, other), 3e-3) << p.transpose();
     }
     const std::vector<std::string> fingers{"thumb_03", "index_03", "middle_03", "ring_03", "pinky_03"};
     for (const std::string& finger : fingers) {  // a finger tip belongs to its own finger
@@ -169,14 +189,16 @@ TEST(MannequinSkin, WeightsAreSymmetricSmoothAndDoNotLeakBetweenLegsOrFingers) {
       }
     }
   }
-  // Smooth: along an edge of 8-12 mm of body and limbs no weight changes by more than 0.3; fingers, 5 mm thick, turn over
-  // within two edges of 4 mm.
+  // Smooth: along an edge of 8-12 mm of body and limbs no weight changes by more than 0.3; fingers, 5 mm
+  // thick, turn over within two edges of 4 mm.
   double steepest = 0.0, steepestOnHands = 0.0;
   for (const auto& t : skin.mesh.triangles)
     for (int k = 0; k < 3; ++k)
       for (int n = 0; n < 4; ++n) {
         const int joint = skin.influences[t[k]].joints[n];
-        double& worst = std::abs(skin.mesh.positions[t[k]].x()) > 0.49 || skin.mesh.positions[t[k]].z() > 0.2 ? steepestOnHands : steepest;
+        double& worst = std::abs(skin.mesh.positions[t[k]].x()) > 0.49 || skin.mesh.positions[t[k]].z() > 0.2
+                            ? steepestOnHands
+                            : steepest;
         worst = std::max(worst, std::abs(weight(t[k], joint) - weight(t[(k + 1) % 3], joint)));
       }
   EXPECT_LE(steepest, 0.3);
@@ -186,7 +208,8 @@ TEST(MannequinSkin, WeightsAreSymmetricSmoothAndDoNotLeakBetweenLegsOrFingers) {
 /// Half the L1 distance between two rows, the share of weight that differs.
 TEST(BoneHeat, ComesNearAnArtistsWeightsOnTheMakeHumanBody) {
   const std::string folder = std::string(GELENK_DATA_DIR) + "/characters/makehuman/";
-  std::ifstream obj(folder + "mh_male.obj"), rig(folder + "mh_male.game_engine.skel.txt"), painted(folder + "weights.game_engine.txt");
+  std::ifstream obj(folder + "mh_male.obj"), rig(folder + "mh_male.game_engine.skel.txt"),
+      painted(folder + "weights.game_engine.txt");
   if (!obj || !rig || !painted) GTEST_SKIP() << "the MakeHuman body is not here";
   Mesh mesh;
   for (std::string line; std::getline(obj, line);) {
@@ -206,7 +229,8 @@ TEST(BoneHeat, ComesNearAnArtistsWeightsOnTheMakeHumanBody) {
     Bone bone;
     std::string name;
     int parent;
-    words >> bone.joint >> name >> parent >> bone.from.x() >> bone.from.y() >> bone.from.z() >> bone.to.x() >> bone.to.y() >> bone.to.z();
+    words >> bone.joint >> name >> parent >> bone.from.x() >> bone.from.y() >> bone.from.z() >> bone.to.x() >>
+        bone.to.y() >> bone.to.z();
     if (parent >= 0) bones.push_back(bone);
   }
   const SparseWeights weights = boneHeatWeights(mesh, bones);

@@ -46,7 +46,8 @@ void expectSound(const Influences& in) {
   }
 }
 
-/// A strip of 2 x n squares in the plane z = 0, and the same once more at z = 0.01 that no edge joins to the first.
+/// A strip of 2 x n squares in the plane z = 0, and the same once more at z = 0.01 that no edge joins to the
+/// first.
 Mesh twoSheets(int n) {
   Mesh mesh;
   for (const double z : {0.0, 0.01}) {
@@ -110,7 +111,8 @@ TEST(WeightPaint, AVertexNewOnALayerBeginsAtItsNearestBone) {
                           .bones = {{.joint = 1, .from = Vector3d(0, 0, 0), .to = Vector3d(0, 0, 1)},
                                     {.joint = 2, .from = Vector3d(0, 0, 1), .to = Vector3d(0, 0, 2)}}};
   const Weights before(2, exactInfluences({{0, 1.0}}));
-  const WeightChange change = painted(before, everything(2, 1.0), layer, {Vector3d(0.1, 0, 0.3), Vector3d(0.1, 0, 1.7)});
+  const WeightChange change =
+      painted(before, everything(2, 1.0), layer, {Vector3d(0.1, 0, 0.3), Vector3d(0.1, 0, 1.7)});
   EXPECT_EQ(change[0].second.joints[0], 1);
   EXPECT_EQ(change[1].second.joints[0], 2);
 }
@@ -127,9 +129,11 @@ TEST(WeightPaint, TheBrushFadesToItsRadiusAndStaysOnConnectedSkin) {
   const Brush brush{.radius = 0.035, .strength = 0.8};
   EXPECT_EQ(brush.share(0.0), 0.8);
   EXPECT_EQ(brush.share(brush.radius), 0.0);
-  EXPECT_NEAR((brush.share(0.0350) - brush.share(0.0349)) / 1e-4, 0.0, 0.5);  // no kink at the rim: the slope there is 0
+  EXPECT_NEAR((brush.share(0.0350) - brush.share(0.0349)) / 1e-4, 0.0,
+              0.5);  // no kink at the rim: the slope there is 0
   const Vector3d centre(0.1, 0.01, 0.0);
-  const VertexSelection under = underBrush(brush, centre, mesh.triangles[40], mesh.positions, vertexNeighbours(mesh));
+  const VertexSelection under =
+      underBrush(brush, centre, mesh.triangles[40], mesh.positions, vertexNeighbours(mesh));
   std::set<int> expected;
   for (int v = 0; v < 63; ++v)  // the first sheet
     if ((mesh.positions[v] - centre).norm() < brush.radius) expected.insert(v);
@@ -186,8 +190,10 @@ TEST(WeightPaint, TheMirrorImageIsExactAndStable) {
   editor.apply(mirrored(editor.weights(), rest, vertices, joints, MirrorFrom::NegativeX));
   for (std::size_t v = 0; v + 1 < rest.size(); ++v)
     for (int j = 0; j < 5; ++j)
-      EXPECT_EQ(weightOn(editor.weights()[v], {.joints = {j}}), weightOn(editor.weights()[vertices[v]], {.joints = {joints[j]}}));
-  for (int i = 0; i < 200; ++i) EXPECT_EQ(editor.weights()[2 * i + 1], editor.start()[2 * i + 1]);  // the side copied from
+      EXPECT_EQ(weightOn(editor.weights()[v], {.joints = {j}}),
+                weightOn(editor.weights()[vertices[v]], {.joints = {joints[j]}}));
+  for (int i = 0; i < 200; ++i)
+    EXPECT_EQ(editor.weights()[2 * i + 1], editor.start()[2 * i + 1]);  // the side copied from
   EXPECT_TRUE(mirrored(editor.weights(), rest, vertices, joints, MirrorFrom::PositiveX).empty());
 }
 
@@ -198,7 +204,8 @@ TEST(WeightPaint, UndoAndRedoRestoreEveryStepExactly) {
   std::vector<Weights> states{editor.weights()};
   for (int step = 0; step < 6; ++step) {
     for (int stamp = 0; stamp < 3; ++stamp)
-      editor.apply(painted(editor.weights(), everything(mesh.positions.size(), 0.1 + 0.1 * stamp), {.joints = {step}}, mesh.positions));
+      editor.apply(painted(editor.weights(), everything(mesh.positions.size(), 0.1 + 0.1 * stamp),
+                           {.joints = {step}}, mesh.positions));
     editor.finishStep();
     states.push_back(editor.weights());
   }
@@ -232,13 +239,15 @@ TEST(WeightPaint, LayersBoundToPaintedWeightsStillLeaveTheRestPoseInPlace) {
   const Frames rest = restFrames(skeleton);
   Skin skin = testing::tube(skeleton);
   const Limb limb = makeLimb(skeleton, rest, "arm", {1, 2, 3});
-  const WeightChange change = painted(skin.influences, everything(300, 0.6), {.joints = {0}}, skin.mesh.positions);
+  const WeightChange change =
+      painted(skin.influences, everything(300, 0.6), {.joints = {0}}, skin.mesh.positions);
   for (const auto& [v, influences] : change) skin.influences[v] = influences;
   const MuscleRig rig(bindMuscles(skin, {limb}, rest), rest);
   EXPECT_NEAR(rig.body().vertices[0].weight, 0.4, 1e-9);
   SkinnedVertices out;
   skinWithMuscles(rig.body(), rest, rig.pose(rest), out);
-  for (std::size_t v = 0; v < out.positions.size(); ++v) EXPECT_LE((out.positions[v] - skin.mesh.positions[v]).norm(), 1e-12);
+  for (std::size_t v = 0; v < out.positions.size(); ++v)
+    EXPECT_LE((out.positions[v] - skin.mesh.positions[v]).norm(), 1e-12);
 }
 
 }  // namespace

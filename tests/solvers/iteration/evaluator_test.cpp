@@ -24,15 +24,22 @@ TEST(Evaluator, JacobianMatchesCentralDifferencesForEveryGoalKind) {
     const Frames frames = forwardKinematics(skeleton, q);
     IkProblem problem{.skeleton = &skeleton, .start = q};
     const Vector3d somewhere = 3.0 * testing::randomUnit(random);
-    problem.goals.push_back({.kind = GoalKind::Position, .joint = tip, .pointInJoint = {0.1, 0, 0.2}, .target = somewhere});
+    problem.goals.push_back(
+        {.kind = GoalKind::Position, .joint = tip, .pointInJoint = {0.1, 0, 0.2}, .target = somewhere});
     // The geometric Jacobian is exact where the orientation error vanishes.
-    problem.goals.push_back({.kind = GoalKind::Pose, .joint = tip, .target = somewhere,
-                             .orientation = Eigen::Quaterniond(frames[tip].linear()), .weight = 0.3});
+    problem.goals.push_back({.kind = GoalKind::Pose,
+                             .joint = tip,
+                             .target = somewhere,
+                             .orientation = Eigen::Quaterniond(frames[tip].linear()),
+                             .weight = 0.3});
     // Likewise the aim: choose the axis that already points at the target.
     const Vector3d direction = (somewhere - frames[tip].translation()).normalized();
-    problem.goals.push_back({.kind = GoalKind::Aim, .joint = tip, .target = somewhere,
+    problem.goals.push_back({.kind = GoalKind::Aim,
+                             .joint = tip,
+                             .target = somewhere,
                              .axisInJoint = frames[tip].linear().transpose() * direction});
-    if (elbow >= 0) problem.goals.push_back({.kind = GoalKind::Pole, .joint = elbow, .target = somewhere, .weight = 2.0});
+    if (elbow >= 0)
+      problem.goals.push_back({.kind = GoalKind::Pole, .joint = elbow, .target = somewhere, .weight = 2.0});
     CountedEvaluator at(problem);
     at.moveTo(q);
     const Eigen::MatrixXd J = at.jacobian();
@@ -55,10 +62,15 @@ TEST(Evaluator, HessianMatchesSecondDifferencesOfTheCostForEveryJointKind) {
     const VectorXd q = randomWithinLimits(skeleton, random);
     const int tip = skeleton.jointCount() - 1;
     IkProblem problem{.skeleton = &skeleton, .start = q};
-    problem.goals = {{.kind = GoalKind::Pose, .joint = tip, .pointInJoint = {0.1, 0, 0.2}, .target = testing::randomUnit(random),
-                      .orientation = expRotation(2.0 * testing::randomUnit(random)), .weight = 0.7},
-                     {.joint = tip / 2, .pointInJoint = {0.3, 0.1, 0}, .target = 2.0 * testing::randomUnit(random)},
-                     {.kind = GoalKind::Posture, .posture = randomWithinLimits(skeleton, random), .weight = 0.1}};
+    problem.goals = {
+        {.kind = GoalKind::Pose,
+         .joint = tip,
+         .pointInJoint = {0.1, 0, 0.2},
+         .target = testing::randomUnit(random),
+         .orientation = expRotation(2.0 * testing::randomUnit(random)),
+         .weight = 0.7},
+        {.joint = tip / 2, .pointInJoint = {0.3, 0.1, 0}, .target = 2.0 * testing::randomUnit(random)},
+        {.kind = GoalKind::Posture, .posture = randomWithinLimits(skeleton, random), .weight = 0.1}};
     CountedEvaluator at(problem);
     at.moveTo(q);
     const Eigen::MatrixXd H = at.hessian();
@@ -73,7 +85,8 @@ TEST(Evaluator, HessianMatchesSecondDifferencesOfTheCostForEveryJointKind) {
       for (int b = 0; b <= a; ++b) {
         const double differences =
             (cost(a, h, b, h) - cost(a, h, b, -h) - cost(a, -h, b, h) + cost(a, -h, b, -h)) / (4.0 * h * h);
-        EXPECT_NEAR(H(a, b), differences, 3e-6 * std::max(1.0, H.norm())) << a << ", " << b;  // h^2 and rounding / h^2
+        EXPECT_NEAR(H(a, b), differences, 3e-6 * std::max(1.0, H.norm()))
+            << a << ", " << b;  // h^2 and rounding / h^2
         EXPECT_NEAR(H(a, b), H(b, a), 1e-14 * H.norm());
       }
   }

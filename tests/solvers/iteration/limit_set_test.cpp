@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "kinematics/rotation.h"
+#include "solvers/methods/qp.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
-#include "solvers/methods/qp.h"
 #include "tests/kinematics/random_skeleton.h"
 #include "tests/solvers/random_problem.h"
 
@@ -74,14 +74,16 @@ TEST(Qp, SolutionsSatisfyTheKarushKuhnTuckerConditions) {
     const MatrixXd A = MatrixXd::NullaryExpr(n, n, number), C = MatrixXd::NullaryExpr(k, n, number);
     const MatrixXd H = A.transpose() * A + 1e-3 * MatrixXd::Identity(n, n);
     const VectorXd g = VectorXd::NullaryExpr(n, number);
-    const VectorXd b = VectorXd::NullaryExpr(k, [&] { return uniform01(random) < 0.3 ? 0.0 : uniform01(random); });
+    const VectorXd b =
+        VectorXd::NullaryExpr(k, [&] { return uniform01(random) < 0.3 ? 0.0 : uniform01(random); });
     VectorXd x;
     ASSERT_TRUE(qp.solve(H, g, C, b, x));
     EXPECT_TRUE(qp.optimal());
     EXPECT_TRUE(((C * x - b).array() <= 1e-10).all());
     EXPECT_TRUE((qp.multipliers().array() >= -1e-10).all());
     EXPECT_LE((H * x - g + C.transpose() * qp.multipliers()).norm(), 1e-8);  // condition 1e3 to 1e4
-    for (int row = 0; row < k; ++row) EXPECT_LE(std::abs(qp.multipliers()[row] * (C.row(row) * x - b[row])), 1e-9);
+    for (int row = 0; row < k; ++row)
+      EXPECT_LE(std::abs(qp.multipliers()[row] * (C.row(row) * x - b[row])), 1e-9);
   }
 }
 
@@ -91,9 +93,12 @@ TEST(Limits, AnArmAtItsLimitReachesWithItsOtherJoints) {
   const VectorXd there = Vector3d(1.0, 0.4, -0.9);  // the first joint at its bound
   IkProblem problem{.skeleton = &arm, .start = Vector3d(0.9, -0.6, 0.5)};
   problem.goals = {{.joint = 3, .target = forwardKinematics(arm, there)[3].translation()}};
-  for (const char* name : {"pseudo-inverse", "dls", "lm-gain-ratio", "exact-hessian", "qp", "bfgs", "l-bfgs"}) {
-    const IkReport report = makeSolver(name)->solve(problem, {.maxIterations = 400, .maxSeconds = 1e9}, TraceLevel::Off);
-    EXPECT_TRUE(judge(problem, report.q).solved) << name << ": " << toString(report.why) << ", " << report.residual;
+  for (const char* name :
+       {"pseudo-inverse", "dls", "lm-gain-ratio", "exact-hessian", "qp", "bfgs", "l-bfgs"}) {
+    const IkReport report =
+        makeSolver(name)->solve(problem, {.maxIterations = 400, .maxSeconds = 1e9}, TraceLevel::Off);
+    EXPECT_TRUE(judge(problem, report.q).solved)
+        << name << ": " << toString(report.why) << ", " << report.residual;
   }
 }
 
@@ -105,7 +110,8 @@ TEST(TaskPriority, TheSecondGoalNeverSpoilsTheFirst) {
     const Vector3d target = forwardKinematics(arm, randomWithinLimits(arm, random))[5].translation();
     problem.goals = {{.joint = 5, .target = target + Vector3d(0.5, 0.0, 0.0), .priority = 1},
                      {.joint = 5, .target = target, .priority = 0}};
-    const IkReport report = makeSolver("task-priority")->solve(problem, {.maxIterations = 500, .maxSeconds = 1e9}, TraceLevel::Off);
+    const IkReport report = makeSolver("task-priority")
+                                ->solve(problem, {.maxIterations = 500, .maxSeconds = 1e9}, TraceLevel::Off);
     const Judgement verdict = judge(problem, report.q);
     EXPECT_LE(verdict.goals[1].position, 1e-5) << toString(report.why);  // the damped pull of the second
     EXPECT_NEAR(verdict.goals[0].position, 0.5, 1e-5);

@@ -7,10 +7,10 @@
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "solvers/iteration/evaluator.h"
-#include "solvers/problem/judge.h"
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
 #include "solvers/lab/statistics.h"
+#include "solvers/problem/judge.h"
 #include "tests/kinematics/random_skeleton.h"
 
 namespace gelenk {
@@ -129,12 +129,14 @@ TEST(ProblemSets, LevelsAreWhatTheySay) {
   }
   for (const LabProblem& one : makeProblems(problemSet("D3"), model, 24, 6, 1e-6)) {
     EXPECT_LE(one.problem.goals[0].target.norm(), 1.3 * one.level + 1e-9);
-    EXPECT_GE(one.problem.goals[0].target.norm(), 1.1 * one.level - 1e-9);  // 0.1 m of the base turn about the vertical only
+    EXPECT_GE(one.problem.goals[0].target.norm(),
+              1.1 * one.level - 1e-9);  // 0.1 m of the base turn about the vertical only
   }
   const auto drags = makeProblems(problemSet("D5"), model, 150, 6, 1e-6);
   for (std::size_t i = 1; i < drags.size(); ++i) {
     if (drags[i].frame == 0) continue;
-    EXPECT_LE((drags[i].reference - drags[i - 1].reference).lpNorm<Eigen::Infinity>(), drags[i].level * (1 + 1e-12));
+    EXPECT_LE((drags[i].reference - drags[i - 1].reference).lpNorm<Eigen::Infinity>(),
+              drags[i].level * (1 + 1e-12));
   }
 }
 
@@ -157,7 +159,10 @@ class Comparison : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   ComparisonPlan plan() const {
-    ComparisonPlan plan{.sets = {"D1", "D5", "D7"}, .solvers = {"dls", "lm-gain-ratio", "evolution", "two-link"}, .problems = 12, .seed = 9};
+    ComparisonPlan plan{.sets = {"D1", "D5", "D7"},
+                        .solvers = {"dls", "lm-gain-ratio", "evolution", "two-link"},
+                        .problems = 12,
+                        .seed = 9};
     plan.budget = {.maxIterations = 60, .maxSeconds = 1e9, .restarts = 1, .seed = 9};
     plan.traces = 4;
     plan.seeds = 3;
@@ -248,7 +253,8 @@ TEST_F(Comparison, SolversThatDrawRandomNumbersAreRunWithSeveralSeeds) {
   ASSERT_EQ(results.seeds.size(), 2u * 6u * 4u);
   int differ = 0;
   for (const SeedRow& row : results.seeds) {
-    const ResultRow& first = results.rows[static_cast<std::size_t>((row.solver == "dls" ? 0 : 6) + row.problem)];
+    const ResultRow& first =
+        results.rows[static_cast<std::size_t>((row.solver == "dls" ? 0 : 6) + row.problem)];
     ASSERT_EQ(first.solver, row.solver);
     if (row.seed == 3) {
       EXPECT_EQ(row.displacement, first.displacement);
@@ -256,7 +262,8 @@ TEST_F(Comparison, SolversThatDrawRandomNumbersAreRunWithSeveralSeeds) {
     differ += row.displacement != first.displacement;
   }
   EXPECT_GT(differ, 6);  // other seeds, other answers: the arm has a spare degree of freedom
-  writeReport(path("a"), {.version = "test", .commandLine = "", .colour = [](const std::string&) { return "#336699"; }});
+  writeReport(path("a"),
+              {.version = "test", .commandLine = "", .colour = [](const std::string&) { return "#336699"; }});
   EXPECT_NE(readFile(path("a") + "/summary.json").find("problems_solved_by_every_seed"), std::string::npos);
 }
 
@@ -328,13 +335,17 @@ TEST_F(Comparison, PlansWithoutSenseAreRefusedWithAReason) {
 
 TEST_F(Comparison, TheReportIsSelfContainedAndSaysWhatWasUnsupported) {
   run(plan(), "a");
-  writeReport(path("a"), {.version = "test", .commandLine = "gelenk compare <x>", .colour = [](const std::string&) { return "#336699"; }});
-  const std::string html = readFile(path("a") + "/report.html"), summary = readFile(path("a") + "/summary.json");
+  writeReport(path("a"), {.version = "test",
+                          .commandLine = "gelenk compare <x>",
+                          .colour = [](const std::string&) { return "#336699"; }});
+  const std::string html = readFile(path("a") + "/report.html"),
+                    summary = readFile(path("a") + "/summary.json");
   EXPECT_NE(html.find("unsupported"), std::string::npos);
   EXPECT_NE(html.find("gelenk compare &lt;x&gt;"), std::string::npos);
-  EXPECT_EQ(html.find("src="), std::string::npos);   // nothing is fetched from elsewhere
+  EXPECT_EQ(html.find("src="), std::string::npos);  // nothing is fetched from elsewhere
   EXPECT_EQ(html.find("href=\"http"), std::string::npos);
-  for (const char* word : {"mcnemar_p", "wilson_95", "bootstrap_95", "expected_running_time", "p99", "jitter", "checksums"})
+  for (const char* word :
+       {"mcnemar_p", "wilson_95", "bootstrap_95", "expected_running_time", "p99", "jitter", "checksums"})
     EXPECT_NE(summary.find(word), std::string::npos) << word;
 }
 

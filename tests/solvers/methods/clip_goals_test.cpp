@@ -10,14 +10,16 @@ namespace {
 using Eigen::Vector3d;
 
 TEST(ClipGoals, AHandHeldOverTwoFramesStaysThereAndOtherFramesAreUntouched) {
-  std::vector<Joint> joints{{.name = "shoulder", .ball = true}, {.name = "elbow", .parent = 0}, {.name = "hand", .parent = 1}};
+  std::vector<Joint> joints{
+      {.name = "shoulder", .ball = true}, {.name = "elbow", .parent = 0}, {.name = "hand", .parent = 1}};
   joints[1].parentFromZero.translation() = Vector3d(0.3, 0, 0);
   joints[1].axes = {{AxisDof::Kind::Rotation, Vector3d::UnitY(), 0.0, 2.5}};
   joints[2].parentFromZero.translation() = Vector3d(0.25, 0, 0);
   const Skeleton skeleton(joints);
   MotionClip clip{.framesPerSecond = 30.0, .q = Eigen::MatrixXd(5, 4)};
   for (int f = 0; f < 4; ++f) clip.q.col(f) << 1, 0, 0, 0, 0.5 + 0.1 * f;
-  const Vector3d place = forwardKinematics(skeleton, clip.q.col(1))[2].translation() + Vector3d(0.01, 0.02, -0.01);
+  const Vector3d place =
+      forwardKinematics(skeleton, clip.q.col(1))[2].translation() + Vector3d(0.01, 0.02, -0.01);
   const auto goals = [&](int frame) -> std::vector<Goal> {
     if (frame != 1 && frame != 2) return {};
     return {{.kind = GoalKind::Position, .name = "hand", .joint = 2, .target = place}};

@@ -32,7 +32,9 @@ Skeleton ballChain(int bones, std::optional<BallLimit> limit = {}) {
 IkProblem reachable(const Skeleton& skeleton, std::mt19937_64& random, double tolerance) {
   const int tip = skeleton.jointCount() - 1;
   IkProblem problem{.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random)};
-  problem.goals = {{.joint = tip, .target = forwardKinematics(skeleton, randomWithinLimits(skeleton, random))[tip].translation()}};
+  problem.goals = {
+      {.joint = tip,
+       .target = forwardKinematics(skeleton, randomWithinLimits(skeleton, random))[tip].translation()}};
   problem.positionTolerance = tolerance;
   return problem;
 }
@@ -45,8 +47,10 @@ TEST(GeometricChains, UnlimitedBallsReachEveryReachablePosition) {
       std::mt19937_64 random(31);
       for (int i = 0; i < 30; ++i) {
         const IkProblem problem = reachable(skeleton, random, 1e-3);
-        const IkReport report = solver->solve(problem, {.maxIterations = 2000, .maxSeconds = 1e9}, TraceLevel::Off);
-        EXPECT_TRUE(judge(problem, report.q).solved) << bones << " bones, problem " << i << ", " << toString(report.why);
+        const IkReport report =
+            solver->solve(problem, {.maxIterations = 2000, .maxSeconds = 1e9}, TraceLevel::Off);
+        EXPECT_TRUE(judge(problem, report.q).solved)
+            << bones << " bones, problem " << i << ", " << toString(report.why);
       }
     }
   }
@@ -58,8 +62,10 @@ TEST(GeometricChains, OutOfReachTheChainIsStraightTowardsTheTarget) {
   for (const auto make : {&makeFabrik, &makeCcd}) {
     IkProblem problem = reachable(skeleton, random, 1e-6);
     problem.goals[0].target = Vector3d(3.0, 4.0, 12.0);  // 13 m away, 5 m long
-    const IkReport report = make()->solve(problem, {.maxIterations = 20000, .maxSeconds = 1e9}, TraceLevel::Off);
-    EXPECT_NEAR(judge(problem, report.q).goals[0].position, 8.0, 1e-5);  // flat at the bottom: 1e-6 is a bend of 1e-3
+    const IkReport report =
+        make()->solve(problem, {.maxIterations = 20000, .maxSeconds = 1e9}, TraceLevel::Off);
+    EXPECT_NEAR(judge(problem, report.q).goals[0].position, 8.0,
+                1e-5);  // flat at the bottom: 1e-6 is a bend of 1e-3
     EXPECT_NE(report.why, Stop::Converged);
   }
 }
@@ -70,7 +76,8 @@ TEST(GeometricChains, AStraightChainInLineWithItsTargetBends) {
     IkProblem problem{.skeleton = &skeleton, .start = neutral(skeleton)};
     problem.goals = {{.joint = 4, .target = Vector3d(0, 0, 2.0)}};
     problem.positionTolerance = 1e-4;
-    const IkReport report = make()->solve(problem, {.maxIterations = 1000, .maxSeconds = 1e9}, TraceLevel::Off);
+    const IkReport report =
+        make()->solve(problem, {.maxIterations = 1000, .maxSeconds = 1e9}, TraceLevel::Off);
     EXPECT_TRUE(judge(problem, report.q).solved);
   }
 }
@@ -81,21 +88,27 @@ TEST(GeometricChains, FabrikAddsNoTwistToUnlimitedBalls) {
   for (int i = 0; i < 20; ++i) {
     IkProblem problem = reachable(skeleton, random, 1e-4);
     problem.start = neutral(skeleton);
-    const IkReport report = makeFabrik()->solve(problem, {.maxIterations = 1000, .maxSeconds = 1e9}, TraceLevel::Off);
+    const IkReport report =
+        makeFabrik()->solve(problem, {.maxIterations = 1000, .maxSeconds = 1e9}, TraceLevel::Off);
     ASSERT_TRUE(judge(problem, report.q).solved);
-    for (int j = 0; j < 6; ++j)  // from the untwisted start every joint makes one smallest rotation: its z part is zero
+    for (int j = 0; j < 6;
+         ++j)  // from the untwisted start every joint makes one smallest rotation: its z part is zero
       EXPECT_LT(std::abs(ballRotation(skeleton, report.q, j).z()), 1e-9);
   }
 }
 
 TEST(GeometricChains, LimitsOfSwingTwistAndHingesAreKept) {
-  const BallLimit limit{.swingCentre = {0.1, 0.0}, .swingRadii = {0.6, 0.4}, .twistLower = -0.3, .twistUpper = 0.3};
+  const BallLimit limit{
+      .swingCentre = {0.1, 0.0}, .swingRadii = {0.6, 0.4}, .twistLower = -0.3, .twistUpper = 0.3};
   const Skeleton cones = ballChain(6, limit);
   const auto hinges = [](bool alternating) {
     std::vector<Joint> joints;
     for (int i = 0; i < 8; ++i) {
-      Joint joint{.name = "hinge" + std::to_string(i), .parent = i - 1,
-                  .axes = {{.axis = alternating && i % 2 ? Vector3d::UnitX() : Vector3d::UnitY(), .lower = -1.5, .upper = 1.5}}};
+      Joint joint{.name = "hinge" + std::to_string(i),
+                  .parent = i - 1,
+                  .axes = {{.axis = alternating && i % 2 ? Vector3d::UnitX() : Vector3d::UnitY(),
+                            .lower = -1.5,
+                            .upper = 1.5}}};
       if (i > 0) joint.parentFromZero.translation().z() = 0.5;
       joints.push_back(joint);
     }
@@ -111,13 +124,16 @@ TEST(GeometricChains, LimitsOfSwingTwistAndHingesAreKept) {
       int solved = 0;
       for (int i = 0; i < 50; ++i) {
         const IkProblem problem = reachable(*skeleton, random, 1e-3);
-        const IkReport report = make()->solve(problem, {.maxIterations = 500, .maxSeconds = 1e9, .restarts = 3}, TraceLevel::Off);
+        const IkReport report =
+            make()->solve(problem, {.maxIterations = 500, .maxSeconds = 1e9, .restarts = 3}, TraceLevel::Off);
         const Judgement verdict = judge(problem, report.q);
         EXPECT_LE(verdict.limitViolation, 1e-9);
         EXPECT_EQ(verdict.solved, report.why == Stop::Converged);
         solved += verdict.solved;
       }
-      EXPECT_GE(solved, 40) << (make == &makeFabrik ? "FABRIK" : "CCD");  // neither promises convergence with limits; both reach most
+      EXPECT_GE(solved, 40) << (make == &makeFabrik
+                                    ? "FABRIK"
+                                    : "CCD");  // neither promises convergence with limits; both reach most
     }
 }
 
@@ -128,9 +144,16 @@ TEST(GeometricChains, CcdReachesPosesOfHinges) {
   for (int i = 0; i < 20; ++i) {
     const int tip = arm.jointCount() - 1;
     const Eigen::Isometry3d pose = forwardKinematics(arm, randomWithinLimits(arm, random))[tip];
-    IkProblem problem{.skeleton = &arm, .start = randomWithinLimits(arm, random), .positionTolerance = 1e-3, .orientationTolerance = 1e-3};
-    problem.goals = {{.kind = GoalKind::Pose, .joint = tip, .target = pose.translation(), .orientation = Eigen::Quaterniond(pose.linear())}};
-    const IkReport report = makeCcd()->solve(problem, {.maxIterations = 2000, .maxSeconds = 1e9, .restarts = 5}, TraceLevel::Off);
+    IkProblem problem{.skeleton = &arm,
+                      .start = randomWithinLimits(arm, random),
+                      .positionTolerance = 1e-3,
+                      .orientationTolerance = 1e-3};
+    problem.goals = {{.kind = GoalKind::Pose,
+                      .joint = tip,
+                      .target = pose.translation(),
+                      .orientation = Eigen::Quaterniond(pose.linear())}};
+    const IkReport report =
+        makeCcd()->solve(problem, {.maxIterations = 2000, .maxSeconds = 1e9, .restarts = 5}, TraceLevel::Off);
     solved += judge(problem, report.q).solved;
   }
   EXPECT_GE(solved, 15);  // linear progress: some do not get to 1e-3 in the budget

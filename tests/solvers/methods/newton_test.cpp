@@ -32,7 +32,9 @@ TEST(Newton, ACoarseDifferenceQuotientConvergesOnlyLinearly) {
 TEST(Newton, PseudoInverseGivesTheShortestOfAllSteps) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 200; ++i) {
-    const PlanarChain chain{.base = {0, 0}, .lengths = {uniform01(random), uniform01(random), uniform01(random), uniform01(random)}};
+    const PlanarChain chain{
+        .base = {0, 0},
+        .lengths = {uniform01(random), uniform01(random), uniform01(random), uniform01(random)}};
     VectorXd phi(4);
     for (double& angle : phi) angle = 6.0 * uniform01(random) - 3.0;
     const MatrixXd D = jacobian(chain, phi), Dplus = pseudoInverse(D);
@@ -54,16 +56,19 @@ TEST(Newton, LinearisedStepEndsAtTheTarget) {
   const PlanarChain chain = lecturePlanarChain();
   const VectorXd start = Eigen::Vector3d(0.3, 0.4, 0.5);
   const Vector2d X = endEffector(chain, start) + Vector2d(5, -3);
-  const NewtonRun run = newton([&](const VectorXd& phi) -> VectorXd { return endEffector(chain, phi); },
-                               [&](const VectorXd& phi) -> MatrixXd { return jacobian(chain, phi); }, start, X, 1e-10);
+  const NewtonRun run =
+      newton([&](const VectorXd& phi) -> VectorXd { return endEffector(chain, phi); },
+             [&](const VectorXd& phi) -> MatrixXd { return jacobian(chain, phi); }, start, X, 1e-10);
   EXPECT_EQ(run.why, NewtonStop::Converged);
-  for (std::size_t i = 0; i + 1 < run.steps.size(); ++i) EXPECT_LE((run.steps[i].linearised - X).norm(), 1e-9);
+  for (std::size_t i = 0; i + 1 < run.steps.size(); ++i)
+    EXPECT_LE((run.steps[i].linearised - X).norm(), 1e-9);
 }
 
 TEST(Newton, TheStraightArmHasNoInverse) {
   const PlanarChain chain{.base = {0, 0}, .lengths = {1, 1}};
   const NewtonRun run = newton([&](const VectorXd& phi) -> VectorXd { return endEffector(chain, phi); },
-                               [&](const VectorXd& phi) -> MatrixXd { return jacobian(chain, phi); }, Vector2d(0.5, 0.0), Vector2d(1, 1));
+                               [&](const VectorXd& phi) -> MatrixXd { return jacobian(chain, phi); },
+                               Vector2d(0.5, 0.0), Vector2d(1, 1));
   EXPECT_EQ(run.why, NewtonStop::Singular);
   EXPECT_EQ(run.iterations(), 0);
 }
@@ -71,7 +76,8 @@ TEST(Newton, TheStraightArmHasNoInverse) {
 TEST(Newton, DifferenceQuotientsApproachTheJacobian) {
   const PlanarChain chain = lecturePlanarChain();
   const VectorXd phi = Eigen::Vector3d(0.6, 1.0, -0.7);
-  const MatrixXd D = differenceQuotient([&](const VectorXd& x) -> VectorXd { return endEffector(chain, x); }, phi, 1e-6);
+  const MatrixXd D =
+      differenceQuotient([&](const VectorXd& x) -> VectorXd { return endEffector(chain, x); }, phi, 1e-6);
   EXPECT_LE((D - jacobian(chain, phi)).norm(), 1e-3);  // first order: delta l / 2 a column
 }
 
@@ -97,7 +103,9 @@ TEST(NewtonSolvers, SolveNearbyTargetsOfTheLecturesChain) {
 TEST(NewtonSolvers, OneDimensionFindsReachableAndNearestPoses) {
   const Skeleton skeleton = toSkeleton(PlanarChain{.base = {0, 0}, .lengths = {2.0}});
   const auto solver = makeNewton1d();
-  IkProblem problem{.skeleton = &skeleton, .start = VectorXd::Constant(1, 0.1), .goals = {{.joint = 1, .target = {std::sqrt(3.0), 1.0, 0}}}};
+  IkProblem problem{.skeleton = &skeleton,
+                    .start = VectorXd::Constant(1, 0.1),
+                    .goals = {{.joint = 1, .target = {std::sqrt(3.0), 1.0, 0}}}};
   EXPECT_NEAR(solver->solve(problem, {}, TraceLevel::Off).q[0], M_PI / 6, 1e-6);
   problem.goals[0].target = {3.0, 3.0, 0.0};
   const IkReport nearest = solver->solve(problem, {}, TraceLevel::Off);

@@ -29,7 +29,8 @@ Vector2d reached(const Vector2d& P1, double l1, double l2, const TwoLinkBranch& 
   return endEffector({.base = P1, .lengths = {l1, l2}}, Vector2d(branch.phi1, branch.phi2));
 }
 
-/// Targets of every kind: inside, on the borders, next to them, at the base, far away, with lengths from 1e-150 to 1e150.
+/// Targets of every kind: inside, on the borders, next to them, at the base, far away, with lengths from
+/// 1e-150 to 1e150.
 struct Case {
   double l1, l2;
   Vector2d X;
@@ -63,7 +64,8 @@ Case randomCase(std::mt19937_64& random) {
   return c;
 }
 
-/// The number of trials is settled by GELENK_TWO_LINK_TRIALS where that is set: docs/lecture/inverse.md quotes a run with 20,000,000.
+/// The number of trials is settled by GELENK_TWO_LINK_TRIALS where that is set: docs/lecture/inverse.md
+/// quotes a run with 20,000,000.
 long trials(long usual) {
   const char* text = std::getenv("GELENK_TWO_LINK_TRIALS");
   return text ? std::atol(text) : sanitized ? usual / 20 : usual;
@@ -79,12 +81,16 @@ TEST(TwoLink, EveryTargetHasFiniteBranchesThatEndWhereTheySay) {
     const double size = c.l1 + c.l2;
     ASSERT_GE(solution.count, 1);
     for (const TwoLinkBranch& branch : solution.branches()) {
-      ASSERT_TRUE(std::isfinite(branch.phi1) && std::isfinite(branch.phi2)) << c.l1 << " " << c.l2 << " " << c.X.transpose();
+      ASSERT_TRUE(std::isfinite(branch.phi1) && std::isfinite(branch.phi2))
+          << c.l1 << " " << c.l2 << " " << c.X.transpose();
       const double miss = (reached({0, 0}, c.l1, c.l2, branch) - c.X).stableNorm();
       ASSERT_EQ(branch.exact, solution.gap <= 4 * 2.3e-16 * size);
-      if (solution.kind == TwoLinkCase::TwoElbows && size > 0.0) worstInside = std::max(worstInside, miss / size);
+      if (solution.kind == TwoLinkCase::TwoElbows && size > 0.0)
+        worstInside = std::max(worstInside, miss / size);
       // Outside the miss is the gap, and never less than what geometry allows: the branch is a nearest point.
-      if (size > 0.0) worstOutside = std::max(worstOutside, std::abs(miss - solution.gap) / std::max(size, c.X.stableNorm()));
+      if (size > 0.0)
+        worstOutside =
+            std::max(worstOutside, std::abs(miss - solution.gap) / std::max(size, c.X.stableNorm()));
     }
   }
   EXPECT_LE(worstInside, 1e-14) << "of l1 + l2, " << n << " targets";
@@ -99,12 +105,14 @@ TEST(TwoLink, BothElbowBranchesReachTheTarget) {
     const double l1 = 0.1 + uniform01(random), l2 = 0.1 + uniform01(random);
     const double r = std::abs(l1 - l2) + (l1 + l2 - std::abs(l1 - l2)) * (0.01 + 0.98 * uniform01(random));
     const double angle = 2.0 * M_PI * uniform01(random);
-    const Vector2d P1(uniform01(random), uniform01(random)), X = P1 + r * Vector2d(std::cos(angle), std::sin(angle));
+    const Vector2d P1(uniform01(random), uniform01(random)),
+        X = P1 + r * Vector2d(std::cos(angle), std::sin(angle));
     const TwoLinkSolution solution = solveTwoLink(P1, l1, l2, X);
     ASSERT_EQ(solution.kind, TwoLinkCase::TwoElbows);
     EXPECT_GT(solution.branch[0].phi2, 0.0);
     EXPECT_EQ(solution.branch[1].phi2, -solution.branch[0].phi2);
-    for (const TwoLinkBranch& branch : solution.branches()) EXPECT_LE((reached(P1, l1, l2, branch) - X).norm(), 1e-14);
+    for (const TwoLinkBranch& branch : solution.branches())
+      EXPECT_LE((reached(P1, l1, l2, branch) - X).norm(), 1e-14);
   }
 }
 
@@ -181,7 +189,8 @@ double worstJumpAcrossThePole(bool carried, std::mt19937_64& random) {
     for (double s = -0.1; s < 0.1; s += step) {
       const Vector3d target = (r * pole + s * across + offset * pole.cross(across));
       if (target.norm() > 0.98 * (l1 + l2)) continue;
-      const Vector3d side = carried && !first ? carriedPole(Vector3d::Zero(), elbow, end, target, pole) : pole;
+      const Vector3d side =
+          carried && !first ? carriedPole(Vector3d::Zero(), elbow, end, target, pole) : pole;
       const Bend bend = bendTowards(Vector3d::Zero(), l1, l2, target, side);
       if (!first) worst = std::max(worst, (bend.elbow - elbow).norm() / (target - end).norm());
       first = false;
@@ -196,7 +205,8 @@ TEST(Bend, ACarriedPoleDoesNotFlipTheElbow) {
   std::mt19937_64 random(4);
   const double fixed = worstJumpAcrossThePole(false, random);
   const double carried = worstJumpAcrossThePole(true, random);
-  std::printf("  elbow step / target step across the pole: fixed pole %.0f, carried pole %.2f\n", fixed, carried);
+  std::printf("  elbow step / target step across the pole: fixed pole %.0f, carried pole %.2f\n", fixed,
+              carried);
   EXPECT_GT(fixed, 100.0);  // the trap is really there
   EXPECT_LE(carried, 5.0);
 }
@@ -204,9 +214,13 @@ TEST(Bend, ACarriedPoleDoesNotFlipTheElbow) {
 /// Ball shoulder, hinge elbow with a range, ball wrist, fixed finger tip.
 Skeleton arm() {
   std::vector<Joint> joints{{.name = "root", .parent = -1}};
-  const auto offset = [](double x, double y, double z) { return Eigen::Isometry3d(Eigen::Translation3d(x, y, z)); };
+  const auto offset = [](double x, double y, double z) {
+    return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+  };
   joints.push_back({.name = "shoulder", .parent = 0, .parentFromZero = offset(0, 1.4, 0), .ball = true});
-  joints.push_back({.name = "elbow", .parent = 1, .parentFromZero = offset(0.02, 0, 0.3),
+  joints.push_back({.name = "elbow",
+                    .parent = 1,
+                    .parentFromZero = offset(0.02, 0, 0.3),
                     .axes = {AxisDof{.axis = Vector3d::UnitX(), .lower = 0.0, .upper = 2.6}}});
   joints.push_back({.name = "wrist", .parent = 2, .parentFromZero = offset(0, 0.01, 0.26), .ball = true});
   joints.push_back({.name = "tip", .parent = 3, .parentFromZero = offset(0, 0, 0.1)});
@@ -224,7 +238,8 @@ TEST(TwoLinkSolver, BendsAnArmToEveryReachablePoint) {
       VectorXd start = randomWithinLimits(skeleton, random);
       if (joint == 4) goalPose.tail<4>() = start.tail<4>();
       const Vector3d target = forwardKinematics(skeleton, goalPose)[joint].translation();
-      const IkProblem problem{.skeleton = &skeleton, .start = start, .goals = {{.joint = joint, .target = target}}};
+      const IkProblem problem{
+          .skeleton = &skeleton, .start = start, .goals = {{.joint = joint, .target = target}}};
       ASSERT_EQ(solver->whyUnsupported(problem), "");
       const IkReport report = solver->solve(problem, {}, TraceLevel::Off);
       EXPECT_LE(judge(problem, report.q).goals[0].position, 1e-12);
@@ -240,8 +255,12 @@ TEST(TwoLinkSolver, ReachesPosesWithTheWristsBall) {
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Isometry3d there = forwardKinematics(skeleton, randomWithinLimits(skeleton, random))[3];
     const Vector3d point(0.01, 0.02, 0.08);
-    const IkProblem problem{.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random),
-                            .goals = {{.kind = GoalKind::Pose, .joint = 3, .pointInJoint = point, .target = there * point,
+    const IkProblem problem{.skeleton = &skeleton,
+                            .start = randomWithinLimits(skeleton, random),
+                            .goals = {{.kind = GoalKind::Pose,
+                                       .joint = 3,
+                                       .pointInJoint = point,
+                                       .target = there * point,
                                        .orientation = Eigen::Quaterniond(there.linear())}}};
     const Judgement verdict = judge(problem, solver->solve(problem, {}, TraceLevel::Off).q);
     EXPECT_LE(verdict.goals[0].position, 1e-12);
@@ -260,26 +279,32 @@ TEST(TwoLinkSolver, WorksOnThreeAxisShouldersAndInThePlane) {
   for (int i = 0; i < 1000; ++i)
     for (const Skeleton* skeleton : {&threeAxes, &planar}) {
       const int tip = skeleton == &planar ? 2 : 3;
-      const Vector3d target = forwardKinematics(*skeleton, randomWithinLimits(*skeleton, random))[tip].translation();
-      const IkProblem problem{.skeleton = skeleton, .start = randomWithinLimits(*skeleton, random), .goals = {{.joint = tip, .target = target}}};
+      const Vector3d target =
+          forwardKinematics(*skeleton, randomWithinLimits(*skeleton, random))[tip].translation();
+      const IkProblem problem{.skeleton = skeleton,
+                              .start = randomWithinLimits(*skeleton, random),
+                              .goals = {{.joint = tip, .target = target}}};
       EXPECT_LE(judge(problem, solver->solve(problem, {}, TraceLevel::Off).q).goals[0].position, 1e-12);
     }
 }
 
 TEST(TwoLinkSolver, LeavesTheArmStretchedTowardsATargetOutOfReach) {
   const Skeleton skeleton = arm();
-  IkProblem problem{.skeleton = &skeleton, .start = skeleton.rest(), .goals = {{.joint = 3, .target = {2, 2, 1}}}};
+  IkProblem problem{
+      .skeleton = &skeleton, .start = skeleton.rest(), .goals = {{.joint = 3, .target = {2, 2, 1}}}};
   problem.start[skeleton.qIndex(2)] = 1.0;
   const IkReport report = makeTwoLink()->solve(problem, {}, TraceLevel::Off);
   EXPECT_EQ(report.why, Stop::Stationary);
-  // Nothing reaches farther than the arm at its best elbow angle, and the hand lies on the line to the target.
+  // Nothing reaches farther than the arm at its best elbow angle, and the hand lies on the line to the
+  // target.
   const Frames frames = forwardKinematics(skeleton, report.q);
   const Vector3d shoulder(0, 1.4, 0), hand = frames[3].translation(), target(2, 2, 1);
   EXPECT_LE((hand - shoulder).cross(target - shoulder).norm() / (target - shoulder).norm(), 1e-12);
   std::mt19937_64 random(8);
   for (int i = 0; i < 10000; ++i)
     EXPECT_GE((hand - shoulder).norm() + 1e-12,
-              (forwardKinematics(skeleton, randomWithinLimits(skeleton, random))[3].translation() - shoulder).norm());
+              (forwardKinematics(skeleton, randomWithinLimits(skeleton, random))[3].translation() - shoulder)
+                  .norm());
   problem.start = report.q;
   EXPECT_LE((makeTwoLink()->solve(problem, {}, TraceLevel::Off).q - report.q).norm(), 1e-12);  // held: still
 }
@@ -297,12 +322,17 @@ TEST(TwoLinkSolver, ATargetThatCrossesThePoleDoesNotFlipTheElbow) {
     int frame = 0;
     for (double s = -0.15; s < 0.15; s += 1e-3, ++frame) {
       const Vector3d target = shoulder + 0.4 * pole + s * across;
-      const IkProblem problem{.skeleton = &skeleton, .start = q,
-                              .goals = {{.joint = 3, .target = target}, {.kind = GoalKind::Pole, .joint = 2, .target = shoulder + 3.0 * pole}}};
+      const IkProblem problem{
+          .skeleton = &skeleton,
+          .start = q,
+          .goals = {{.joint = 3, .target = target},
+                    {.kind = GoalKind::Pole, .joint = 2, .target = shoulder + 3.0 * pole}}};
       q = solver->solve(problem, {}, TraceLevel::Off).q;
       const Frames frames = forwardKinematics(skeleton, q);
       EXPECT_LE((frames[3].translation() - target).norm(), 1e-12);
-      if (frame > 1) worst = std::max(worst, (frames[2].translation() - elbow).norm() / (frames[3].translation() - hand).norm());
+      if (frame > 1)
+        worst = std::max(worst,
+                         (frames[2].translation() - elbow).norm() / (frames[3].translation() - hand).norm());
       elbow = frames[2].translation();
       hand = frames[3].translation();
     }
@@ -323,8 +353,10 @@ TEST(TwoLinkSolver, BendsTheFiguresArmsAndLegsTogether) {
     for (const char* name : {"hand_l", "hand_r", "foot_l", "foot_r"}) {
       const int joint = figure.jointIndex(name);
       // Towards the hip or shoulder: always within reach of the bent limb.
-      problem.goals.push_back({.name = name, .joint = joint,
-                               .target = rest[joint].translation() + Vector3d(0, 0.06, 0.02) + 0.04 * testing::randomUnit(random)});
+      problem.goals.push_back({.name = name,
+                               .joint = joint,
+                               .target = rest[joint].translation() + Vector3d(0, 0.06, 0.02) +
+                                         0.04 * testing::randomUnit(random)});
     }
     ASSERT_EQ(solver->whyUnsupported(problem), "");
     const IkReport report = solver->solve(problem, {}, TraceLevel::Off);
@@ -339,9 +371,13 @@ TEST(TwoLinkSolver, BendsTheFiguresArmsAndLegsTogether) {
 TEST(TwoLinkSolver, SaysWhyItCannotHelp) {
   const Skeleton skeleton = arm();
   const auto solver = makeTwoLink();
-  EXPECT_NE(solver->whyUnsupported({.skeleton = &skeleton, .start = skeleton.rest(), .goals = {{.name = "elbow", .joint = 2}}}), "");
+  EXPECT_NE(solver->whyUnsupported(
+                {.skeleton = &skeleton, .start = skeleton.rest(), .goals = {{.name = "elbow", .joint = 2}}}),
+            "");
   EXPECT_NE(solver->whyUnsupported({.skeleton = &skeleton, .start = skeleton.rest()}), "");
-  EXPECT_NE(solver->whyUnsupported({.skeleton = &skeleton, .start = skeleton.rest(), .goals = {{.joint = 3}, {.joint = 4}}}), "");
+  EXPECT_NE(solver->whyUnsupported(
+                {.skeleton = &skeleton, .start = skeleton.rest(), .goals = {{.joint = 3}, {.joint = 4}}}),
+            "");
 }
 
 }  // namespace

@@ -29,7 +29,10 @@ IkProblem reachablePose(const Skeleton& skeleton, std::mt19937_64& random) {
   IkProblem problem{.skeleton = &skeleton};
   const int tip = skeleton.jointCount() - 1;
   const Frames frames = forwardKinematics(skeleton, randomWithinLimits(skeleton, random));
-  problem.goals = {{.kind = GoalKind::Pose, .joint = tip, .target = frames[tip].translation(), .orientation = Eigen::Quaterniond(frames[tip].linear())}};
+  problem.goals = {{.kind = GoalKind::Pose,
+                    .joint = tip,
+                    .target = frames[tip].translation(),
+                    .orientation = Eigen::Quaterniond(frames[tip].linear())}};
   problem.start = randomWithinLimits(skeleton, random);
   return problem;
 }
@@ -83,7 +86,8 @@ double freeSlope(const IkProblem& problem, const VectorXd& q) {
   for (int j = 0; j < skeleton.jointCount(); ++j)
     for (size_t k = 0; k < skeleton.joint(j).axes.size(); ++k) {
       const AxisDof& dof = skeleton.joint(j).axes[k];
-      const double value = q[skeleton.qIndex(j) + static_cast<int>(k)], s = slope[skeleton.vIndex(j) + static_cast<int>(k)];
+      const double value = q[skeleton.qIndex(j) + static_cast<int>(k)],
+                   s = slope[skeleton.vIndex(j) + static_cast<int>(k)];
       if ((value <= dof.lower && s < 0.0) || (value >= dof.upper && s > 0.0)) continue;
       largest = std::max(largest, std::abs(s));
     }
@@ -101,7 +105,8 @@ TEST(SerialPose, OutOfReachEndsStationaryWithNoSlopeLeft) {
     for (const int restarts : {0, 50}) {
       const IkReport report = solver->solve(problem, {.restarts = restarts}, TraceLevel::Off);
       EXPECT_EQ(report.why, Stop::Stationary);
-      EXPECT_LT(freeSlope(problem, report.q), 1e-9);  // Newton converges quadratically; 1e-11 is asked for inside
+      EXPECT_LT(freeSlope(problem, report.q),
+                1e-9);  // Newton converges quadratically; 1e-11 is asked for inside
       EXPECT_LE(judge(problem, report.q).limitViolation, 0.0);
     }
   }
@@ -115,12 +120,15 @@ TEST(SerialPose, AGoalDraggedOutOfReachMovesTheArmSmoothly) {
   q << 0.0, 0.3, 0.0, -1.5, 0.0, 1.9, 0.7;
   Eigen::Isometry3d tip = forwardKinematics(skeleton, q).back();
   IkProblem problem{.skeleton = &skeleton, .start = q};
-  problem.goals = {{.kind = GoalKind::Pose, .joint = skeleton.jointCount() - 1, .orientation = Eigen::Quaterniond(tip.linear())}};
+  problem.goals = {{.kind = GoalKind::Pose,
+                    .joint = skeleton.jointCount() - 1,
+                    .orientation = Eigen::Quaterniond(tip.linear())}};
   for (int frame = 0; frame < 200; ++frame) {
     problem.goals[0].target = tip.translation() + Eigen::Vector3d(0.01 * frame, 0.0, 0.0);  // to 2 m beyond
     const IkReport report = solver->solve(problem, {.restarts = 100}, TraceLevel::Off);
     EXPECT_NE(report.why, Stop::Stalled);
-    EXPECT_LT((report.q - problem.start).cwiseAbs().maxCoeff(), 0.25) << "frame " << frame;  // a jump to another branch is > 1
+    EXPECT_LT((report.q - problem.start).cwiseAbs().maxCoeff(), 0.25)
+        << "frame " << frame;  // a jump to another branch is > 1
     problem.start = report.q;
   }
 }
@@ -134,11 +142,14 @@ TEST(SerialPose, FullTurnsWrapAndAnglesPastAHalfTurnAreReturned) {
   wanted << 4.0, -1.0, 1.2, -3.9, 5.5, -6.0;
   IkProblem problem{.skeleton = &skeleton, .start = wanted + VectorXd::Constant(6, 0.05)};
   const Frames frames = forwardKinematics(skeleton, wanted);
-  problem.goals = {{.kind = GoalKind::Pose, .joint = skeleton.jointCount() - 1, .target = frames.back().translation(),
+  problem.goals = {{.kind = GoalKind::Pose,
+                    .joint = skeleton.jointCount() - 1,
+                    .target = frames.back().translation(),
                     .orientation = Eigen::Quaterniond(frames.back().linear())}};
   const IkReport report = solver->solve(problem, {.restarts = 100}, TraceLevel::Off);
   EXPECT_TRUE(judge(problem, report.q).solved);
-  EXPECT_LT((report.q - wanted).cwiseAbs().maxCoeff(), 1e-4);  // well conditioned: 1e-6 of error is far less than 1e-4 of angle
+  EXPECT_LT((report.q - wanted).cwiseAbs().maxCoeff(),
+            1e-4);  // well conditioned: 1e-6 of error is far less than 1e-4 of angle
 }
 
 TEST(SerialPose, KernelsOfAllInstructionSetsAgree) {
@@ -163,7 +174,8 @@ TEST(SerialPose, KernelsOfAllInstructionSetsAgree) {
         EXPECT_EQ(b.why, Stop::Converged);
         same += (a.q - b.q).norm() < 1e-3;  // 1e-6 of error may be 1e-3 of angle near a singular pose
       }
-      // Rounding differs by fused operations; a descent from far away that grazes a wall may then take another branch.
+      // Rounding differs by fused operations; a descent from far away that grazes a wall may then take
+      // another branch.
       EXPECT_GE(same, count * 98 / 100);
     }
   }
@@ -175,7 +187,8 @@ TEST(SerialPose, TheFastJacobianIsTheSkeletonsOwn) {
     const Skeleton skeleton = toSkeleton(robot.table());
     const int tip = skeleton.jointCount() - 1;
     std::mt19937_64 random(15);
-    for (const InstructionSet set : {InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512}) {
+    for (const InstructionSet set :
+         {InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512}) {
       if (!isAvailable(set)) continue;
       const SerialPoseSolver solver(extractSerialChain(skeleton, tip).chain, set);
       for (int i = 0; i < 20; ++i) {
@@ -183,7 +196,8 @@ TEST(SerialPose, TheFastJacobianIsTheSkeletonsOwn) {
         const Frames frames = forwardKinematics(skeleton, q);
         ChainJacobian J;
         const Eigen::Isometry3d found = solver.frameAndJacobian(q, J);
-        EXPECT_LT((found.matrix() - frames[tip].matrix()).cwiseAbs().maxCoeff(), 1e-13);  // a dozen roundings of metres
+        EXPECT_LT((found.matrix() - frames[tip].matrix()).cwiseAbs().maxCoeff(),
+                  1e-13);  // a dozen roundings of metres
         EXPECT_LT((J - frameJacobian(skeleton, q, frames, tip)).cwiseAbs().maxCoeff(), 1e-13);
       }
     }
@@ -209,7 +223,8 @@ TEST(SerialPose, ABatchSolvesWhatSinglesSolve) {
     }
     std::vector<KernelAnswer> answers(targets.size());
     solver.solveBatch(targets, starts, answers);
-    for (int i = 0; i < problems; ++i) EXPECT_TRUE(judge(all[i], Eigen::Map<const VectorXd>(answers[i].q, 7)).solved);
+    for (int i = 0; i < problems; ++i)
+      EXPECT_TRUE(judge(all[i], Eigen::Map<const VectorXd>(answers[i].q, 7)).solved);
   }
 }
 
@@ -226,8 +241,12 @@ TEST(SerialPose, ADraggedGoalDoesNotMakeJointsJump) {
       const Eigen::Isometry3d target = forwardKinematics(skeleton, problem.start)[tip];
       for (double& q : problem.start) q += 0.15 * (2.0 * uniform01(random) - 1.0);
       problem.start = projectToLimits(skeleton, problem.start);
-      problem.goals = {{.kind = GoalKind::Pose, .joint = tip, .target = target.translation(), .orientation = Eigen::Quaterniond(target.linear())}};
-      const SerialPoseAnswer answer = solver.solve({.target = target.translation(), .orientation = target.linear()}, problem.start);
+      problem.goals = {{.kind = GoalKind::Pose,
+                        .joint = tip,
+                        .target = target.translation(),
+                        .orientation = Eigen::Quaterniond(target.linear())}};
+      const SerialPoseAnswer answer =
+          solver.solve({.target = target.translation(), .orientation = target.linear()}, problem.start);
       EXPECT_TRUE(judge(problem, answer.q).solved);
       jumps += (answer.q - problem.start).cwiseAbs().maxCoeff() > 0.5;
     }
@@ -251,7 +270,8 @@ TEST(SerialPose, TheTraceLeadsFromTheStartToTheAnswer) {
       const GoalError error = judge(problem, record.q).goals[0];
       EXPECT_NEAR(record.residual, std::hypot(error.position, error.orientation), 1e-9);
     }
-    for (size_t k = 2; k < report.trace.size(); ++k) EXPECT_LE(report.trace[k].residual, report.trace[k - 1].residual * (1.0 + 1e-9));
+    for (size_t k = 2; k < report.trace.size(); ++k)
+      EXPECT_LE(report.trace[k].residual, report.trace[k - 1].residual * (1.0 + 1e-9));
   }
 }
 
@@ -287,7 +307,8 @@ TEST(SeedTable, FirstStartsLeadToMorePosesThanRandomOnes) {
   const auto solvedAtOnce = [&](const SerialPoseSolver& with) {
     std::vector<KernelAnswer> answers(targets.size());
     with.solveBatch(targets, starts, answers);
-    return std::count_if(answers.begin(), answers.end(), [](const KernelAnswer& a) { return a.solved && a.attempts == 1; });
+    return std::count_if(answers.begin(), answers.end(),
+                         [](const KernelAnswer& a) { return a.solved && a.attempts == 1; });
   };
   const auto withTable = solvedAtOnce(solver), without = solvedAtOnce(SerialPoseSolver(chain));
   std::printf("  first start leads to the pose: table %ld, random %ld of %d\n", withTable, without, problems);

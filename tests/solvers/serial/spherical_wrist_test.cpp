@@ -13,7 +13,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-SerialChain chainOf(const Skeleton& skeleton) { return extractSerialChain(skeleton, skeleton.jointCount() - 1).chain; }
+SerialChain chainOf(const Skeleton& skeleton) {
+  return extractSerialChain(skeleton, skeleton.jointCount() - 1).chain;
+}
 
 TEST(SphericalWrist, AllEightBranchesOfPumaAndUr5ReachThePose) {
   for (const char* name : {"puma560", "ur5"}) {
@@ -29,13 +31,16 @@ TEST(SphericalWrist, AllEightBranchesOfPumaAndUr5ReachThePose) {
       double nearest = INFINITY;
       for (const ArmBranch& branch : branches) {
         double distance = 0.0;
-        for (int i = 0; i < 6; ++i) distance = std::max(distance, std::abs(std::remainder(branch.q[i] - q[i], 2.0 * M_PI)));
+        for (int i = 0; i < 6; ++i)
+          distance = std::max(distance, std::abs(std::remainder(branch.q[i] - q[i], 2.0 * M_PI)));
         nearest = std::min(nearest, distance);
         if (!branch.exact) continue;  // UR: some shoulder and wrist choices leave the elbow too short
         const Eigen::Isometry3d reached = tipFrame(chain, branch.q);
         EXPECT_LT((reached.matrix() - pose.matrix()).cwiseAbs().maxCoeff(), 1e-9);
       }
-      EXPECT_LT(nearest, 1e-5);  // the configuration itself is among them; near a stretched elbow acos loses half the digits
+      EXPECT_LT(
+          nearest,
+          1e-5);  // the configuration itself is among them; near a stretched elbow acos loses half the digits
     }
   }
 }
@@ -61,7 +66,8 @@ TEST(SphericalWrist, ASingularWristKeepsTheReferenceAngle) {
   double nearest = INFINITY;
   for (const ArmBranch& branch : armBranches(chain, pose, q)) {
     if (branch.exact) {
-      EXPECT_LT((tipFrame(chain, branch.q).matrix() - pose.matrix()).cwiseAbs().maxCoeff(), 1e-7);  // acos near 1
+      EXPECT_LT((tipFrame(chain, branch.q).matrix() - pose.matrix()).cwiseAbs().maxCoeff(),
+                1e-7);  // acos near 1
     }
     nearest = std::min(nearest, (branch.q - q).cwiseAbs().maxCoeff());
   }
@@ -87,7 +93,10 @@ TEST(SphericalWrist, EveryReachablePoseWithinLimitsIsSolved) {
     for (int trial = 0; trial < 300; ++trial) {
       const Eigen::Isometry3d pose = forwardKinematics(skeleton, randomWithinLimits(skeleton, random)).back();
       IkProblem problem{.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random)};
-      problem.goals = {{.kind = GoalKind::Pose, .joint = skeleton.jointCount() - 1, .target = pose.translation(), .orientation = Eigen::Quaterniond(pose.linear())}};
+      problem.goals = {{.kind = GoalKind::Pose,
+                        .joint = skeleton.jointCount() - 1,
+                        .target = pose.translation(),
+                        .orientation = Eigen::Quaterniond(pose.linear())}};
       const IkReport report = solver->solve(problem, {}, TraceLevel::Off);
       EXPECT_EQ(report.why, Stop::Converged) << name;
       EXPECT_TRUE(judge(problem, report.q).solved) << name;

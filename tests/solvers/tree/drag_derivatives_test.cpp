@@ -32,14 +32,16 @@ struct Problem {
   Problem(std::mt19937_64& random, int joints) : Problem(random, testing::randomSkeleton(random, joints)) {}
 
  private:
-  /// A pose at most 1.3 rad in any ball from q: the squared angle of the posture term has a kink at a half turn.
+  /// A pose at most 1.3 rad in any ball from q: the squared angle of the posture term has a kink at a half
+  /// turn.
   static VectorXd near(const Skeleton& skeleton, const VectorXd& q, std::mt19937_64& random) {
     VectorXd d(skeleton.nv());
     for (double& entry : d) entry = 1.5 * (uniform01(random) - 0.5);
     return projectToLimits(skeleton, integrate(skeleton, q, d));
   }
 
-  Problem(std::mt19937_64& random, const Skeleton& made) : Problem(random, made, randomWithinLimits(made, random)) {}
+  Problem(std::mt19937_64& random, const Skeleton& made)
+      : Problem(random, made, randomWithinLimits(made, random)) {}
 
   Problem(std::mt19937_64& random, const Skeleton& made, const VectorXd& q)
       : skeleton(made), descent(skeleton, 0.7, postureStiffness(skeleton), near(skeleton, q, random)) {
@@ -102,7 +104,8 @@ TEST(DragDerivatives, GradientMatchesCentralDifferencesOnEveryKindOfJoint) {
     for (int k = 0; k < n; ++k) {
       const VectorXd d = h * VectorXd::Unit(n, k);
       const double slope =
-          (problem.movedBy(d).objective(problem.settings) - problem.movedBy(-d).objective(problem.settings)) / (2 * h);
+          (problem.movedBy(d).objective(problem.settings) - problem.movedBy(-d).objective(problem.settings)) /
+          (2 * h);
       EXPECT_NEAR(slope, g[k], 1e-8 * std::max(1.0, g.norm())) << "dof " << k;  // h^2 f'''
     }
   }
@@ -122,8 +125,10 @@ TEST(DragDerivatives, HessianMatchesDifferencesOfTheGradientOnEveryKindOfJoint) 
     const double scale = std::max(1.0, full.norm());
     for (int a = 0; a < n; ++a)
       for (int b = 0; b <= a; ++b) {
-        // d^2 f / da db along one joint step each: e_a +- e_b, so that free balls are differenced through one exp.
-        const VectorXd plus = h * (VectorXd::Unit(n, a) + VectorXd::Unit(n, b)), minus = h * (VectorXd::Unit(n, a) - VectorXd::Unit(n, b));
+        // d^2 f / da db along one joint step each: e_a +- e_b, so that free balls are differenced through one
+        // exp.
+        const VectorXd plus = h * (VectorXd::Unit(n, a) + VectorXd::Unit(n, b)),
+                       minus = h * (VectorXd::Unit(n, a) - VectorXd::Unit(n, b));
         const auto f = [&](const VectorXd& d) { return problem.movedBy(d).objective(problem.settings); };
         const double second = a == b ? (f(plus) - 2 * f(VectorXd::Zero(n)) + f(-plus)) / (4 * h * h)
                                      : (f(plus) + f(-plus) - f(minus) - f(-minus)) / (4 * h * h);
@@ -137,7 +142,8 @@ TEST(DragDerivatives, GaussNewtonIsExactWhereEveryTargetIsMet) {
   for (int i = 0; i < 20; ++i) {
     Problem problem(random, 10);
     problem.settings = {.lambda = 0.0, .kappa = 0.0};
-    for (TreePoint& point : problem.descent.points()) point.target = problem.descent.tree().at(problem.descent.pose(), point);
+    for (TreePoint& point : problem.descent.points())
+      point.target = problem.descent.tree().at(problem.descent.pose(), point);
     const int n = problem.descent.tree().dofCount();
     VectorXd g(n);
     TreeMatrix exact, gaussNewton;

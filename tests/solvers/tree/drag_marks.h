@@ -11,8 +11,8 @@
 #include "kinematics/rotation.h"
 #include "solvers/tree/drag_solver.h"
 
-// The drags by which the drag solver is judged, for the tests and for the table that drag_benchmark prints. Everything
-// measured here comes from the configuration alone: forward kinematics, quaternions.
+// The drags by which the drag solver is judged, for the tests and for the table that drag_benchmark prints.
+// Everything measured here comes from the configuration alone: forward kinematics, quaternions.
 namespace gelenk::marks {
 
 using Eigen::Vector3d;
@@ -36,7 +36,10 @@ struct Figure {
   std::vector<DragGoal> pins() const {
     std::vector<DragGoal> goals;
     for (const int foot : feet)
-      goals.push_back({.goal = {.kind = GoalKind::Pose, .name = "foot", .joint = foot, .target = startFrames[foot].translation(),
+      goals.push_back({.goal = {.kind = GoalKind::Pose,
+                                .name = "foot",
+                                .joint = foot,
+                                .target = startFrames[foot].translation(),
                                 .orientation = Eigen::Quaterniond(startFrames[foot].linear())},
                        .role = GoalRole::Pin});
     return goals;
@@ -44,7 +47,10 @@ struct Figure {
   std::vector<DragGoal> goals() const {
     std::vector<DragGoal> all;
     for (int k = 0; k < dragCount; ++k)
-      all.push_back({.goal = {.name = "drag", .joint = dragJoint(k), .pointInJoint = dragPoint(k), .target = dragged(startFrames, k)}});
+      all.push_back({.goal = {.name = "drag",
+                              .joint = dragJoint(k),
+                              .pointInJoint = dragPoint(k),
+                              .target = dragged(startFrames, k)}});
     for (const DragGoal& pin : pins()) all.push_back(pin);
     return all;
   }
@@ -52,7 +58,8 @@ struct Figure {
     for (int k = 0; k < dragCount; ++k) goals[k].goal.target = targets[k];
   }
 
-  /// Largest distance of three points of each foot (ankle, 10 cm along the bone, 10 cm up) from where they were.
+  /// Largest distance of three points of each foot (ankle, 10 cm along the bone, 10 cm up) from where they
+  /// were.
   double pinError(const Frames& frames) const {
     double worst = 0.0;
     for (const int foot : feet)
@@ -65,7 +72,8 @@ struct Figure {
     double largest = 0.0;
     for (int i = 0; i < skeleton.jointCount(); ++i) {
       if (skeleton.vCount(i) == 0) continue;
-      const Eigen::Quaterniond before(jointMotion(skeleton, a, i).linear()), after(jointMotion(skeleton, b, i).linear());
+      const Eigen::Quaterniond before(jointMotion(skeleton, a, i).linear()),
+          after(jointMotion(skeleton, b, i).linear());
       largest = std::max(largest, logRotation(before.conjugate() * after).norm());
     }
     return largest;
@@ -77,14 +85,16 @@ inline VectorXd halfRangePose(const Skeleton& skeleton, std::mt19937_64& random)
   VectorXd to = randomWithinLimits(skeleton, random);
   to.head<3>().setZero();
   setBallRotation(skeleton, to, 0, Eigen::Quaterniond::Identity());
-  return projectToLimits(skeleton, integrate(skeleton, skeleton.rest(), 0.5 * difference(skeleton, skeleton.rest(), to)));
+  return projectToLimits(
+      skeleton, integrate(skeleton, skeleton.rest(), 0.5 * difference(skeleton, skeleton.rest(), to)));
 }
 
 /// Targets of both hands and the head, frame by frame.
 using Path = std::vector<std::vector<Vector3d>>;
 
-/// A path that can be followed: the targets are those of a moving pose within limits whose feet stay, at most `step` metres a
-/// frame. The pose moves between random ones (half way between rest and random within limits).
+/// A path that can be followed: the targets are those of a moving pose within limits whose feet stay, at most
+/// `step` metres a frame. The pose moves between random ones (half way between rest and random within
+/// limits).
 inline Path reachablePath(const Figure& figure, std::mt19937_64& random, int frames, double step) {
   const Skeleton& skeleton = figure.skeleton;
   HybridDescent feet(skeleton, 1.0, std::vector<double>(skeleton.nv(), 1.0), skeleton.rest());
@@ -94,7 +104,8 @@ inline Path reachablePath(const Figure& figure, std::mt19937_64& random, int fra
     const Eigen::Isometry3d& frame = figure.startFrames[foot];
     const int node = feet.tree().carrier(foot);
     for (int k = 0; k < 3; ++k)
-      feet.points().push_back({.node = node, .direction = true, .local = Vector3d::Unit(k), .target = frame.linear().col(k)});
+      feet.points().push_back(
+          {.node = node, .direction = true, .local = Vector3d::Unit(k), .target = frame.linear().col(k)});
     feet.points().push_back({.node = node, .target = frame.translation()});
   }
   /// The nearest pose to q whose feet are in place, or none.
@@ -102,12 +113,14 @@ inline Path reachablePath(const Figure& figure, std::mt19937_64& random, int fra
     feet.load(q);
     for (int i = 0; i < 60; ++i) {
       feet.anchor();
-      const StepOutcome outcome = feet.step({.lambda = 0.0, .kappa = 1e-6, .smallestStep = 1e-13, .exact = false});
+      const StepOutcome outcome =
+          feet.step({.lambda = 0.0, .kappa = 1e-6, .smallestStep = 1e-13, .exact = false});
       if (feet.residual() < 1e-11 || !outcome.moved) break;
     }
     VectorXd out = q;
     feet.tree().store(feet.pose(), out);
-    if (figure.pinError(forwardKinematics(skeleton, out)) > 1e-9 || limitViolation(skeleton, out) > 1e-12) return std::nullopt;
+    if (figure.pinError(forwardKinematics(skeleton, out)) > 1e-9 || limitViolation(skeleton, out) > 1e-12)
+      return std::nullopt;
     return out;
   };
   const auto targetsOf = [&](const VectorXd& q) {
@@ -149,8 +162,8 @@ inline Path reachablePath(const Figure& figure, std::mt19937_64& random, int fra
   return path;
 }
 
-/// Targets that leave what can be reached: each moves with `step` metres a frame towards random points of a ball of radius
-/// 1.3 m around the chest.
+/// Targets that leave what can be reached: each moves with `step` metres a frame towards random points of a
+/// ball of radius 1.3 m around the chest.
 inline Path wildPath(const Figure& figure, std::mt19937_64& random, int frames, double step) {
   const auto somewhere = [&] {
     Vector3d v;
@@ -183,12 +196,12 @@ inline double quantile(std::vector<double> values, double share) {
 
 /// What a drag along a path showed.
 struct Shown {
-  std::vector<double> errors;    ///< metres, every dragged point and frame
-  std::vector<double> seconds;   ///< a frame
-  double worstPin = 0.0;         ///< metres
-  double worstRotation = 0.0;    ///< radians a joint and frame
-  double worstJump = 0.0;        ///< rotation over (target step / 0.5 m)
-  double worstViolation = 0.0;   ///< of limits
+  std::vector<double> errors;   ///< metres, every dragged point and frame
+  std::vector<double> seconds;  ///< a frame
+  double worstPin = 0.0;        ///< metres
+  double worstRotation = 0.0;   ///< radians a joint and frame
+  double worstJump = 0.0;       ///< rotation over (target step / 0.5 m)
+  double worstViolation = 0.0;  ///< of limits
   int notFinite = 0;
   long iterations = 0, factorisations = 0;
 
@@ -223,7 +236,8 @@ inline Shown follow(const Figure& figure, DragSolver& solver, const Path& path, 
       continue;
     }
     forwardKinematics(figure.skeleton, q, frames);
-    for (int k = 0; k < Figure::dragCount; ++k) shown.errors.push_back((targets[k] - figure.dragged(frames, k)).norm());
+    for (int k = 0; k < Figure::dragCount; ++k)
+      shown.errors.push_back((targets[k] - figure.dragged(frames, k)).norm());
     shown.worstPin = std::max(shown.worstPin, figure.pinError(frames));
     const double rotation = figure.largestRotation(before, q);
     shown.worstRotation = std::max(shown.worstRotation, rotation);

@@ -5,9 +5,10 @@
 
 #include "tests/solvers/tree/drag_marks.h"
 
-// Where does a drag that cannot be followed end? An independent minimiser of the same objective (Ceres, automatic
-// derivatives, its own forward kinematics and parameters, several starts) says what could be had. GELENK_DRAG_REFERENCES sets the
-// number of targets and twelve starts for each; by default it is two targets of three starts, for the time they take.
+// Where does a drag that cannot be followed end? An independent minimiser of the same objective (Ceres,
+// automatic derivatives, its own forward kinematics and parameters, several starts) says what could be had.
+// GELENK_DRAG_REFERENCES sets the number of targets and twelve starts for each; by default it is two targets
+// of three starts, for the time they take.
 namespace gelenk {
 namespace {
 
@@ -28,7 +29,8 @@ Vector3<T> fromSquare(const BallLimit& limit, const T* p) {
           limit.swingCentre.y() + limit.swingRadii.y() * p[1] * sqrt(1.0 - 0.5 * p[0] * p[0]), p[2]};
 }
 
-/// The drag's objective as residuals, one parameter block a joint: axes and displacements; (u, v, tau); or a quaternion after them.
+/// The drag's objective as residuals, one parameter block a joint: axes and displacements; (u, v, tau); or a
+/// quaternion after them.
 struct DragResiduals {
   const Figure& figure;
   const DragOptions& options;
@@ -93,12 +95,14 @@ struct DragResiduals {
     int row = 0;
     for (int k = 0; k < Figure::dragCount; ++k) {
       const int joint = figure.dragJoint(k);
-      const Vector3<T> e = targets[k].template cast<T>() - x[joint] - R[joint] * figure.dragPoint(k).template cast<T>();
+      const Vector3<T> e =
+          targets[k].template cast<T>() - x[joint] - R[joint] * figure.dragPoint(k).template cast<T>();
       for (int j = 0; j < 3; ++j) r[row++] = e[j];
     }
     for (const int foot : figure.feet) {
       const Eigen::Isometry3d& wanted = figure.startFrames[foot];
-      for (int j = 0; j < 3; ++j) r[row++] = std::sqrt(options.pinWeight) * (wanted.translation()[j] - x[foot][j]);
+      for (int j = 0; j < 3; ++j)
+        r[row++] = std::sqrt(options.pinWeight) * (wanted.translation()[j] - x[foot][j]);
       const double weight = std::sqrt(options.pinWeight / 3.0) * options.poseArm;
       for (int j = 0; j < 9; ++j) r[row++] = weight * (wanted.linear()(j / 3, j % 3) - R[foot](j / 3, j % 3));
     }
@@ -132,7 +136,8 @@ std::vector<std::vector<double>> parametersOf(const Figure& figure, const Vector
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
     const int axes = static_cast<int>(joint.axes.size()), at = skeleton.qIndex(i);
-    for (int k = 0; k < axes; ++k) blocks[i].push_back(std::clamp(q[at + k], joint.axes[k].lower, joint.axes[k].upper));
+    for (int k = 0; k < axes; ++k)
+      blocks[i].push_back(std::clamp(q[at + k], joint.axes[k].lower, joint.axes[k].upper));
     if (!joint.ball) continue;
     if (!joint.ballLimit) {
       for (int k = 0; k < 4; ++k) blocks[i].push_back(q[at + axes + k]);
@@ -152,7 +157,8 @@ std::vector<std::vector<double>> parametersOf(const Figure& figure, const Vector
   return blocks;
 }
 
-Reference minimise(const Figure& figure, const DragOptions& options, const std::vector<Vector3d>& targets, const VectorXd& start) {
+Reference minimise(const Figure& figure, const DragOptions& options, const std::vector<Vector3d>& targets,
+                   const VectorXd& start) {
   const Skeleton& skeleton = figure.skeleton;
   const std::vector<double> stiffness = postureStiffness(skeleton);
   std::vector<std::vector<double>> blocks = parametersOf(figure, start);
@@ -178,8 +184,10 @@ Reference minimise(const Figure& figure, const DragOptions& options, const std::
     }
     const int axes = static_cast<int>(joint.axes.size());
     for (int k = 0; k < axes; ++k) {
-      if (std::isfinite(joint.axes[k].lower)) problem.SetParameterLowerBound(pointers[i], k, joint.axes[k].lower);
-      if (std::isfinite(joint.axes[k].upper)) problem.SetParameterUpperBound(pointers[i], k, joint.axes[k].upper);
+      if (std::isfinite(joint.axes[k].lower))
+        problem.SetParameterLowerBound(pointers[i], k, joint.axes[k].lower);
+      if (std::isfinite(joint.axes[k].upper))
+        problem.SetParameterUpperBound(pointers[i], k, joint.axes[k].upper);
     }
     if (joint.ballLimit) {
       for (int k = 0; k < 2; ++k) {
@@ -189,7 +197,8 @@ Reference minimise(const Figure& figure, const DragOptions& options, const std::
       problem.SetParameterLowerBound(pointers[i], 2, joint.ballLimit->twistLower);
       problem.SetParameterUpperBound(pointers[i], 2, joint.ballLimit->twistUpper);
     } else if (joint.ball) {
-      problem.SetManifold(pointers[i], new ceres::ProductManifold<ceres::EuclideanManifold<3>, ceres::QuaternionManifold>());
+      problem.SetManifold(
+          pointers[i], new ceres::ProductManifold<ceres::EuclideanManifold<3>, ceres::QuaternionManifold>());
     }
   }
   ceres::Solver::Options solverOptions;
@@ -206,9 +215,12 @@ Reference minimise(const Figure& figure, const DragOptions& options, const std::
     const int axes = static_cast<int>(joint.axes.size());
     for (int k = 0; k < axes; ++k) q[skeleton.qIndex(i) + k] = blocks[i][k];
     if (joint.ballLimit)
-      setBallRotation(skeleton, q, i, fromSwingTwistCoordinates(fromSquare(*joint.ballLimit, blocks[i].data())));
+      setBallRotation(skeleton, q, i,
+                      fromSwingTwistCoordinates(fromSquare(*joint.ballLimit, blocks[i].data())));
     else if (joint.ball)
-      setBallRotation(skeleton, q, i, Eigen::Quaterniond(blocks[i][axes], blocks[i][axes + 1], blocks[i][axes + 2], blocks[i][axes + 3]));
+      setBallRotation(
+          skeleton, q, i,
+          Eigen::Quaterniond(blocks[i][axes], blocks[i][axes + 1], blocks[i][axes + 2], blocks[i][axes + 3]));
   }
   Reference found{.cost = summary.final_cost, .reached = draggedPoints(figure, q), .error = 0.0};
   found.error = sumOfDistances(found.reached, targets);
@@ -248,12 +260,17 @@ TEST(DragReference, PartlyUnreachableDragsEndInTheMinimumOfATwelveStartCeresSear
       if (found.cost < best.cost) best = found;
     }
     double apart = 0.0;
-    for (std::size_t k = 0; k < reached.size(); ++k) apart = std::max(apart, (reached[k] - best.reached[k]).norm());
-    // 4 cm: the bounded corrections of three targets and two feet shift a conflict; other minima lie farther off.
+    for (std::size_t k = 0; k < reached.size(); ++k)
+      apart = std::max(apart, (reached[k] - best.reached[k]).norm());
+    // 4 cm: the bounded corrections of three targets and two feet shift a conflict; other minima lie farther
+    // off.
     same += apart <= 0.04;
     within += error <= 1.05 * best.error + 1e-3;
-    if (i % 10 == 9) std::fprintf(stderr, "%d of %d so far, same minimum %d, within 5 %% %d\n", i + 1, count, same, within);
-    if (apart > 0.04) std::printf("target %d: drag error %.4f m, reference %.4f m, points %.4f m apart\n", i, error, best.error, apart);
+    if (i % 10 == 9)
+      std::fprintf(stderr, "%d of %d so far, same minimum %d, within 5 %% %d\n", i + 1, count, same, within);
+    if (apart > 0.04)
+      std::printf("target %d: drag error %.4f m, reference %.4f m, points %.4f m apart\n", i, error,
+                  best.error, apart);
   }
   std::printf("same minimum %d of %d, error within 5 %% on %d\n", same, count, within);
   EXPECT_GE(same, 0.9 * count - 1.0);  // one miss is a third of a small count

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "solvers/iteration/evaluator.h"
-#include "solvers/tree/hybrid_solver.h"
 #include "solvers/problem/judge.h"
+#include "solvers/tree/hybrid_solver.h"
 #include "tests/kinematics/random_skeleton.h"
 #include "tests/solvers/tree/drag_marks.h"
 
@@ -14,8 +14,8 @@
 #endif
 #endif
 
-// The marks of the drag solver on the built-in figure, both hands and the head dragged, the feet pinned. Times are measured
-// by drag_benchmark, which also prints this table over more frames.
+// The marks of the drag solver on the built-in figure, both hands and the head dragged, the feet pinned.
+// Times are measured by drag_benchmark, which also prints this table over more frames.
 namespace gelenk {
 namespace {
 
@@ -57,7 +57,8 @@ TEST_P(ReachableDrag, FollowsItsTargetAndKeepsTheFeet) {
     solver.reset(figure.start);
     all.add(marks::follow(figure, solver, path, step));
     marks::follow(figure, solver, held(path, 60), 0.0);
-    EXPECT_LE(quantile(marks::follow(figure, solver, held(path, 5), 0.0).errors, 1.0), 1e-5) << "held, path " << i;
+    EXPECT_LE(quantile(marks::follow(figure, solver, held(path, 5), 0.0).errors, 1.0), 1e-5)
+        << "held, path " << i;
   }
   EXPECT_LE(quantile(all.errors, 0.99), wanted);
   EXPECT_LE(all.worstPin, 3e-4);
@@ -92,7 +93,8 @@ TEST_F(Marks, TargetsThatJumpTwoMetresDoNoHarm) {
       for (int k = 0; k < Figure::dragCount; ++k) {
         const Vector3d from = i == 0 ? figure.dragged(figure.startFrames, k) : targets[k];
         Vector3d to = from + 2.0 * testing::randomUnit(random);
-        if ((to - Vector3d(0, 1.2, 0)).norm() > 2.0) to = from + 2.0 * (Vector3d(0, 1.2, 0) - from).normalized();
+        if ((to - Vector3d(0, 1.2, 0)).norm() > 2.0)
+          to = from + 2.0 * (Vector3d(0, 1.2, 0) - from).normalized();
         targets[k] = to;
       }
     path.push_back(targets);
@@ -122,8 +124,11 @@ TEST_F(Marks, HandFarOutsideStretchesTheArmAndRests) {
     before = q;
   }
   const Frames frames = forwardKinematics(figure.skeleton, solver.q());
-  const auto at = [&](const char* name) -> Vector3d { return frames[figure.skeleton.jointIndex(name)].translation(); };
-  const Vector3d arm = (at("hand_r") - at("upperarm_r")).normalized(), aim = (to - at("upperarm_r")).normalized();
+  const auto at = [&](const char* name) -> Vector3d {
+    return frames[figure.skeleton.jointIndex(name)].translation();
+  };
+  const Vector3d arm = (at("hand_r") - at("upperarm_r")).normalized(),
+                 aim = (to - at("upperarm_r")).normalized();
   EXPECT_GE(arm.dot(aim), std::cos(0.15));  // stretched towards the target
   EXPECT_GE((at("hand_r") - at("upperarm_r")).norm(),
             0.99 * ((at("hand_r") - at("lowerarm_r")).norm() + (at("lowerarm_r") - at("upperarm_r")).norm()));
@@ -142,7 +147,9 @@ TEST_F(Marks, OutAndBackOnAReachablePathEndsInTheSamePose) {
     marks::follow(figure, solver, held(path, 120), 0.0);
     worst = std::max(worst, figure.largestRotation(begin, solver.q()));
   }
-  EXPECT_LE(worst, 1e-3);  // both rests are within the smallest step of the same minimum, seen through its softest joint
+  EXPECT_LE(
+      worst,
+      1e-3);  // both rests are within the smallest step of the same minimum, seen through its softest joint
   RecordProperty("worst", std::to_string(worst));
 }
 
@@ -168,7 +175,10 @@ TEST_F(Marks, ChangingTheDraggedPointChangesThePoseContinuously) {
   for (const char* name : {"lowerarm_l", "calf_r", "hand_l"}) {
     const int joint = figure.skeleton.jointIndex(name);
     const Frames frames = forwardKinematics(figure.skeleton, solver.q());
-    goals[0].goal = {.name = "drag", .joint = joint, .pointInJoint = {0, 0, 0.02}, .target = frames[joint] * Vector3d(0, 0, 0.02)};
+    goals[0].goal = {.name = "drag",
+                     .joint = joint,
+                     .pointInJoint = {0, 0, 0.02},
+                     .target = frames[joint] * Vector3d(0, 0, 0.02)};
     const VectorXd before = solver.q();
     solver.frame(goals);
     EXPECT_LE(figure.largestRotation(before, solver.q()), 0.06) << name;
@@ -202,12 +212,17 @@ TEST_F(Marks, PoleTurnsTheElbowAndLeavesTheHand) {
 TEST_F(Marks, PoseAimAndOrientationGoalsAreMet) {
   std::vector<DragGoal> goals = figure.goals();
   const int hand = figure.hands[0];
-  const Eigen::Quaterniond turned = Eigen::Quaterniond(figure.startFrames[hand].linear()) * expRotation({0.3, 0.2, -0.4});
-  goals[0].goal = {.kind = GoalKind::Pose, .joint = hand, .target = figure.startFrames[hand].translation() + Vector3d(0, 0.1, 0),
+  const Eigen::Quaterniond turned =
+      Eigen::Quaterniond(figure.startFrames[hand].linear()) * expRotation({0.3, 0.2, -0.4});
+  goals[0].goal = {.kind = GoalKind::Pose,
+                   .joint = hand,
+                   .target = figure.startFrames[hand].translation() + Vector3d(0, 0.1, 0),
                    .orientation = turned};
-  goals[2].goal = {.kind = GoalKind::Aim, .joint = figure.head, .target = {0.5, 1.2, 2.0}, .axisInJoint = {0, -1, 0}};
+  goals[2].goal = {
+      .kind = GoalKind::Aim, .joint = figure.head, .target = {0.5, 1.2, 2.0}, .axisInJoint = {0, -1, 0}};
   for (int i = 0; i < 200; ++i) solver.frame(goals);
-  IkProblem problem{.skeleton = &figure.skeleton, .start = figure.start, .goals = {goals[0].goal, goals[2].goal}};
+  IkProblem problem{
+      .skeleton = &figure.skeleton, .start = figure.start, .goals = {goals[0].goal, goals[2].goal}};
   const Judgement verdict = judge(problem, solver.q());
   EXPECT_LE(verdict.goals[0].position, 1e-4);
   EXPECT_LE(verdict.goals[0].orientation, 1e-3);
@@ -220,7 +235,8 @@ TEST(DragSolver, WorksAtEveryScaleAlike) {
     std::vector<Joint> chain;
     for (int i = 0; i < 4; ++i) {
       Joint joint{.name = "j" + std::to_string(i), .parent = i - 1};
-      joint.parentFromZero.translation() = i == 0 ? scale * Vector3d(0.5, 4.0, 0) : scale * Vector3d(0.5, 0, 0);
+      joint.parentFromZero.translation() =
+          i == 0 ? scale * Vector3d(0.5, 4.0, 0) : scale * Vector3d(0.5, 0, 0);
       if (i < 3) joint.axes = {{AxisDof::Kind::Rotation, Vector3d::UnitZ()}};
       chain.push_back(joint);
     }
