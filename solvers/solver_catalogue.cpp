@@ -3,7 +3,7 @@
 
 #include "solvers/methods/ball_chain.h"
 #include "solvers/methods/ccd.h"
-#include "solvers/methods/ceres_solver.h"
+#include "solvers/ceres/ceres_solver.h"
 #include "solvers/methods/evolution.h"
 #include "solvers/methods/fabrik.h"
 #include "solvers/methods/newton.h"
@@ -50,9 +50,11 @@ constexpr std::array catalogue{
     SolverEntry{"qp", "Quadratic program with limits", "Escande, Mansard, Wieber 2014", &makeQpDifferential},
     SolverEntry{"task-priority", "Task priority with null space", "Siciliano, Slotine 1991",
                 &makeTaskPriority},
+#ifdef GELENK_HAS_CERES
     SolverEntry{"ceres-lm", "Ceres, Levenberg-Marquardt", "ceres-solver.org", &makeCeresLm},
     SolverEntry{"ceres-dogleg", "Ceres, dogleg", "ceres-solver.org; Powell 1970", &makeCeresDogleg},
     SolverEntry{"ceres-line-search", "Ceres, L-BFGS line search", "ceres-solver.org", &makeCeresLineSearch},
+#endif
     SolverEntry{"evolution", "Evolution with gradient polishing", "Ruppel et al. 2018 (bio_ik)",
                 &makeEvolution, true},
     SolverEntry{"newton-1d", "Newton, one dimension", "Lecture 10.1.4, one-dimensional Newton method",
@@ -77,6 +79,20 @@ constexpr std::array catalogue{
 #endif
 };
 
+/// Solvers that stand on a part which this build was made without, by the beginning of their names.
+struct MissingPart {
+  std::string_view prefix, library, option;
+};
+constexpr std::array missingParts{
+#ifndef GELENK_HAS_CERES
+    MissingPart{"ceres-", "Ceres Solver", "GELENK_CERES"},
+#endif
+#ifndef GELENK_HAS_KDL
+    MissingPart{"kdl-", "Orocos KDL", "GELENK_PEERS"},
+#endif
+    MissingPart{},
+};
+
 }  // namespace
 
 std::span<const SolverEntry> solverCatalogue() { return catalogue; }
@@ -90,6 +106,11 @@ const SolverEntry& solverEntry(std::string_view name) {
     if (entry.name == name) return entry;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
+  for (const MissingPart& part : missingParts)
+    if (!part.prefix.empty() && name.starts_with(part.prefix))
+      throw std::invalid_argument("the solver '" + std::string(name) + "' needs " + std::string(part.library) +
+                                  ", which this build was made without (CMake option " +
+                                  std::string(part.option) + ")");
   throw std::invalid_argument("no solver is called '" + std::string(name) + "'; there are: " + known);
 }
 

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/reproductions.h"
 #include "apps/commands/solver_colour.h"
@@ -141,54 +141,45 @@ void merge(const std::vector<std::string>& folders, const std::string& out, cons
 
 }  // namespace
 
-void addCompareCommand(CLI::App& app) {
+void addCompareCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command =
-      app.add_subcommand("compare", "Compare solvers on frozen problem sets and write a report");
+  Command command = app.command("compare", "Compare solvers on frozen problem sets and write a report");
   ComparisonPlan& plan = request->plan;
-  command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
-  command->add_option("--set", request->sets, "Problem set, D1 to D7 (repeatable; default D1)");
-  command->add_option("--solver", request->solvers, "Solver by name, or default (repeatable; default: all)");
-  command->add_option("--effector", request->effectors,
-                      "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
+  command.option("--model", request->model, "Built-in model or file").showDefault();
+  command.option("--set", request->sets, "Problem set, D1 to D7 (repeatable; default D1)");
+  command.option("--solver", request->solvers, "Solver by name, or default (repeatable; default: all)");
+  command.option("--effector", request->effectors,
+                 "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
   command
-      ->add_option("--goal", request->goal,
-                   "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
-      ->check(CLI::IsMember({"position", "pose"}));
-  command->add_option("--problems", plan.problems, "Problems of each set")->capture_default_str();
-  command->add_option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers")
-      ->capture_default_str();
-  command->add_option("--tolerance", plan.tolerance, "Metres and radians, on the error itself")
-      ->capture_default_str();
-  command->add_option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt")
-      ->capture_default_str();
-  command->add_option(
-      "--budget-ms", request->budgetMilliseconds,
-      "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
-  command->add_option("--restarts", plan.budget.restarts, "Random restarts after the first attempt")
-      ->capture_default_str();
+      .option("--goal", request->goal,
+              "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
+      .oneOf({"position", "pose"});
+  command.option("--problems", plan.problems, "Problems of each set").showDefault();
+  command.option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers").showDefault();
+  command.option("--tolerance", plan.tolerance, "Metres and radians, on the error itself").showDefault();
+  command.option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt").showDefault();
+  command.option("--budget-ms", request->budgetMilliseconds,
+                 "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
+  command.option("--restarts", plan.budget.restarts, "Random restarts after the first attempt").showDefault();
   command
-      ->add_option("--seeds", plan.seeds,
-                   "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for "
-                   "those that only restart")
-      ->capture_default_str();
-  command->add_option("--repeat", plan.repeat, "Solves a problem; the shortest time counts")
-      ->capture_default_str();
-  command->add_option("--traces", plan.traces, "Problems of each set whose residual curves are kept")
-      ->capture_default_str();
-  command->add_option("--shard", request->shard,
-                      "K/N: only the K-th of N parts; join them with 'compare merge'");
-  command->add_option("--out", request->out, "Folder for the results; an interrupted run continues there");
-  command->add_option("--reproduce", request->reproduce, "An experiment from the literature, see --list");
-  command->add_flag("--list", request->list, "List solvers, problem sets, reproductions and models");
-  CLI::App* merging =
-      command->add_subcommand("merge", "Join the folders of all shards: merge --out DIR SHARD...");
-  merging->add_option("--out", request->out, "Folder for the joined results")->required();
-  merging->add_option("shards", request->mergeFolders, "Folders of the shards")->required();
-  command->callback([request, merging] {
-    if (!merging->parsed()) compare(*request, typedCommand());
+      .option("--seeds", plan.seeds,
+              "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for "
+              "those that only restart")
+      .showDefault();
+  command.option("--repeat", plan.repeat, "Solves a problem; the shortest time counts").showDefault();
+  command.option("--traces", plan.traces, "Problems of each set whose residual curves are kept")
+      .showDefault();
+  command.option("--shard", request->shard, "K/N: only the K-th of N parts; join them with 'compare merge'");
+  command.option("--out", request->out, "Folder for the results; an interrupted run continues there");
+  command.option("--reproduce", request->reproduce, "An experiment from the literature, see --list");
+  command.flag("--list", request->list, "List solvers, problem sets, reproductions and models");
+  Command merging = command.command("merge", "Join the folders of all shards: merge --out DIR SHARD...");
+  merging.option("--out", request->out, "Folder for the joined results").required();
+  merging.option("shards", request->mergeFolders, "Folders of the shards").required();
+  command.run([request, merging] {
+    if (!merging.given()) compare(*request, typedCommand());
   });
-  merging->callback([request] { merge(request->mergeFolders, request->out, typedCommand()); });
+  merging.run([request] { merge(request->mergeFolders, request->out, typedCommand()); });
 }
 
 }  // namespace gelenk

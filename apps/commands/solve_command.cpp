@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model.h"
 #include "kinematics/configuration.h"
@@ -121,29 +121,27 @@ bool solve(const Request& request) {
 
 }  // namespace
 
-void addSolveCommand(CLI::App& app) {
+void addSolveCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.command(
       "solve", "Solve one inverse-kinematics problem; print JSON; exit status 0 if solved, 2 if not");
-  command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
+  command.option("--model", request->model, "Built-in model or file").showDefault();
   command
-      ->add_option("--target", request->target,
-                   "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame")
-      ->required();
-  command->add_option("--solver", request->solver, "Solver by name (see compare --list)")
-      ->capture_default_str();
-  command->add_option("--joint", request->joint,
-                      "Joint that shall reach the target; default: the model's only end");
-  command->add_option("--start", request->start, "Start configuration; default: the rest pose");
-  command->add_option("--tolerance", request->tolerance, "Metres and radians")->capture_default_str();
-  command->add_option("--max-iterations", request->budget.maxIterations, "Iterations of one attempt")
-      ->capture_default_str();
-  command->add_option("--restarts", request->budget.restarts, "Random restarts after the first attempt")
-      ->capture_default_str();
-  command->add_option("--seed", request->budget.seed, "Seed of the restarts")->capture_default_str();
-  command->add_flag("--trace", request->trace, "Adds every iteration: residual, step, damping, q");
-  command->callback([request] {
-    if (!solve(*request)) throw CLI::RuntimeError(2);
+      .option("--target", request->target, "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame")
+      .required();
+  command.option("--solver", request->solver, "Solver by name (see compare --list)").showDefault();
+  command.option("--joint", request->joint,
+                 "Joint that shall reach the target; default: the model's only end");
+  command.option("--start", request->start, "Start configuration; default: the rest pose");
+  command.option("--tolerance", request->tolerance, "Metres and radians").showDefault();
+  command.option("--max-iterations", request->budget.maxIterations, "Iterations of one attempt")
+      .showDefault();
+  command.option("--restarts", request->budget.restarts, "Random restarts after the first attempt")
+      .showDefault();
+  command.option("--seed", request->budget.seed, "Seed of the restarts").showDefault();
+  command.flag("--trace", request->trace, "Adds every iteration: residual, step, damping, q");
+  command.run([request] {
+    if (!solve(*request)) throw ExitStatus{2};
   });
 }
 

@@ -1,24 +1,24 @@
 // The commands as a person types them.
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model.h"
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
-#include "tests/sandbox/program.h"
 #include "tests/places.h"
+#include "tests/sandbox/program.h"
 
 namespace gelenk {
 
-void addCompareCommand(CLI::App& app);
-void addSolveCommand(CLI::App& app);
+void addCompareCommand(Command& app);
+void addSolveCommand(Command& app);
 
 namespace {
 
@@ -30,17 +30,17 @@ struct Outcome {
   std::string output, complaint;
 };
 Outcome type(std::vector<std::string> words) {
-  CLI::App app;
-  addCompareCommand(app);
-  addSolveCommand(app);
-  std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+  CommandLine line("", "");
+  Command program = line.root();
+  addCompareCommand(program);
+  addSolveCommand(program);
   Outcome outcome;
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   try {
-    app.parse(words);
-  } catch (const CLI::RuntimeError& error) {
-    outcome.status = error.get_exit_code();
+    line.parse(std::move(words));
+  } catch (const ExitStatus& answer) {
+    outcome.status = answer.status;
   } catch (const std::exception& error) {
     outcome.status = 1;
     outcome.complaint = error.what();
@@ -135,11 +135,26 @@ TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterrupt
   const fs::path folder = fs::path(::testing::TempDir()) / "gelenk-compare-killed";
   fs::remove_all(folder);
   const auto words = [&](const char* out) {
-    return std::vector<std::string>{testing::programFile(), "compare", "--model",  "panda",
-                                    "--set",        "D1",      "--set",    "D5",
-                                    "--solver",     "sdls",    "--solver", "evolution",
-                                    "--problems",   "100",     "--seeds",  "3",
-                                    "--traces",     "20",      "--out",    (folder / out).string()};
+    return std::vector<std::string>{testing::programFile(),
+                                    "compare",
+                                    "--model",
+                                    "panda",
+                                    "--set",
+                                    "D1",
+                                    "--set",
+                                    "D5",
+                                    "--solver",
+                                    "sdls",
+                                    "--solver",
+                                    "evolution",
+                                    "--problems",
+                                    "100",
+                                    "--seeds",
+                                    "3",
+                                    "--traces",
+                                    "20",
+                                    "--out",
+                                    (folder / out).string()};
   };
   ASSERT_EQ(testing::runProgram(words("whole")).status, 0);
   const fs::path results = folder / "cut" / "results.csv";

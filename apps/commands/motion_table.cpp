@@ -1,9 +1,8 @@
-#include "apps/document/motion_table.h"
+#include "apps/commands/motion_table.h"
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
+#include "apps/commands/command_line.h"
 #include "apps/document/model_files.h"
 #include "kinematics/forward_kinematics.h"
 
@@ -31,17 +30,15 @@ void printFrame(const std::string& frame, const Imported& imported, const Frames
 
 }  // namespace
 
-std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command) {
+std::shared_ptr<MotionTableRequest> addMotionTableOptions(Command& command) {
   auto request = std::make_shared<MotionTableRequest>();
-  command.add_option("--amc", request->amc,
-                     "Motion for an ASF skeleton: prints every bone of every frame as CSV");
-  command.add_option("--asf", request->asf, "Skeleton of an AMC");
-  command.add_option("--frame", request->frame, "Only this frame of the motion, from 1")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--unit", request->unit,
-                     "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command.add_flag("--csv", request->csv,
-                   "Print CSV: frame, bone or joint, start and end position in metres");
+  command.option("--amc", request->amc,
+                 "Motion for an ASF skeleton: prints every bone of every frame as CSV");
+  command.option("--asf", request->asf, "Skeleton of an AMC");
+  command.option("--frame", request->frame, "Only this frame of the motion, from 1").positive();
+  command.option("--unit", request->unit,
+                 "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command.flag("--csv", request->csv, "Print CSV: frame, bone or joint, start and end position in metres");
   return request;
 }
 

@@ -1,4 +1,4 @@
-#include "solvers/methods/ceres_solver.h"
+#include "solvers/ceres/ceres_solver.h"
 
 #include <ceres/ceres.h>
 

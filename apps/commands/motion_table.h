@@ -3,11 +3,9 @@
 #include <memory>
 #include <string>
 
-namespace CLI {
-class App;
-}
-
 namespace gelenk {
+
+class Command;
 
 /// `gelenk fk FILE --amc MOTION --csv`: where every bone of every frame begins and ends.
 struct MotionTableRequest {
@@ -20,7 +18,7 @@ struct MotionTableRequest {
 };
 
 /// Adds --amc, --asf, --frame, --csv to the command; the request is filled when it is parsed.
-std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command);
+std::shared_ptr<MotionTableRequest> addMotionTableOptions(Command& command);
 
 /// Prints `frame,bone,start_x,start_y,start_z,end_x,end_y,end_z` (metres; frames from 1; "rest" without a
 /// motion). Bones of an ASF skeleton go from their own start to their own end; of any other model, one row a

@@ -1,4 +1,4 @@
-#include "solvers/methods/quaternion_chain.h"
+#include "solvers/ceres/quaternion_chain.h"
 
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
@@ -6,7 +6,7 @@
 #include <array>
 #include <stdexcept>
 
-#include "solvers/methods/ceres_options.h"
+#include "solvers/ceres/ceres_options.h"
 
 namespace gelenk {
 namespace {

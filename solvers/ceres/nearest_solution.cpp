@@ -1,4 +1,4 @@
-#include "solvers/serial/nearest_solution.h"
+#include "solvers/ceres/nearest_solution.h"
 
 #include <ceres/ceres.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "kinematics/configuration.h"
-#include "solvers/methods/ceres_options.h"
+#include "solvers/ceres/ceres_options.h"
 
 namespace gelenk {
 namespace {
