@@ -112,7 +112,7 @@ void run(Arguments arguments) {
   parseSize(arguments);
   arguments.sandbox.theme = arguments.theme == "dark" ? Theme::Dark : Theme::Light;
   if (arguments.scale > 0.0) arguments.sandbox.scale = arguments.scale;
-  if (!arguments.sandbox.weightsFile.empty() && arguments.sandbox.skeletonFile.empty())
+  if (!arguments.sandbox.files.weights.empty() && arguments.sandbox.files.skeleton.empty())
     throw std::invalid_argument("--weights needs --skeleton: weights belong to the skeleton's bones");
   requireWritableFolder(arguments.screenshot);
   requireWritableFolder(arguments.status);
@@ -134,12 +134,13 @@ void addSandboxCommand(Command& app) {
       .option("model", a.sandbox.model,
               "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")
       .showDefault();
-  command.option("--skeleton", a.sandbox.skeletonFile, "Skeleton of an OBJ body");
-  command.option("--weights", a.sandbox.weightsFile, "Weights of an OBJ body; heat weights where not given");
-  command.option("--asf", a.sandbox.asfFile,
+  command.option("--skeleton", a.sandbox.files.skeleton, "Skeleton of an OBJ body");
+  command.option("--weights", a.sandbox.files.weights,
+                 "Weights of an OBJ body; heat weights where not given");
+  command.option("--asf", a.sandbox.files.asf,
                  "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
-  command.option("--amc", a.sandbox.amcFile, "Motion for the ASF skeleton");
-  command.option("--mapping", a.sandbox.mappingFile,
+  command.option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
+  command.option("--mapping", a.sandbox.files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
   command.flag("--offscreen", a.offscreen, "Without a window; deterministic");
