@@ -1,6 +1,7 @@
 #include "apps/commands/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
@@ -28,6 +29,8 @@ template Option Command::option(const std::string&, std::string&, const std::str
 template Option Command::option(const std::string&, int&, const std::string&);
 template Option Command::option(const std::string&, double&, const std::string&);
 template Option Command::option(const std::string&, std::uint64_t&, const std::string&);
+template Option Command::option(const std::string&, unsigned long long&, const std::string&);
+template Option Command::option(const std::string&, std::optional<double>&, const std::string&);
 template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&);
 template Option Command::option(const std::string&, std::vector<double>&, const std::string&);
 
