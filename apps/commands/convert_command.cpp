@@ -82,7 +82,8 @@ Skeleton places(Model& model) {
                       .parent = parent < 0 ? -1 : now[parent],
                       .parentFromZero = Eigen::Isometry3d(Eigen::Translation3d(offset))});
   }
-  if (!left.empty()) model.notes.push_back("left out, since they lie in their parents' places: " + left);
+  if (!left.empty())
+    tell(model.notes, "left-out", "left out, since they lie in their parents' places: " + left);
   return Skeleton(std::move(joints));
 }
 
@@ -175,8 +176,8 @@ void holdStillTranslations(Model& model) {
   if (held.joints.empty()) return;
   model.skeleton = std::move(held.skeleton);
   model.clip = std::move(held.clip);
-  model.notes.push_back(
-      fmt::format("position channels that stand still became offsets (joints: {})", held.joints.size()));
+  tellFact(model.notes, "still-positions",
+           fmt::format("position channels that stand still became offsets (joints: {})", held.joints.size()));
 }
 
 /// A mesh alone: another unit, another axis up.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
 #include "kinematics/skeleton.h"
 #include "skinning/skin.h"
@@ -21,8 +22,7 @@ struct Model {
   std::optional<MotionClip> clip = {};    ///< a motion that came with it, for players; never clamped
   std::vector<std::string> handles = {};  ///< joints that get a drag handle; empty: the end-effectors
   std::vector<std::string> pins = {};  ///< handles that are pinned when the model is opened, such as the feet
-  std::vector<std::string> notes =
-      {};  ///< facts worth telling, such as the weight lost by keeping four influences
+  std::vector<Note> notes = {};
 };
 
 /// Built-in models by name ("figure", "planar", robots), else a file by its extension.

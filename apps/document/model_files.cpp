@@ -151,6 +151,18 @@ bool saysItsUnit(const std::string& path) {
 
 }  // namespace
 
+namespace {
+
+void tellWeightLoss(std::vector<Note>& notes, const WeightLoss& loss, std::size_t vertices) {
+  const std::string text = fmt::format(
+      "four largest weights kept, bones that turn about one joint counted together: {:.2f} % of "
+      "the weight lost on average, {:.1f} % at most ({} of {} vertices had more)",
+      100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, vertices);
+  loss.verticesOverFour > 0 ? tell(notes, "weights-lost", text) : tellFact(notes, "weights-lost", text);
+}
+
+}  // namespace
+
 Model openBody(const std::string& objPath, const std::string& skeletonPath,
                const std::optional<std::string>& weightsPath, double metresPerUnit) {
   Mesh mesh = meshInMetres(objPath, metresPerUnit);
@@ -165,16 +177,14 @@ Model openBody(const std::string& objPath, const std::string& skeletonPath,
     weights = jointWeights(readPinocchioWeights(*weightsPath, model.skeleton.jointCount() - 1, mesh),
                            model.skeleton);
   } else {
-    weights = boneHeatWeights(mesh, bonesOf(model.skeleton, rest));
-    model.notes.push_back("no weights file: weights by heat diffusion on the surface");
+    const std::vector<Bone> bones = bonesOf(model.skeleton, rest, mesh);
+    weights = boneHeatWeights(mesh, bones);
+    tellFact(model.notes, "heat-weights", "no weights file: weights by heat diffusion on the surface");
+    tell(model.notes, rigNotes(model.skeleton, bones, mesh));
   }
   WeightLoss loss;
   auto influences = fourLargest(weights, model.skeleton.jointCount(), &loss);
-  model.notes.push_back(
-      fmt::format("four largest weights kept, bones that turn about one joint counted together: {:.2f} % of "
-                  "the weight lost on "
-                  "average, {:.1f} % at most ({} of {} vertices had more)",
-                  100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, mesh.positions.size()));
+  tellWeightLoss(model.notes, loss, mesh.positions.size());
   model.skin = bindSkin(std::move(mesh), rest, std::move(influences));
   return model;
 }
@@ -193,12 +203,6 @@ Model rotated(Model model, const Eigen::Quaterniond& worldFromOld) {
 }
 
 namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return list;
-}
 
 /// CMU's bones on Pinocchio's human where both have those names, else by equal names.
 std::vector<BonePath> pathsFor(const AsfSkeleton& asf, const Skeleton& fitted) {
@@ -241,19 +245,20 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
                                 transferred.skeleton.jointCount(), &loss);
   result.model.skin = bindSkin(std::move(mesh), transferred.bindFrames, std::move(influences));
   auto& notes = result.model.notes;
-  notes.push_back(
-      fmt::format("four largest weights kept: {:.2f} % of the weight lost on average, {:.1f} % at most",
-                  100.0 * loss.mean, 100.0 * loss.max));
+  tellWeightLoss(notes, loss, result.model.skin->mesh.positions.size());
   if (!transferred.unmatchedBones.empty())
-    notes.push_back("bones of the ASF skeleton without a fitted counterpart (they follow their parent): " +
-                    joined(transferred.unmatchedBones));
+    tell(notes, "unmatched-bones",
+         "bones of the ASF skeleton without a fitted counterpart (they follow their parent): " +
+             listed(transferred.unmatchedBones, 100));
   if (!transferred.unmatchedJoints.empty())
-    notes.push_back("fitted joints whose bone lies on no ASF bone: " + joined(transferred.unmatchedJoints));
+    tell(notes, "unmatched-joints",
+         "fitted joints whose bone lies on no ASF bone: " + listed(transferred.unmatchedJoints, 100));
   if (!files.amc.empty()) {
     const MotionClip clip = readAmc(files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
     result.model.clip = withScaledRoot(transferred.skeleton, clip, transferred.heightRatio);
-    notes.push_back(fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights",
-                                transferred.heightRatio));
+    tellFact(notes, "path-scaled",
+             fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights",
+                         transferred.heightRatio));
   }
   return result;
 }
@@ -307,7 +312,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       const std::string figurePath = !isPose                 ? path
                                      : !files.figure.empty() ? files.figure
                                                              : figureBeside(path);
-      if (isPose && files.figure.empty()) model.notes.push_back("figure: " + figurePath);
+      if (isPose && files.figure.empty()) tellFact(model.notes, "figure", "figure: " + figurePath);
       TutorialSkeleton tutorial = readTutorialSkeleton(figurePath);
       for (auto& position : tutorial.positions) position *= unit;
       result.figure = toSkeleton(tutorial);

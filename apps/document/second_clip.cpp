@@ -32,19 +32,12 @@ Imported open(const std::string& path, const std::string& modelFile, Companions 
   return importFiles(path, companions);
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 12;
-  std::string list;
-  for (std::size_t k = 0; k < names.size() && k < most; ++k) list += (k ? ", " : "") + names[k];
-  return names.size() > most ? list + fmt::format(" and {} more", names.size() - most) : list;
-}
-
 }  // namespace
 
 std::string describe(const JointMatching& matching) {
   std::string words = fmt::format("{} joints carried over by name", matching.matches.size());
-  if (!matching.unmatchedTarget.empty()) words += "; nothing moves " + listed(matching.unmatchedTarget);
-  if (!matching.unmatchedSource.empty()) words += "; not used are " + listed(matching.unmatchedSource);
+  if (!matching.unmatchedTarget.empty()) words += "; nothing moves " + listed(matching.unmatchedTarget, 12);
+  if (!matching.unmatchedSource.empty()) words += "; not used are " + listed(matching.unmatchedSource, 12);
   return words;
 }
 
@@ -56,12 +49,14 @@ FittedClip clipFor(const Model& model, double framesPerSecond, const std::string
   if (!sameJoints(other.model.skeleton, model.skeleton)) {
     RetargetedClip carried = retargeted(other.model.skeleton, result.clip, model.skeleton);
     result.clip = std::move(carried.clip);
-    result.notes.push_back(path + ": " + describe(carried.matching) +
-                           fmt::format("; path scaled by {:.4f}", carried.scale));
+    tellFact(
+        result.notes, "retargeted",
+        path + ": " + describe(carried.matching) + fmt::format("; path scaled by {:.4f}", carried.scale));
   }
   if (std::abs(result.clip.framesPerSecond - framesPerSecond) > 1e-9 * framesPerSecond) {
-    result.notes.push_back(fmt::format("{}: resampled from {:.6g} to {:.6g} Hz", path,
-                                       result.clip.framesPerSecond, framesPerSecond));
+    tellFact(result.notes, "resampled",
+             fmt::format("{}: resampled from {:.6g} to {:.6g} Hz", path, result.clip.framesPerSecond,
+                         framesPerSecond));
     result.clip = resampled(model.skeleton, result.clip, framesPerSecond);
   }
   return result;

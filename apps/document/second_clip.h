@@ -11,7 +11,7 @@ namespace gelenk {
 /// A motion of another file, made to fit a model.
 struct FittedClip {
   MotionClip clip;
-  std::vector<std::string>
+  std::vector<Note>
       notes;  ///< what was done to it: resampled, carried over by names, joints that nothing moves
 };
 

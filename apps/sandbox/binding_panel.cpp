@@ -87,7 +87,7 @@ class BindingPanel final : public Panel {
     skeleton_ = model.skeleton;
     neighbours_ = vertexNeighbours(model.skin->mesh);
     const Frames rest = bindFrames(model);
-    bones_ = bonesOf(model.skeleton, rest);
+    bones_ = bonesOf(model.skeleton, rest, model.skin->mesh);
     for (const Limb& limb : standardLimbs(model.skeleton, rest))
       layers_.emplace_back(limb.name, layerOf({limb.joints.begin(), limb.joints.end() - 1}));
     radius_ = 0.03 * sandbox.state().size;

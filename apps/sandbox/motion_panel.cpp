@@ -418,7 +418,7 @@ class MotionPanel final : public Panel {
                                  .amc = {},
                                  .mapping = reference.mappingFile,
                                  .figure = {}});
-    for (const std::string& note : fitted.notes) sandbox.say(note);
+    for (const Note& note : fitted.notes) sandbox.say(note.line());
     return std::move(fitted.clip);
   }
   void fade(Sandbox& sandbox, const std::string& file, double seconds) {

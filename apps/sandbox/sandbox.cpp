@@ -197,7 +197,7 @@ void Sandbox::openModel(Model model, const ModelReference& reference) {
   s.show.skeleton = !s.mesh;
   frameEverything(*this, false);
   for (const auto& panel : s.panels) panel->modelChanged(*this);
-  for (const std::string& note : s.session->model().notes) say(note);
+  for (const Note& note : s.session->model().notes) say(note.line());
 }
 
 namespace {

@@ -183,9 +183,9 @@ BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOpti
   for (std::size_t i = 1; i < nodes.size() && result.notes.empty(); ++i) {
     if (!hasPositions(nodes[i])) continue;
     if (options.positions == BvhPositions::Automatic) othersAdd = positionsAreDifferences(nodes, values);
-    result.notes.push_back(
-        othersAdd ? "position channels of joints other than the root are taken as differences from OFFSET"
-                  : "position channels of joints other than the root are taken in place of OFFSET");
+    tell(result.notes, "bvh-positions",
+         othersAdd ? "position channels of joints other than the root are taken as differences from OFFSET"
+                   : "position channels of joints other than the root are taken in place of OFFSET");
   }
 
   std::vector<Joint> joints;

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
 #include "kinematics/skeleton.h"
 
@@ -27,8 +28,7 @@ struct BvhOptions {
 struct BvhMotion {
   Skeleton skeleton;
   MotionClip clip;
-  std::vector<std::string>
-      notes;  ///< how position channels were understood, where a joint other than the root has some
+  std::vector<Note> notes;
 };
 
 /// A skeleton and its motion from a BVH. Rotations keep the order of their channels, which may differ from

@@ -243,10 +243,10 @@ class Reader {
                "'" + skeleton.joint(joint).name + "' of " + std::to_string(skeleton.vCount(joint)));
       if (element->Attribute("multiplier")) mimic.multiplier = number(element, "multiplier");
       if (element->Attribute("offset")) mimic.offset = number(element, "offset");
-      robot_.notes.push_back("joint '" + source.name + "' mimics '" + name + "' (" +
-                             exactNumber(mimic.multiplier) + " times its value plus " +
-                             exactNumber(mimic.offset) +
-                             "); the rest pose keeps this, in motion both are free");
+      tell(robot_.notes, "mimic",
+           "joint '" + source.name + "' mimics '" + name + "' (" + exactNumber(mimic.multiplier) +
+               " times its value plus " + exactNumber(mimic.offset) +
+               "); the rest pose keeps this, in motion both are free");
       open.push_back({mimic, element});
       following.insert(mimic.joint);
     }

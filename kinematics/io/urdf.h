@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/skeleton.h"
 
 namespace gelenk {
@@ -33,7 +34,7 @@ struct UrdfRobot {
   Skeleton skeleton;  ///< mimicking joints are free in it; the rest pose keeps the couplings
   std::vector<UrdfVisual> visuals;
   std::vector<UrdfMimic> mimics;
-  std::vector<std::string> notes;  ///< what a user should know, such as couplings that are not kept
+  std::vector<Note> notes;
 };
 
 /// Sets what mimics to what it mimics, chains of them too. q: nq.

@@ -318,9 +318,10 @@ class Reader {
     WeightLoss loss;
     auto influences = fourLargest(weights, result_.skeleton.jointCount(), &loss);
     if (loss.verticesOverFour > 0)
-      result_.notes.push_back(std::to_string(loss.verticesOverFour) +
-                              " vertices have more than four weights; at most " +
-                              exactNumber(std::round(1000.0 * loss.max) / 10.0) + " % of the weight is lost");
+      tell(result_.notes, "weights-lost",
+           "vertices have more than four weights; at most " +
+               exactNumber(std::round(1000.0 * loss.max) / 10.0) + " % of the weight is lost",
+           loss.verticesOverFour);
     result_.skin = bindSkin(std::move(mesh), restFrames_, std::move(influences));
     if (direct) result_.skin->jointFromRestWorld = bind;
   }
@@ -363,7 +364,7 @@ class Reader {
                      Mesh& mesh, SparseWeights& weights) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode != TINYGLTF_MODE_TRIANGLES) {
-      result_.notes.push_back("points, lines or triangle strips are passed over");
+      tell(result_.notes, "primitives-skipped", "points, lines or triangle strips are passed over");
       return;
     }
     const auto attribute = [&](const std::string& name) {
@@ -481,8 +482,9 @@ class Reader {
         const Sampler scales = sampler(animation, channel);
         for (std::size_t i = 0; i < scales.values.size(); ++i)
           if (std::abs(scales.values[i] - rest_[joint].scale) > 1e-3 * rest_[joint].scale) {
-            result_.notes.push_back("animation '" + animation.name + "' changes the scale of '" +
-                                    result_.skeleton.joint(joint).name + "': passed over");
+            tell(result_.notes, "scale-animation",
+                 "animation '" + animation.name + "' changes the scale of '" +
+                     result_.skeleton.joint(joint).name + "': passed over");
             break;
           }
         continue;
@@ -500,7 +502,8 @@ class Reader {
       even = even && std::abs((t - first) * rate - static_cast<double>(k++)) < 0.02;
     if (!even) {
       rate = 60.0;
-      result_.notes.push_back("animation '" + animation.name + "': keys at uneven times, resampled at 60 Hz");
+      tell(result_.notes, "resampled",
+           "animation '" + animation.name + "': keys at uneven times, resampled at 60 Hz");
     }
     const double frames = std::floor((last - first) * rate + 0.5) + 1.0;
     if (!(frames < 1e6)) fail(file_, "an animation of fewer than a million frames", exactNumber(frames));

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
 #include "skinning/skin.h"
 
@@ -22,7 +23,7 @@ struct GltfModel {
   Skeleton skeleton;  ///< the zero configuration is the file's own pose
   std::optional<Skin> skin = {};
   std::vector<GltfClip> clips = {};
-  std::vector<std::string> notes = {};  ///< what was passed over
+  std::vector<Note> notes = {};
 };
 
 /// Animations are resampled at the rate of their keys where these are evenly spaced, else at 60 Hz; cubic
