@@ -49,7 +49,8 @@ void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q);
 /// Throws ParseError: XML that is not well formed or nests deeper than 200, a root element other than robot,
 /// missing names, parents or children, unknown links or joint types, a link with two parents, no or two root
 /// links, a cycle, numbers that are none, an axis of length zero, reversed limits, a name used twice, a mimic
-/// of no joint, of itself, of a joint that mimics in a circle, or between joints without exactly one dof.
+/// of no joint, of itself, of a joint that mimics in a circle, or between joints of several dofs. Notes: a
+/// mimic on a fixed joint or towards one, which is passed over; limits of 0 to 0.
 UrdfRobot readUrdf(const std::string& path);
 UrdfRobot parseUrdf(std::string_view text, const std::string& file);
 

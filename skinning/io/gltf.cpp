@@ -70,6 +70,7 @@ tinygltf::Model load(std::string_view bytes, const std::string& file, const std:
   tinygltf::Model model;
   std::string error, warning;
   const bool binary = bytes.substr(0, 4) == "glTF";
+  if (!binary) bytes = plainText(bytes, file);
   if (bytes.size() > 0xfffffff0u) fail(file, "a file below 4 GB", std::to_string(bytes.size()) + " bytes");
   refuseRequiredExtensions(bytes, binary, file);
   bool loaded = false;
