@@ -3,11 +3,13 @@
 #include <exception>
 
 #include "apps/commands/commands.h"
+#include "apps/commands/notes.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Gelenk: a kinematics and inverse-kinematics research sandbox"};
   app.set_version_flag("--version", "gelenk " GELENK_VERSION);
   app.require_subcommand(1);
+  gelenk::addNoteOptions(app);
   gelenk::addCommands(app);
 #ifdef GELENK_GRAPHICS
   gelenk::addGraphicsCommands(app);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/commands.h"
+#include "apps/commands/notes.h"
 #include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
 #include "apps/document/scene.h"
@@ -21,7 +22,7 @@ namespace {
 struct Request {
   std::string in, out;
   Companions companions;
-  std::string unitIn, unitOut;
+  std::string unitIn, unitOut, clip;
   std::string upIn = "y", upOut = "y";
   std::string bvhPositions = "auto";
   std::string end;
@@ -136,14 +137,17 @@ void write(Imported& imported, FileKind kind, const Request& request) {
       if (!request.unitOut.empty())
         throw std::invalid_argument("glTF is in metres by definition; leave --unit-out away");
       std::vector<GltfClip> clips;
-      if (imported.model.clip) clips.push_back({imported.model.name, *imported.model.clip});
+      if (request.clip.empty() && request.frame == 0) clips = imported.clips;
+      if (clips.empty() && imported.model.clip)
+        clips.push_back({imported.model.clipName.empty() ? imported.model.name : imported.model.clipName,
+                         *imported.model.clip});
       return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr, clips);
     }
     case FileKind::ObjMesh: {
       if (!imported.model.skin)
         throw std::invalid_argument("'" + request.in + "' has no body to write as OBJ");
       Mesh mesh = imported.model.skin->mesh;
-      if (imported.model.clip || request.frame > 0)
+      if (imported.model.clip || request.frame > 0 || !restsAsBound(imported.model))
         mesh.positions = linearBlendSkin(*imported.model.skin,
                                          forwardKinematics(skeleton, poseOf(imported, request.frame)))
                              .positions;
@@ -182,7 +186,9 @@ void holdStillTranslations(Model& model) {
 
 /// A mesh alone: another unit, another axis up.
 void convertMesh(const Request& request) {
-  Mesh mesh = readMesh(request.in);
+  std::vector<Note> notes;
+  Mesh mesh = readMesh(request.in, &notes);
+  sayNotes(request.in, notes);
   const auto unit = [](const std::string& text) { return text.empty() ? 1.0 : metresPerUnit(text); };
   const double quarterTurns = (request.upOut == "z") - (request.upIn == "z");
   const Eigen::Matrix3d newFromOld =
@@ -213,7 +219,7 @@ Imported importScene(const Request& request) {
 
 Imported importRequested(const Request& request) {
   if (request.in.ends_with(".json")) return importScene(request);
-  ImportOptions options{.zUp = request.upIn == "z"};
+  ImportOptions options{.clip = request.clip, .zUp = request.upIn == "z"};
   if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
   if (request.fps > 0.0) options.framesPerSecond = request.fps;
   options.bvhPositions = request.bvhPositions == "add"       ? BvhPositions::Add
@@ -240,8 +246,11 @@ void run(const Request& request) {
   }
   if ((kind == FileKind::Asf || kind == FileKind::Amc) && imported.model.clip)
     holdStillTranslations(imported.model);
+  if (kind == FileKind::Gltf && request.clip.empty() && request.frame == 0)  // all of them are written
+    std::erase_if(imported.model.notes, [](const Note& note) { return note.kind == "several-motions"; });
+  demandNoNotes(request.in, imported.model.notes);
   write(imported, *kind, request);
-  for (const std::string& note : imported.model.notes) fmt::print(stderr, "note: {}\n", note);
+  sayNotes(request.in, imported.model.notes);
   fmt::print("{}: {}, from {} joints{}\n", request.out, describe(*kind), imported.model.skeleton.jointCount(),
              imported.model.clip ? fmt::format(", {} frame{} at {:.6g} Hz", imported.model.clip->frameCount(),
                                                imported.model.clip->frameCount() == 1 ? "" : "s",
@@ -278,6 +287,8 @@ void addConvertCommand(CLI::App& app) {
                    "What position channels mean: stand in place of OFFSET or are added to it")
       ->check(CLI::IsMember({"auto", "replace", "add"}));
   command->add_option("--fps", request->fps, "Frame rate of an AMC; default 120")->check(CLI::PositiveNumber);
+  command->add_option("--clip", request->clip,
+                      "Which motion of a file that names several; default: all to glTF, else the first");
   command->add_option("--end", request->end, "Last joint of the chain that a DH table shall hold");
   command->add_option("--frame", request->frame, "Write only this frame, from 1")->check(CLI::PositiveNumber);
   command->callback([request] { run(*request); });

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 
 #include "apps/commands/commands.h"
+#include "apps/commands/notes.h"
 #include "apps/document/second_clip.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/bvh.h"
@@ -16,7 +18,7 @@ namespace {
 struct Request {
   std::string in, out;
   Companions companions;
-  std::string onto, then, layer;
+  std::string onto, then, layer, clip;
   std::vector<std::string> bones, limbs;
   double weight = 1.0;
   bool additive = false;
@@ -71,8 +73,9 @@ void write(const Request& request, const Imported& imported, const MotionClip& c
   if (kind == FileKind::Amc) return writeFile(request.out, formatAmc(skeleton, clip));
   if (kind == FileKind::Bvh) return writeFile(request.out, formatBvh(skeleton, clip));
   if (kind == FileKind::Gltf)
-    return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr,
-                     {{imported.model.name, clip}});
+    return writeGltf(
+        request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr,
+        {{imported.model.clipName.empty() ? imported.model.name : imported.model.clipName, clip}});
   throw std::invalid_argument("'" + request.out + "': a motion can be written as .amc, .bvh, .gltf or .glb");
 }
 
@@ -81,7 +84,7 @@ MotionClip second(const Request& request, const Imported& imported, const Motion
                   const std::string& path) {
   const FittedClip fitted =
       clipFor(imported.model, clip.framesPerSecond, path, request.in, request.companions);
-  for (const std::string& note : fitted.notes) fmt::print("{}\n", note);
+  sayNotes(path, fitted.notes);
   return fitted.clip;
 }
 
@@ -106,7 +109,10 @@ Imported carriedOnto(const std::string& model, const Imported& from) {
 void run(const Request& request) {
   if (request.out.empty() && !request.footPlant)
     throw std::invalid_argument("nothing would come of it: give -o FILE, or --foot-plant to see its numbers");
-  Imported imported = importFiles(request.in, request.companions);
+  ImportOptions options{.clip = request.clip};
+  if (request.rate > 0.0) options.sampleAt = request.rate;
+  Imported imported = importFiles(request.in, request.companions, options);
+  sayNotes(request.in, imported.model.notes);
   if (!imported.model.clip) throw std::invalid_argument("'" + request.in + "' has no motion");
   if (!request.onto.empty()) imported = carriedOnto(request.onto, imported);
   const Skeleton& skeleton = imported.model.skeleton;
@@ -133,7 +139,8 @@ void run(const Request& request) {
     printChange(skeleton, clip, planted, feet);
     clip = planted;
   }
-  if (request.rate > 0.0) clip = resampled(skeleton, clip, request.rate);
+  if (request.rate > 0.0 && std::abs(clip.framesPerSecond - request.rate) > 1e-9 * request.rate)
+    clip = resampled(skeleton, clip, request.rate);
   if (!request.out.empty()) {
     write(request, imported, clip);
     fmt::print("{}: {} frames at {:.6g} Hz\n", request.out, clip.frameCount(), clip.framesPerSecond);
@@ -150,6 +157,8 @@ void addMotionCommand(CLI::App& app) {
   command->add_option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
   command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
   command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC");
+  command->add_option("--clip", request->clip,
+                      "Which motion of a file that names several; default: the first");
   command->add_option("--then", request->then, "A second motion to fade into");
   command->add_option("--fade", request->fade, "Seconds of the cross-fade")
       ->check(CLI::PositiveNumber)

@@ -19,8 +19,10 @@ struct Model {
   bool planar = false;  ///< moves in the x-y plane: seen from above by default
   Eigen::Vector3d up =
       Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
-  std::optional<MotionClip> clip = {};    ///< a motion that came with it, for players; never clamped
-  std::vector<std::string> handles = {};  ///< joints that get a drag handle; empty: the end-effectors
+  std::optional<MotionClip> clip = {};      ///< a motion that came with it, for players; never clamped
+  std::string clipName = {};                ///< the file's own name of that motion, where it has one
+  std::vector<std::string> clipNames = {};  ///< of all motions in the file, among which --clip chooses
+  std::vector<std::string> handles = {};    ///< joints that get a drag handle; empty: the end-effectors
   std::vector<std::string> pins = {};  ///< handles that are pinned when the model is opened, such as the feet
   std::vector<Note> notes = {};
 };

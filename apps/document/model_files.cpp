@@ -120,8 +120,8 @@ double metresPerUnit(const std::string& unit) {
   return *value;
 }
 
-Mesh readMesh(const std::string& path) {
-  if (fileKind(path) != FileKind::Nurbs) return readObj(path);
+Mesh readMesh(const std::string& path, std::vector<Note>* notes) {
+  if (fileKind(path) != FileKind::Nurbs) return readObj(path, notes);
   const NurbsSurface surface = readNurbs(path);
   const auto cells = [](const std::vector<double>& knots, int degree, int count) {
     int spans = 0;
@@ -137,8 +137,8 @@ Mesh readMesh(const std::string& path) {
 
 namespace {
 
-Mesh meshInMetres(const std::string& path, double metresPerUnit) {
-  Mesh mesh = readMesh(path);
+Mesh meshInMetres(const std::string& path, double metresPerUnit, std::vector<Note>* notes = nullptr) {
+  Mesh mesh = readMesh(path, notes);
   for (auto& p : mesh.positions) p *= metresPerUnit;
   return mesh;
 }
@@ -165,12 +165,14 @@ void tellWeightLoss(std::vector<Note>& notes, const WeightLoss& loss, std::size_
 
 Model openBody(const std::string& objPath, const std::string& skeletonPath,
                const std::optional<std::string>& weightsPath, double metresPerUnit) {
-  Mesh mesh = meshInMetres(objPath, metresPerUnit);
+  std::vector<Note> meshNotes;
+  Mesh mesh = meshInMetres(objPath, metresPerUnit, &meshNotes);
   Model model =
       importFiles(skeletonPath, {},
                   {.metresPerUnit = saysItsUnit(skeletonPath) ? std::nullopt : std::optional(metresPerUnit)})
           .model;
   model.name = stem(objPath);
+  tell(model.notes, meshNotes);
   const Frames rest = restFrames(model.skeleton);
   SparseWeights weights;
   if (weightsPath) {
@@ -277,6 +279,27 @@ std::string figureBeside(const std::string& posePath) {
   return found;
 }
 
+/// The motion of that name, or the first one, which is told where there are others.
+void chooseClip(const std::string& path, const std::string& name, Imported& imported) {
+  Model& model = imported.model;
+  for (const GltfClip& clip : imported.clips) model.clipNames.push_back(clip.name);
+  const auto chosen =
+      name.empty() ? imported.clips.begin()
+                   : std::ranges::find_if(imported.clips, [&](const GltfClip& c) { return c.name == name; });
+  if (!name.empty() && chosen == imported.clips.end())
+    throw std::invalid_argument(imported.clips.empty()
+                                    ? "'" + path + "' has no motion: --clip cannot choose one"
+                                    : "'" + path + "' has no motion '" + name +
+                                          "'; there are: " + listed(model.clipNames, 1000));
+  if (chosen == imported.clips.end()) return;
+  model.clip = chosen->clip;
+  model.clipName = chosen->name;
+  if (name.empty() && imported.clips.size() > 1)
+    tell(model.notes, "several-motions",
+         fmt::format("{} motions: {}; '{}' is taken, --clip chooses another", model.clipNames.size(),
+                     listed(model.clipNames, 12), model.clipName));
+}
+
 Imported importOne(const std::string& path, FileKind kind, const Companions& files,
                    const ImportOptions& options) {
   const double unit = options.metresPerUnit.value_or(1.0);
@@ -324,11 +347,12 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       break;
     }
     case FileKind::Gltf: {
-      GltfModel gltf = readGltf(path);
+      GltfModel gltf = readGltf(path, {.framesPerSecond = options.sampleAt});
       model.skeleton = std::move(gltf.skeleton);
       model.skin = std::move(gltf.skin);
       model.notes = gltf.notes;
-      if (!gltf.clips.empty()) result.model.clip = gltf.clips.front().clip;
+      result.clips = std::move(gltf.clips);
+      chooseClip(path, options.clip, result);
       if (options.metresPerUnit)
         throw std::invalid_argument("glTF is in metres by definition; another unit cannot be given");
       break;
@@ -369,7 +393,48 @@ void standWhereMotionBegins(Model& model) {
   model.skeleton = Skeleton(model.skeleton.joints(), rest);
 }
 
+/// Largest extent of the body (else of the joints) in the pose it stands in, metres.
+double extentOf(const Model& model) {
+  Eigen::AlignedBox3d box;
+  const Eigen::VectorXd q = model.clip ? Eigen::VectorXd(model.clip->q.col(0)) : model.skeleton.rest();
+  for (const auto& frame : forwardKinematics(model.skeleton, q)) box.extend(frame.translation());
+  return box.sizes().maxCoeff();
+}
+
 }  // namespace
+
+std::vector<Note> modelNotes(const Model& model) {
+  std::vector<Note> notes;
+  const double extent = extentOf(model);
+  constexpr double largest = 6.0, smallest = 0.05;
+  if (extent > largest || (extent > 0.0 && extent < smallest)) {
+    std::string guess;
+    for (const char* unit : {"dm", "cm", "mm", "in", "ft"})
+      if (const double size = extent * metresPerUnit(unit); guess.empty() && size > 1.2 && size < 2.3)
+        guess = fmt::format("; in {} it would be {:.3g} m", unit, size);
+    tell(notes, "unit-suspect",
+         fmt::format("the joints span {:.3g} m: is the unit another one{}?", extent, guess));
+  }
+  std::vector<std::string> locked, unmoved;
+  const Skeleton& skeleton = model.skeleton;
+  std::vector<bool> moved(skeleton.jointCount(), false);
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    const Joint& joint = skeleton.joint(i);
+    const bool own = joint.ball || std::any_of(joint.axes.begin(), joint.axes.end(),
+                                               [](const AxisDof& dof) { return dof.lower < dof.upper; });
+    if (!own && !joint.axes.empty() && !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
+      locked.push_back(joint.name);
+    moved[i] = own || (joint.parent >= 0 && moved[joint.parent]);
+    if (!moved[i] && i > 0) unmoved.push_back(joint.name);
+  }
+  if (!locked.empty())
+    tell(notes, "joint-locked", "joints that their limits hold in one place: " + listed(locked),
+         static_cast<int>(locked.size()));
+  if (!unmoved.empty())
+    tellFact(notes, "joint-unmoved",
+             fmt::format("joints that no degree of freedom moves: {}", listed(unmoved)));
+  return notes;
+}
 
 Imported importFiles(const std::string& nameOrFile, const Companions& companions,
                      const ImportOptions& options) {
@@ -388,8 +453,11 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
   if (options.framesPerSecond && *kind != FileKind::Amc && companions.amc.empty())
     throw std::invalid_argument("'" + nameOrFile +
                                 "' says its own frame rate; another one can be given for an AMC only");
+  if (!options.clip.empty() && kind != FileKind::Gltf)
+    throw std::invalid_argument("'" + nameOrFile + "' does not name its motions: --clip is for glTF");
   Imported result = importOne(nameOrFile, *kind, companions, options);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
+  tell(result.model.notes, modelNotes(result.model));
   if (options.zUp) {
     result.model.up = Eigen::Vector3d::UnitY();
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));

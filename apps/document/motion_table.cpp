@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/commands/notes.h"
 #include "apps/document/model_files.h"
 #include "kinematics/forward_kinematics.h"
 
@@ -36,6 +37,8 @@ std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command) {
   command.add_option("--amc", request->amc,
                      "Motion for an ASF skeleton: prints every bone of every frame as CSV");
   command.add_option("--asf", request->asf, "Skeleton of an AMC");
+  command.add_option("--clip", request->clip,
+                     "Which motion of a file that names several; default: the first");
   command.add_option("--frame", request->frame, "Only this frame of the motion, from 1")
       ->check(CLI::PositiveNumber);
   command.add_option("--unit", request->unit,
@@ -48,10 +51,12 @@ std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command) {
 void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& request) {
   ImportOptions options;
   if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
+  options.clip = request.clip;
   const Imported imported = importFiles(
       nameOrFile,
       {.skeleton = {}, .weights = {}, .asf = request.asf, .amc = request.amc, .mapping = {}, .figure = {}},
       options);
+  sayNotes(nameOrFile, imported.model.notes);
   const Skeleton& skeleton = imported.model.skeleton;
   const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;
   if (request.frame > 0 && !imported.model.clip)

@@ -10,6 +10,7 @@
 
 #include "apps/commands/commands.h"
 #include "apps/commands/muscle_report.h"
+#include "apps/commands/notes.h"
 #include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
 #include "apps/document/muscle_scene.h"
@@ -30,7 +31,7 @@ constexpr double degrees = std::numbers::pi / 180.0;
 /// The command's arguments as they were given; empty or nullopt: not given.
 struct Request {
   std::string input, output;
-  std::string skeleton, weights, asf, amc, mapping;
+  std::string skeleton, weights, asf, amc, mapping, clip;
   int frame = 0;
   bool bindPose = false;
   std::string size = "1280x800", theme, view, focus, weightsOf;
@@ -68,13 +69,15 @@ Model openInput(const Request& request, const ModelReference& reference) {
   const std::string& asf = request.asf.empty() ? reference.asfFile : request.asf;
   const std::string& amc = request.amc.empty() ? reference.amcFile : request.amc;
   const std::string& mapping = request.mapping.empty() ? reference.mappingFile : request.mapping;
-  if (!asf.empty() || !amc.empty())
-    return withBody(importFiles(reference.nameOrFile, {.skeleton = skeleton,
-                                                       .weights = weights,
-                                                       .asf = asf,
-                                                       .amc = amc,
-                                                       .mapping = mapping,
-                                                       .figure = {}})
+  if (!asf.empty() || !amc.empty() || !request.clip.empty())
+    return withBody(importFiles(reference.nameOrFile,
+                                {.skeleton = skeleton,
+                                 .weights = weights,
+                                 .asf = asf,
+                                 .amc = amc,
+                                 .mapping = mapping,
+                                 .figure = {}},
+                                {.clip = request.clip})
                         .model);
   if (skeleton.empty()) return withBody(openModel(reference.nameOrFile));
   return openBody(reference.nameOrFile, skeleton, weights.empty() ? std::nullopt : std::optional(weights));
@@ -175,6 +178,7 @@ class Studio {
         viewport_(parseSize(request)),
         isScene_(endsWith(request.input, ".json")),
         model_(openRequested()) {
+    sayNotes(request.input, model_.notes);
     readScene();
     applyBinding(scene_, model_);
     q_ = configurationOf(request, model_.skeleton, scene_.q);
@@ -374,6 +378,8 @@ void addRenderCommand(CLI::App& app) {
   command->add_option("--amc", request->amc, "Motion for the ASF skeleton");
   command->add_option("--mapping", request->mapping,
                       "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command->add_option("--clip", request->clip,
+                      "Which motion of a file that names several; default: the first");
   command->add_option("--frame", request->frame, "Pose of this frame of the motion, from 1")
       ->check(CLI::PositiveNumber);
   command->add_flag("--bind-pose", request->bindPose,
