@@ -12,6 +12,7 @@
 #include "kinematics/io/tutorial_skeleton.h"
 #include "kinematics/io/urdf.h"
 #include "kinematics/motion/skeleton_transfer.h"
+#include "tests/places.h"
 
 // What other programs write and open: read as well, and told.
 
@@ -19,9 +20,9 @@ namespace gelenk {
 namespace {
 
 using Eigen::Vector3d;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-const std::string inputs = GELENK_TEST_DATA_DIR "/";
+const std::string inputs = testing::inputFolder() + "/";
 
 std::vector<std::string> kinds(const std::vector<Note>& notes) {
   std::vector<std::string> list;
@@ -160,8 +161,7 @@ const std::vector<Text>& texts() {
        [](const std::string& t) { parseUrdf(t, "f"); }},
       {"Pinocchio skeleton", "0 0 0 0 -1\n1 0 1 0 0\n",
        [](const std::string& t) { parsePinocchioSkeleton(t, "f"); }},
-      {"DH table", "dh standard\nrevolute 1 0 0 0\n",
-       [](const std::string& t) { parseDhTable(t, "f"); }},
+      {"DH table", "dh standard\nrevolute 1 0 0 0\n", [](const std::string& t) { parseDhTable(t, "f"); }},
       {"mapping", "a : b c\n", [](const std::string& t) { parseBonePaths(t, "f"); }}};
   return list;
 }

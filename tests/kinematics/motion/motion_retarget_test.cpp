@@ -11,6 +11,7 @@
 #include "kinematics/rotation.h"
 #include "kinematics/skeleton_transform.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -88,7 +89,7 @@ TEST(Retarget, NeedsTwoJointsOfEqualNames) {
 }
 
 TEST(Retarget, WalkOfTheTrialDataGoesOnTheFigureWithLimbsThatPointAlike) {
-  const std::string file = std::string(GELENK_DATA_DIR) + "/mocap/bvh/mh_walk1.bvh";
+  const std::string file = testing::dataFolder() + "/mocap/bvh/mh_walk1.bvh";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no trial data at " << file;
   const BvhMotion bvh = readBvh(file, {.metresPerUnit = 0.1});
   const Skeleton figure = mannequin();
@@ -112,7 +113,7 @@ TEST(Retarget, WalkOfTheTrialDataGoesOnTheFigureWithLimbsThatPointAlike) {
   EXPECT_LE(worst, 1e-6);  // hips and shoulders are balls: only rounding of acos near 1
 }
 
-const std::string inputs = GELENK_TEST_DATA_DIR "/";
+const std::string inputs = testing::inputFolder() + "/";
 
 Vector3d place(const Skeleton& skeleton, const MotionClip& clip, int frame, const char* joint) {
   return forwardKinematics(skeleton, clip.q.col(frame))[skeleton.jointIndex(joint)].translation();

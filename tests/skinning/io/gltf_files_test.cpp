@@ -11,6 +11,7 @@
 #include "skinning/blend/linear_blend.h"
 #include "skinning/io/gltf.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 // Files of other programs: the smallest inputs of the kinds that were once read wrongly, and files built
 // here.
@@ -23,7 +24,7 @@ using Eigen::Vector3d;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-const std::string inputs = GELENK_TEST_DATA_DIR "/";
+const std::string inputs = testing::inputFolder() + "/";
 
 std::string base64(const std::string& bytes) {
   static const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

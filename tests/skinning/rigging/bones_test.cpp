@@ -5,14 +5,15 @@
 #include "skinning/bodies/polygonise.h"
 #include "skinning/io/obj.h"
 #include "skinning/rigging/bone_heat.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
 
 using Eigen::Vector3d;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-const std::string inputs = GELENK_TEST_DATA_DIR "/";
+const std::string inputs = testing::inputFolder() + "/";
 
 /// Joints at places, every one free to turn, the root free to move as well; the last ones are fixed ends
 /// where they have no child, as Pinocchio's are.
