@@ -18,7 +18,9 @@ namespace {
 struct Request {
   std::string in, out;
   Companions companions;
-  std::string onto, then, layer, clip;
+  std::string onto, then, layer, clip, unit, up = "auto";
+  std::vector<std::string> keep;
+  double scale = 0.0;
   std::vector<std::string> bones, limbs;
   double weight = 1.0;
   bool additive = false;
@@ -97,12 +99,29 @@ std::vector<int> layerJoints(const Skeleton& skeleton, const Request& request) {
 }
 
 /// The model that the motion shall move in place of its own.
-Imported carriedOnto(const std::string& model, const Imported& from) {
-  Imported target = importFiles(model);
-  const RetargetedClip carried = retargeted(from.model.skeleton, *from.model.clip, target.model.skeleton);
-  fmt::print("{}: {}; path scaled by {:.4f}{}\n", model, describe(carried.matching), carried.scale,
-             carried.rootMoves ? "" : ", but no joint can carry it");
+Imported carriedOnto(const Request& request, const Imported& from) {
+  Imported target = importFiles(request.onto);
+  sayNotes(request.onto, target.model.notes);
+  RetargetOptions options{.targetUp = target.model.up};
+  if (request.scale > 0.0) options.scale = request.scale;
+  if (request.up != "auto")
+    options.sourceUp = request.up == "z" ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  for (const std::string& part : request.keep) (part == "feet" ? options.keepFeet : options.keepHands) = true;
+  const RetargetedClip carried =
+      retargeted(from.model.skeleton, *from.model.clip, target.model.skeleton, options);
+  if (request.scale == 0.0 && (carried.scale < smallestUsualScale || carried.scale > largestUsualScale))
+    throw std::invalid_argument(
+        fmt::format("the path would be scaled by {:.4g}, which lies outside {:.1g} to {:.1g}: if '{}' is in "
+                    "another unit, say "
+                    "so with --unit; else give the factor with --scale",
+                    carried.scale, smallestUsualScale, largestUsualScale, request.in));
+  std::vector<Note> notes = describe(target.model.skeleton, carried, carried.clip.framesPerSecond);
+  if (request.scale > 0.0) std::erase_if(notes, [](const Note& note) { return note.kind == "path-scale"; });
+  demandNoNotes(request.in, notes);
+  if (!notesAreQuiet())
+    for (const Note& note : notes) fmt::print("{}: {}\n", request.onto, note.text);
   target.model.clip = carried.clip;
+  target.clips.clear();
   return target;
 }
 
@@ -111,10 +130,11 @@ void run(const Request& request) {
     throw std::invalid_argument("nothing would come of it: give -o FILE, or --foot-plant to see its numbers");
   ImportOptions options{.clip = request.clip};
   if (request.rate > 0.0) options.sampleAt = request.rate;
+  if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
   Imported imported = importFiles(request.in, request.companions, options);
   sayNotes(request.in, imported.model.notes);
   if (!imported.model.clip) throw std::invalid_argument("'" + request.in + "' has no motion");
-  if (!request.onto.empty()) imported = carriedOnto(request.onto, imported);
+  if (!request.onto.empty()) imported = carriedOnto(request, imported);
   const Skeleton& skeleton = imported.model.skeleton;
   MotionClip clip = *imported.model.clip;
   if (!request.then.empty())
@@ -176,9 +196,25 @@ void addMotionCommand(CLI::App& app) {
       ->add_flag("--additive", request->additive,
                  "The layer's departure from the rest pose goes on top of the first motion")
       ->needs(layer);
-  command->add_option("--onto", request->onto,
-                      "Carry the motion to this model, by joints of equal names: a built-in name, or a file "
-                      "that holds a skeleton");
+  command->add_option("--unit", request->unit,
+                      "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
+  CLI::Option* onto = command->add_option("--onto", request->onto,
+                                          "Carry the motion to this model, by joints of equal names: a "
+                                          "built-in name, or a file that holds a skeleton");
+  command
+      ->add_option("--scale", request->scale,
+                   "Of the path when it is carried over; default: from the legs' bones")
+      ->check(CLI::PositiveNumber)
+      ->needs(onto);
+  command
+      ->add_option("--up-in", request->up, "The axis that points up in IN; auto: along which the body stands")
+      ->check(CLI::IsMember({"auto", "y", "z"}))
+      ->capture_default_str()
+      ->needs(onto);
+  command->add_option("--keep", request->keep, "Keep feet or hands where the motion has them, scaled")
+      ->check(CLI::IsMember({"feet", "hands"}))
+      ->delimiter(',')
+      ->needs(onto);
   command->add_option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz")
       ->check(CLI::PositiveNumber);
   command->add_flag("--foot-plant", request->footPlant,
