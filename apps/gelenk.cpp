@@ -3,7 +3,7 @@
 #include <exception>
 
 #include "apps/commands/commands.h"
-#include "apps/commands/notes.h"
+#include "apps/document/notes.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Gelenk: a kinematics and inverse-kinematics research sandbox"};

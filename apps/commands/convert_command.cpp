@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/commands.h"
-#include "apps/commands/notes.h"
-#include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
-#include "apps/document/scene.h"
+#include "apps/document/notes.h"
+#include "apps/document/scene_file.h"
+#include "apps/document/session.h"
 #include "kinematics/io/dh_text.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/text_file.h"
@@ -22,7 +22,7 @@ namespace {
 struct Request {
   std::string in, out;
   Companions companions;
-  std::string unitIn, unitOut, clip;
+  std::string unitIn, unitOut;
   std::string upIn = "y", upOut = "y";
   std::string bvhPositions = "auto";
   std::string end;
@@ -137,7 +137,7 @@ void write(Imported& imported, FileKind kind, const Request& request) {
       if (!request.unitOut.empty())
         throw std::invalid_argument("glTF is in metres by definition; leave --unit-out away");
       std::vector<GltfClip> clips;
-      if (request.clip.empty() && request.frame == 0) clips = imported.clips;
+      if (request.companions.clip.empty() && request.frame == 0) clips = imported.clips;
       if (clips.empty() && imported.model.clip)
         clips.push_back({imported.model.clipName.empty() ? imported.model.name : imported.model.clipName,
                          *imported.model.clip});
@@ -203,23 +203,20 @@ void convertMesh(const Request& request) {
 Imported importScene(const Request& request) {
   const Companions& files = request.companions;
   if (!request.unitIn.empty() || request.upIn != "y" || request.fps > 0.0 || request.bvhPositions != "auto" ||
-      !(files.skeleton + files.weights + files.asf + files.amc + files.mapping + files.figure).empty())
+      files != Companions{})
     throw std::invalid_argument(
         "a scene says itself what belongs to its model; leave the options about IN away");
-  Imported imported{.model = readModel(readModelReference(request.in))};
-  const Scene scene = loadScene(request.in, imported.model.skeleton);
-  try {
-    applyBinding(scene, imported.model);
-  } catch (const std::exception& error) {
-    throw std::runtime_error(request.in + ": " + error.what());
-  }
-  imported.model.clip = MotionClip{.framesPerSecond = 30.0, .q = scene.q};
+  auto [model, document] = openDocument({.nameOrFile = request.in});
+  const Session session(model, std::move(document));
+  Imported imported{.model = *model};
+  if (session.skin()) imported.model.skin = *session.skin();
+  imported.model.clip = MotionClip{.framesPerSecond = 30.0, .q = session.q()};
   return imported;
 }
 
 Imported importRequested(const Request& request) {
-  if (request.in.ends_with(".json")) return importScene(request);
-  ImportOptions options{.clip = request.clip, .zUp = request.upIn == "z"};
+  if (isScene(request.in)) return importScene(request);
+  ImportOptions options{.zUp = request.upIn == "z"};
   if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
   if (request.fps > 0.0) options.framesPerSecond = request.fps;
   options.bvhPositions = request.bvhPositions == "add"       ? BvhPositions::Add
@@ -246,7 +243,8 @@ void run(const Request& request) {
   }
   if ((kind == FileKind::Asf || kind == FileKind::Amc) && imported.model.clip)
     holdStillTranslations(imported.model);
-  if (kind == FileKind::Gltf && request.clip.empty() && request.frame == 0)  // all of them are written
+  if (kind == FileKind::Gltf && request.companions.clip.empty() &&
+      request.frame == 0)  // all of them are written
     std::erase_if(imported.model.notes, [](const Note& note) { return note.kind == "several-motions"; });
   demandNoNotes(request.in, imported.model.notes);
   write(imported, *kind, request);
@@ -287,7 +285,7 @@ void addConvertCommand(CLI::App& app) {
                    "What position channels mean: stand in place of OFFSET or are added to it")
       ->check(CLI::IsMember({"auto", "replace", "add"}));
   command->add_option("--fps", request->fps, "Frame rate of an AMC; default 120")->check(CLI::PositiveNumber);
-  command->add_option("--clip", request->clip,
+  command->add_option("--clip", files.clip,
                       "Which motion of a file that names several; default: all to glTF, else the first");
   command->add_option("--end", request->end, "Last joint of the chain that a DH table shall hold");
   command->add_option("--frame", request->frame, "Write only this frame, from 1")->check(CLI::PositiveNumber);

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.h"
-#include "apps/commands/notes.h"
 #include "apps/document/model.h"
 #include "apps/document/motion_table.h"
+#include "apps/document/notes.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 

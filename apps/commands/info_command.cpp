@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.h"
-#include "apps/commands/notes.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "kinematics/forward_kinematics.h"
 #include "skinning/blend/linear_blend.h"
 #include "skinning/io/obj.h"
@@ -19,7 +19,7 @@ using nlohmann::json;
 struct Request {
   std::string file;
   Companions companions;
-  std::string unit, clip;
+  std::string unit;
   bool asJson = false;
 };
 
@@ -108,7 +108,6 @@ json factsOf(const Request& request, std::vector<Note>& notes) {
   }
   ImportOptions options;
   if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
-  options.clip = request.clip;
   const Imported imported = importFiles(request.file, request.companions, options);
   const Model& model = imported.model;
   notes = model.notes;
@@ -183,7 +182,7 @@ void addInfoCommand(CLI::App& app) {
   command->add_option("--figure", request->companions.figure, "Figure of a tutorial pose");
   command->add_option("--unit", request->unit,
                       "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command->add_option("--clip", request->clip,
+  command->add_option("--clip", request->companions.clip,
                       "Which motion of a file that names several; default: the first");
   command->add_flag("--json", request->asJson, "Print JSON");
   command->callback([request] { run(*request); });

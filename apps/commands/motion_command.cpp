@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/commands/commands.h"
-#include "apps/commands/notes.h"
+#include "apps/document/notes.h"
 #include "apps/document/second_clip.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/bvh.h"
@@ -18,7 +18,7 @@ namespace {
 struct Request {
   std::string in, out;
   Companions companions;
-  std::string onto, then, layer, clip, unit, up = "auto";
+  std::string onto, then, layer, unit, up = "auto";
   std::vector<std::string> keep;
   double scale = 0.0;
   std::vector<std::string> bones, limbs;
@@ -128,7 +128,7 @@ Imported carriedOnto(const Request& request, const Imported& from) {
 void run(const Request& request) {
   if (request.out.empty() && !request.footPlant)
     throw std::invalid_argument("nothing would come of it: give -o FILE, or --foot-plant to see its numbers");
-  ImportOptions options{.clip = request.clip};
+  ImportOptions options;
   if (request.rate > 0.0) options.sampleAt = request.rate;
   if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
   Imported imported = importFiles(request.in, request.companions, options);
@@ -177,7 +177,7 @@ void addMotionCommand(CLI::App& app) {
   command->add_option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
   command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
   command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC");
-  command->add_option("--clip", request->clip,
+  command->add_option("--clip", request->companions.clip,
                       "Which motion of a file that names several; default: the first");
   command->add_option("--then", request->then, "A second motion to fade into");
   command->add_option("--fade", request->fade, "Seconds of the cross-fade")

@@ -352,7 +352,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       model.skin = std::move(gltf.skin);
       model.notes = gltf.notes;
       result.clips = std::move(gltf.clips);
-      chooseClip(path, options.clip, result);
+      chooseClip(path, files.clip, result);
       if (options.metresPerUnit)
         throw std::invalid_argument("glTF is in metres by definition; another unit cannot be given");
       break;
@@ -439,7 +439,7 @@ std::vector<Note> modelNotes(const Model& model) {
 Imported importFiles(const std::string& nameOrFile, const Companions& companions,
                      const ImportOptions& options) {
   const auto names = builtInModels();
-  if (std::find(names.begin(), names.end(), nameOrFile) != names.end())
+  if (std::find(names.begin(), names.end(), nameOrFile) != names.end() || nameOrFile.starts_with("dh:"))
     return {.model = openModel(nameOrFile)};
   const auto kind = fileKind(nameOrFile);
   if (!kind && !std::filesystem::exists(nameOrFile))
@@ -453,7 +453,7 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
   if (options.framesPerSecond && *kind != FileKind::Amc && companions.amc.empty())
     throw std::invalid_argument("'" + nameOrFile +
                                 "' says its own frame rate; another one can be given for an AMC only");
-  if (!options.clip.empty() && kind != FileKind::Gltf)
+  if (!companions.clip.empty() && kind != FileKind::Gltf)
     throw std::invalid_argument("'" + nameOrFile + "' does not name its motions: --clip is for glTF");
   Imported result = importOne(nameOrFile, *kind, companions, options);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
@@ -466,6 +466,10 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
     result.tutorial.reset();
   }
   return result;
+}
+
+Model readModel(const ModelReference& reference) {
+  return withBody(importFiles(reference.nameOrFile, reference.files).model);
 }
 
 }  // namespace gelenk

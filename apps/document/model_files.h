@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/document/model.h"
+#include "apps/document/model_reference.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/bvh.h"
 #include "kinematics/io/tutorial_skeleton.h"
@@ -43,19 +44,9 @@ std::string knownExtensions();
 struct ImportOptions {
   std::optional<double> metresPerUnit = {};    ///< default: what the format says, else 1
   std::optional<double> framesPerSecond = {};  ///< of an AMC; default 120
-  std::string clip = {};                       ///< which motion of several, by its name; default: the first
   std::optional<double> sampleAt = {};         ///< Hz: of motions that frames cannot hold (steps, splines)
   bool zUp = false;                            ///< the file has z up; turned to y up
   BvhPositions bvhPositions = BvhPositions::Automatic;
-};
-
-/// Further files that one file needs, empty where not given.
-struct Companions {
-  std::string skeleton, weights;  ///< of an OBJ
-  std::string asf;                ///< of an AMC, or to lay a fitted skeleton on
-  std::string amc;
-  std::string mapping;  ///< BonePath lines; default: CMU's bones on Pinocchio's human
-  std::string figure;   ///< of a tutorial pose
 };
 
 /// Metres in a unit: "m", "dm", "cm", "mm", "in", "ft", or a positive number of metres. Throws
@@ -83,6 +74,9 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
 /// ("unit-suspect", with the unit that would make a person of it), joints that their limits hold in one place
 /// ("joint-locked"), and, as a fact, joints that no degree of freedom moves ("joint-unmoved").
 std::vector<Note> modelNotes(const Model& model);
+
+/// The model itself, with a body of its own where it has none. Throws ParseError and std::invalid_argument.
+Model readModel(const ModelReference& reference);
 
 /// Turns a model as a whole: skeleton, skin, bind pose.
 Model rotated(Model model, const Eigen::Quaterniond& worldFromOld);

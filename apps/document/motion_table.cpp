@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/commands/notes.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "kinematics/forward_kinematics.h"
 
 namespace gelenk {
@@ -51,11 +51,15 @@ std::shared_ptr<MotionTableRequest> addMotionTableOptions(CLI::App& command) {
 void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& request) {
   ImportOptions options;
   if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
-  options.clip = request.clip;
-  const Imported imported = importFiles(
-      nameOrFile,
-      {.skeleton = {}, .weights = {}, .asf = request.asf, .amc = request.amc, .mapping = {}, .figure = {}},
-      options);
+  const Imported imported = importFiles(nameOrFile,
+                                        {.skeleton = {},
+                                         .weights = {},
+                                         .asf = request.asf,
+                                         .amc = request.amc,
+                                         .mapping = {},
+                                         .figure = {},
+                                         .clip = request.clip},
+                                        options);
   sayNotes(nameOrFile, imported.model.notes);
   const Skeleton& skeleton = imported.model.skeleton;
   const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;

@@ -1,4 +1,4 @@
-#include "apps/commands/notes.h"
+#include "apps/document/notes.h"
 
 #include <fmt/format.h>
 
