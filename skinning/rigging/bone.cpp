@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "skinning/winding_number.h"
+
 namespace gelenk {
 
 using Eigen::Vector3d;

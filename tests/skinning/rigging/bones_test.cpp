@@ -5,6 +5,7 @@
 #include "skinning/bodies/polygonise.h"
 #include "skinning/io/obj.h"
 #include "skinning/rigging/bone_heat.h"
+#include "skinning/winding_number.h"
 #include "tests/places.h"
 
 namespace gelenk {
