@@ -22,8 +22,6 @@ using Clock = std::chrono::steady_clock;
 using ChainMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, maxChainDofs, maxChainDofs>;
 using Twist = Eigen::Matrix<double, 6, 1>;
 
-constexpr double farJump =
-    0.5;  // radians or chain lengths: more than a dragged goal should ask of a joint at once
 constexpr double margin =
     0.98;  // of the tolerances: what the kernel accepts, the judge's own arithmetic accepts too
 
@@ -143,7 +141,7 @@ SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal,
   Prepared prepared;
   prepared.target = kernelTarget(goal);
   KernelTask& task = prepared.task;
-  task.attemptIterations = std::clamp(options.maxIterations, 1, task.attemptIterations);
+  task.attemptIterations = std::clamp(options.maxIterations, 1, options.method.attemptIterations);
   task.position = hasPosition(goal.kind);
   task.orientation = hasOrientation(goal.kind);
   const Vector3d pointInLast = chain_.lastFromTip * goal.pointInTip;
@@ -185,8 +183,7 @@ double SerialPoseSolver::jump(const double* start, const KernelAnswer& found) co
 
 /// Starts close to one whose own descent failed or led far away: the goal is near, and so should the answer
 /// be.
-void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const {
-  constexpr double most = 0.3;  // radians or chain lengths
+void SerialPoseSolver::nudge(const double* start, double most, std::uint64_t seed, LaneStarts& starts) const {
   std::uint64_t state = seed;
   for (int i = 0; i < chain_.n; ++i)
     for (int l = 0; l < kernelLanes; ++l) {
@@ -230,9 +227,9 @@ struct SerialPoseSolver::Search {
     if (options.restarts == 0) task.attemptIterations = std::clamp(options.maxIterations, 1, 30);
     solver.kernel_->attempt(solver.scaled_, task, prepared.target, start, found);
     count(found);
-    if (options.restarts == 0 || solver.jump(start, found) <= farJump) return;
+    if (options.restarts == 0 || solver.jump(start, found) <= options.method.farJump) return;
     LaneStarts starts;
-    solver.nudge(start, options.seed, starts);
+    solver.nudge(start, options.method.nudge, options.seed, starts);
     KernelAnswer other;
     race(starts, std::min(options.restarts, kernelLanes), options.seed, other);
     if (solver.jump(start, other) < solver.jump(start, found)) found = other;
@@ -486,7 +483,8 @@ namespace {
 /// a solve for another skeleton, or without prepare, extracts its chain on the spot.
 class SerialPose final : public IkSolver {
  public:
-  explicit SerialPose(bool withTable) : withTable_(withTable) {}
+  SerialPose(bool withTable, const SerialPoseParameters& parameters)
+      : withTable_(withTable), parameters_(parameters) {}
 
   void prepare(const Skeleton& skeleton) override {
     prepared_ = skeleton.joints();
@@ -536,8 +534,8 @@ class SerialPose final : public IkSolver {
   }
 
  private:
-  static void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget,
-                  TraceLevel trace, IkReport& report) {
+  void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget, TraceLevel trace,
+           IkReport& report) const {
     const Goal& goal = problem.goals.front();
     const SerialChain& chain = solver.chain();
     TipGoal tip{.kind = goal.kind,
@@ -555,7 +553,8 @@ class SerialPose final : public IkSolver {
                                                   .restarts = budget.restarts,
                                                   .maxIterations = budget.maxIterations,
                                                   .maxSeconds = budget.maxSeconds,
-                                                  .seed = budget.seed});
+                                                  .seed = budget.seed,
+                                                  .method = parameters_});
     for (int i = 0; i < chain.n; ++i) report.q[chain.qIndex[i]] = answer.q[i];
     report.why = answer.why;
     report.counters = answer.counters;
@@ -612,6 +611,7 @@ class SerialPose final : public IkSolver {
   }
 
   bool withTable_;
+  SerialPoseParameters parameters_;
   std::vector<Joint> prepared_;
   std::vector<std::unique_ptr<SerialPoseSolver>> solvers_;
   std::vector<std::string> reasons_;
@@ -619,7 +619,11 @@ class SerialPose final : public IkSolver {
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeSerialPose() { return std::make_unique<SerialPose>(false); }
-std::unique_ptr<IkSolver> makeSerialPoseTable() { return std::make_unique<SerialPose>(true); }
+std::unique_ptr<IkSolver> makeSerialPose(const SerialPoseParameters& parameters) {
+  return std::make_unique<SerialPose>(false, parameters);
+}
+std::unique_ptr<IkSolver> makeSerialPoseTable(const SerialPoseParameters& parameters) {
+  return std::make_unique<SerialPose>(true, parameters);
+}
 
 }  // namespace gelenk

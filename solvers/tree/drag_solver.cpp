@@ -416,7 +416,7 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
     rebuild(goals);
     setTargets(goals);
     HybridDescent::Settings settings{
-        .lambda = 1e-3, .kappa = 0.0, .smallestStep = 1e-14, .leastDamping = 1e-8};
+        .lambda = options_.posture, .kappa = 0.0, .smallestStep = 1e-14, .leastDamping = 1e-8};
     int stuck = 0;
     for (;; settings.lambda = settings.lambda > 1e-10 ? 0.1 * settings.lambda : 0.0) {
       updateMovingTargets(goals);

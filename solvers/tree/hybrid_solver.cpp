@@ -10,6 +10,7 @@ namespace {
 
 class HybridSolver final : public IkSolver {
  public:
+  explicit HybridSolver(const HybridParameters& parameters) : p_(parameters) {}
   std::string whyUnsupported(const IkProblem& problem) const override {
     for (const Goal& goal : problem.goals)
       if (goal.kind == GoalKind::Pole &&
@@ -21,7 +22,7 @@ class HybridSolver final : public IkSolver {
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
     if (!whyUnsupported(problem).empty())
       return {.q = problem.start, .why = Stop::Unsupported, .counters = {}, .trace = {}};
-    DragSolver solver(*problem.skeleton);
+    DragSolver solver(*problem.skeleton, {.posture = p_.posture, .poseArm = p_.poseArm});
     IkReport report = solver.solve(problem, budget, trace);
     const Eigen::VectorXd& q = report.q;
     const Frames frames = forwardKinematics(*problem.skeleton, q);
@@ -37,10 +38,15 @@ class HybridSolver final : public IkSolver {
     if (judge(problem, q).solved) report.why = Stop::Converged;
     return report;
   }
+
+ private:
+  HybridParameters p_;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeHybrid() { return std::make_unique<HybridSolver>(); }
+std::unique_ptr<IkSolver> makeHybrid(const HybridParameters& parameters) {
+  return std::make_unique<HybridSolver>(parameters);
+}
 
 }  // namespace gelenk
