@@ -401,6 +401,7 @@ std::string describeSolve(const Session& session) {
   if (solve.error < reachedWithin) return "reached, " + formatLength(solve.error);
   switch (solve.why) {
     case Stop::Stationary: return "stationary: closest point, " + formatLength(solve.error);
+    case Stop::Saddle: return "stuck at a saddle, " + formatLength(solve.error);
     case Stop::Stalled: return "stalled, " + formatLength(solve.error);
     default: return (solve.jointMotion < 1e-5 ? "at rest, " : "on the way, ") + formatLength(solve.error);
   }

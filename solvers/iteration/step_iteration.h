@@ -48,7 +48,10 @@ class StepIteration {
     bool moved = true;
     while (!attempt.isOver()) {
       if (moved) {
-        if (attempt.isStationary() && !ownOrder()) return attempt.stop(Stop::Stationary);
+        if (ownOrder())
+          attempt.isStationary();
+        else if (attempt.rest() == Attempt::Rest::Over)
+          return;
         q_ = at.q();
         J_ = at.jacobian();
         r_ = at.residual();
@@ -61,7 +64,15 @@ class StepIteration {
       const double length = total_.norm();
       if (!std::isfinite(length)) return attempt.stop(Stop::Failure);
       attempt.countIteration(length, rule_.damping());
-      if (length < 1e-14) return attempt.stop(ownOrder() ? Stop::Stationary : Stop::Stalled);
+      if (length < 1e-14) {
+        const Attempt::Rest rest = attempt.rest();
+        if (rest == Attempt::Rest::Left) {
+          moved = true;
+          continue;
+        }
+        if (rest == Attempt::Rest::No) attempt.stop(ownOrder() ? Stop::Stationary : Stop::Stalled);
+        return;
+      }
       moved = takeStep(attempt);
     }
   }

@@ -106,35 +106,40 @@ class BallChain final : public IkSolver {
     if (!whyUnsupported(problem).empty()) return unsupported(problem);
     const Skeleton& skeleton = *problem.skeleton;
     return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
-      if (attempt.isOver()) return;
       const BallPath path(skeleton, problem.goals[0]);
       const size_t n = path.joints.size();
-      std::vector<Vector3d> points(n + 1);
-      std::vector<Quaterniond> turned(n, Quaterniond::Identity()), before(n);
-      Isometry3d above = Isometry3d::Identity();
-      for (size_t i = 0; i < n; ++i) {
-        above = above * path.fromParent[i];
-        points[i] = above.translation();
-        above.rotate(ballRotation(skeleton, attempt.at.q(), path.joints[i]));
-        before[i] = Quaterniond(above.linear());
+      const auto run = [&] {
+        std::vector<Vector3d> points(n + 1);
+        std::vector<Quaterniond> turned(n, Quaterniond::Identity()), before(n);
+        Isometry3d above = Isometry3d::Identity();
+        for (size_t i = 0; i < n; ++i) {
+          above = above * path.fromParent[i];
+          points[i] = above.translation();
+          above.rotate(ballRotation(skeleton, attempt.at.q(), path.joints[i]));
+          before[i] = Quaterniond(above.linear());
+        }
+        points[n] = above * path.tip;
+        const BallChainResult result =
+            solveBallChain(points, turned, problem.goals[0].target, 0.5 * problem.positionTolerance,
+                           budget.maxIterations - 1, p_);
+        VectorXd q = attempt.at.q();
+        Quaterniond parent = Quaterniond::Identity();
+        for (size_t i = 0; i < n; ++i) {
+          const Quaterniond world = turned[i] * before[i];
+          setBallRotation(
+              skeleton, q, path.joints[i],
+              ((parent * Quaterniond(path.fromParent[i].linear())).conjugate() * world).normalized());
+          parent = world;
+        }
+        for (int i = 0; i < result.iterations; ++i) attempt.countIteration(0.0, 0.0);
+        attempt.propose(q);
+      };
+      while (!attempt.isOver()) {
+        run();
+        if (attempt.isOver()) return;
+        const Attempt::Rest rest = attempt.rest();
+        if (rest == Attempt::Rest::No) attempt.stop(Stop::Stalled);
       }
-      points[n] = above * path.tip;
-      const BallChainResult result =
-          solveBallChain(points, turned, problem.goals[0].target, 0.5 * problem.positionTolerance,
-                         budget.maxIterations - 1, p_);
-      VectorXd q = attempt.at.q();
-      Quaterniond parent = Quaterniond::Identity();
-      for (size_t i = 0; i < n; ++i) {
-        const Quaterniond world = turned[i] * before[i];
-        setBallRotation(
-            skeleton, q, path.joints[i],
-            ((parent * Quaterniond(path.fromParent[i].linear())).conjugate() * world).normalized());
-        parent = world;
-      }
-      for (int i = 0; i < result.iterations; ++i) attempt.countIteration(0.0, 0.0);
-      attempt.propose(q);
-      if (attempt.isOver()) return;
-      attempt.stop(attempt.isStationary() ? Stop::Stationary : Stop::Stalled);
     });
   }
 

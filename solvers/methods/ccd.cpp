@@ -152,7 +152,7 @@ class Ccd final : public IkSolver {
     if (!whyUnsupported(problem).empty()) return unsupported(problem);
     return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
       while (!attempt.isOver()) {
-        if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+        if (attempt.rest() == Attempt::Rest::Over) return;
         const VectorXd before = attempt.at.q();
         const VectorXd q = Sweep(problem.goals[0], attempt.at, p_.arm).run();
         attempt.countIteration(difference(*problem.skeleton, before, q).norm(), 0.0);

@@ -259,18 +259,20 @@ class CeresSolver final : public IkSolver {
     return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
       if (attempt.isOver()) return;
       if (chart.blocks().empty()) return attempt.stop(Stop::Stationary);
-      chart.set(attempt.at.q());
-      Residual residual(attempt.at, chart);
-      ceres::Problem::Options ownership;
-      ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-      ceres::Problem task(ownership);
-      connect(task, residual, chart);
-      Watch watch(attempt, chart);
-      ceres::Solver::Options options = optionsFor(method_, constants_, budget, attempt.at.seconds());
-      options.callbacks.push_back(&watch);
-      ceres::Solver::Summary summary;
-      ceres::Solve(options, &task, &summary);
-      conclude(attempt, chart, summary);
+      do {
+        chart.set(attempt.at.q());
+        Residual residual(attempt.at, chart);
+        ceres::Problem::Options ownership;
+        ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+        ceres::Problem task(ownership);
+        connect(task, residual, chart);
+        Watch watch(attempt, chart);
+        ceres::Solver::Options options = optionsFor(method_, constants_, budget, attempt.at.seconds());
+        options.callbacks.push_back(&watch);
+        ceres::Solver::Summary summary;
+        ceres::Solve(options, &task, &summary);
+        conclude(attempt, chart, summary);
+      } while (!attempt.isOver());
     });
   }
 
@@ -300,7 +302,7 @@ class CeresSolver final : public IkSolver {
     chart.configuration(q);
     if (q.allFinite() && attempt.why() != Stop::Converged) attempt.propose(q);
     if (attempt.isOver()) return;
-    if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+    if (attempt.rest() != Attempt::Rest::No) return;  // over, or on from where a saddle was left
     switch (summary.termination_type) {
       case ceres::NO_CONVERGENCE: return attempt.stop(Stop::Budget);
       case ceres::FAILURE: return attempt.stop(Stop::Failure);

@@ -63,7 +63,7 @@ class Evolution {
   void populate(Attempt& attempt, bool keepStart) {
     people_[0].q = attempt.at.q();
     for (int i = 0; i < p_.population; ++i) {
-      if (i > 0 || !keepStart) people_[i].q = randomWithinLimits(attempt.at.skeleton(), attempt.random());
+      if (i > 0 || !keepStart) people_[i].q = attempt.randomStart();
       people_[i].momentum.setZero();
       evaluate(attempt, people_[i]);
     }
@@ -89,6 +89,7 @@ class Evolution {
       move_[k] = mix * between_[k] + 0.5 * uniform01(random) * a.momentum[k];
       if (uniform01(random) < 2.0 / nv_) move_[k] += width * bell(random);
     }
+    attempt.movingJoints().silence(move_);
     child.momentum = 0.3 * move_;
     attempt.limits.retract(a.q, move_, child.q);
     evaluate(attempt, child);

@@ -235,7 +235,7 @@ class Fabrik final : public IkSolver {
         for (int i = 0; i < iterations; ++i) attempt.countIteration(0.0, 0.0);
       }
       while (!attempt.isOver()) {
-        if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+        if (attempt.rest() == Attempt::Rest::Over) return;
         VectorXd q = attempt.at.q();
         chain.iterate(q);
         attempt.countIteration(difference(*problem.skeleton, attempt.at.q(), q).norm(), 0.0);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kinematics/configuration.h"
-#include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/attempt.h"
 
 namespace gelenk {
 
@@ -248,7 +248,7 @@ class Newton1dSolver final : public IkSolver {
       }
       at.moveTo(projectToLimits(*problem.skeleton, VectorXd::Constant(1, q + dq)));
       if (std::abs(at.q()[0] - q) < 1e-12) {
-        report.why = at.withinTolerance() ? Stop::Converged : Stop::Stationary;
+        report.why = at.withinTolerance() ? Stop::Converged : whyAtRest(problem, at.q());
         break;
       }
     }

@@ -86,7 +86,12 @@ class QuasiNewton {
     inverse_.reset();
     bool havePair = false;
     while (!attempt.isOver()) {
-      if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+      const Attempt::Rest rest = attempt.rest();
+      if (rest == Attempt::Rest::Over) return;
+      if (rest == Attempt::Rest::Left) {
+        inverse_.reset();
+        havePair = false;
+      }
       g_.noalias() = at.jacobian().transpose() * at.residual();  // points downhill
       if (havePair) learn();
       q_ = at.q();

@@ -1,6 +1,7 @@
 #include "solvers/serial/serial_pose.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -374,6 +375,53 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
   TipError error = evaluate(answer.q, J);
   ChainVector slope = slopeOf(J, error);
   double shift = 1e-6;
+  // Where no slope is left: the lowest second derivative on the joints that are not locked, and its
+  // direction.
+  const auto lowestCurvature = [&](bool lockTouched, ChainVector& way) {
+    exactHessian(J, error, position, rotation, H);
+    ++answer.counters.hessians;
+    const double size = H.cwiseAbs().maxCoeff();
+    for (int i = 0; i < n; ++i) {
+      const bool touches =
+          !chain_.wraps[i] && (answer.q[i] <= chain_.lower[i] || answer.q[i] >= chain_.upper[i]);
+      if (!isLocked(answer.q, slope, i) && !(lockTouched && touches)) continue;
+      H.row(i).setZero();
+      H.col(i).setZero();
+    }
+    const Eigen::SelfAdjointEigenSolver<ChainMatrix> eigen(H);
+    way = eigen.eigenvectors().col(0);
+    Eigen::Index largest = 0;
+    way.cwiseAbs().maxCoeff(&largest);
+    if (way[largest] < 0.0) way = -way;  // the same way on every machine
+    const double lowest = eigen.eigenvalues()[0];
+    return lowest < -1e-7 * size ? lowest : 0.0;
+  };
+  /// On from a saddle to a lower place; false, and why, where this is a place to rest.
+  const auto leaveSaddle = [&] {
+    ChainVector way(n);
+    const double curvature = lowestCurvature(false, way);
+    const ChainVector from = answer.q;
+    for (double length = 0.5; curvature < 0.0 && length > 1e-4; length *= 0.5) {
+      double lowest = error.squared() + 0.5 * curvature * length * length;  // half of what is promised
+      bool found = false;
+      for (const double sign : {1.0, -1.0}) {
+        ChainVector q = from + sign * length * way;
+        for (int i = 0; i < n; ++i)
+          if (!chain_.wraps[i]) q[i] = std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
+        const TipError there = evaluate(q, moved);
+        if (!(there.squared() < lowest)) continue;
+        lowest = there.squared();
+        answer.q = q;
+        found = true;
+      }
+      if (!found) continue;
+      error = evaluate(answer.q, J);
+      slope = slopeOf(J, error);
+      return true;
+    }
+    answer.why = curvature < 0.0 && lowestCurvature(true, way) < 0.0 ? Stop::Saddle : Stop::Stationary;
+    return false;
+  };
   for (int iteration = 0;; ++iteration) {
     if ((!position || error.position.norm() <= margin * options.positionTolerance) &&
         (!rotation || error.rotation.norm() <= margin * options.orientationTolerance)) {
@@ -381,8 +429,9 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       break;
     }
     if (freeSlope(answer.q, slope) < 1e-11 * (1.0 + chain_.length)) {
-      answer.why = Stop::Stationary;
-      break;
+      if (!leaveSaddle() || iteration == options.maxIterations) break;
+      ++answer.counters.iterations;
+      continue;
     }
     if (iteration == options.maxIterations) break;
     ++answer.counters.iterations;
@@ -429,8 +478,8 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       shift = std::max(4.0 * shift, 1e-3 * slope.norm());
     }
     if (!improved) {
-      answer.why =
-          freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) ? Stop::Stationary : Stop::Stalled;
+      answer.why = Stop::Stalled;
+      if (freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) && leaveSaddle()) continue;
       break;
     }
   }
@@ -588,7 +637,7 @@ class SerialPose final : public IkSolver {
       const SerialPoseOptions options{.restarts = 0, .maxIterations = steps, .closestPose = newton};
       const SerialPoseAnswer along =
           newton ? solver.closest(tip, answer.from, options) : solver.solve(tip, answer.from, options);
-      if (along.why == Stop::Converged || along.why == Stop::Stationary) break;
+      if (along.why != Stop::Budget && along.why != Stop::Stalled) break;
       record(along.q);
     }
     record(answer.q);

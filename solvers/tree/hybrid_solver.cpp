@@ -1,7 +1,7 @@
 #include "solvers/tree/hybrid_solver.h"
 
 #include "kinematics/configuration.h"
-#include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/attempt.h"
 #include "solvers/problem/judge.h"
 #include "solvers/tree/drag_solver.h"
 
@@ -24,6 +24,20 @@ class HybridSolver final : public IkSolver {
       return {.q = problem.start, .why = Stop::Unsupported, .counters = {}, .trace = {}};
     DragSolver solver(*problem.skeleton, {.posture = p_.posture, .poseArm = p_.poseArm});
     IkReport report = solver.solve(problem, budget, trace);
+    // Its own objective holds posture too, and may rest on a place that meets the goals or on a saddle of
+    // them.
+    IkProblem below = problem;
+    for (int saddles = 0; saddles < 20 && !judge(problem, report.q).solved; ++saddles) {
+      if (report.why != Stop::Stationary) break;
+      report.why = whyAtRest(problem, report.q, &below.start);
+      if (report.why != Stop::Saddle || below.start.size() == 0) break;
+      IkReport next = solver.solve(below, budget, trace);
+      next.counters += report.counters;
+      next.seconds += report.seconds;
+      next.trace.insert(next.trace.begin(), report.trace.begin(), report.trace.end());
+      report = std::move(next);
+    }
+    MovingJoints(problem).restore(report.q);
     const Eigen::VectorXd& q = report.q;
     const Frames frames = forwardKinematics(*problem.skeleton, q);
     double squared = 0.0;
@@ -34,7 +48,6 @@ class HybridSolver final : public IkSolver {
       squared += goal.weight * r.squaredNorm();
     }
     report.residual = std::sqrt(squared);
-    // the drag solver's own objective holds posture too: it may rest on a place that meets the goals
     if (judge(problem, q).solved) report.why = Stop::Converged;
     return report;
   }
