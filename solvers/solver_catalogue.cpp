@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "kinematics/io/text_file.h"
+#include "solvers/default_solver.h"
 #include "solvers/methods/ball_chain.h"
 #include "solvers/methods/ccd.h"
 #include "solvers/methods/ceres_solver.h"
@@ -98,6 +99,9 @@ constexpr std::array catalogue{
 #endif
 };
 
+constexpr SolverEntry fitting =
+    row<&makeFitting>("default", "The solver that fits the problem", "serial-pose, else hybrid");
+
 /// The name in front of a choice's brackets.
 std::string_view nameOf(std::string_view text) { return text.substr(0, text.find('[')); }
 
@@ -119,8 +123,8 @@ std::unique_ptr<IkSolver> SolverEntry::make(const ParameterValues& values) const
 }
 
 const SolverEntry& solverEntry(std::string_view text) {
-  std::string_view name = nameOf(text);
-  if (name == "default") name = catalogue.front().name;
+  const std::string_view name = nameOf(text);
+  if (name == fitting.name) return fitting;
   std::string known;
   for (const SolverEntry& entry : catalogue) {
     if (entry.name == name) return entry;

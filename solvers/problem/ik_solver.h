@@ -47,8 +47,8 @@ struct SolverEntry {
 std::span<const SolverEntry> solverCatalogue();
 
 // A solver is chosen by a text: its name, or its name and values of parameters in brackets, such as
-// "dls[lambda=0.1,largest-step=1]". "default" names the default solver of serial chains, the catalogue's
-// first.
+// "dls[lambda=0.1,largest-step=1]". "default" names the solver that fits the problem: the catalogue's first
+// on serial chains, the descent on the tree elsewhere; it has no parameters of its own.
 
 struct SolverChoice {
   std::string name;  ///< as chosen: the entry's, or "default"

@@ -268,8 +268,13 @@ TEST_P(SolverContract, NoGoalsAreMetAtOnce) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract,
-                         ::testing::ValuesIn(solverCatalogue().begin(), solverCatalogue().end()),
+std::vector<SolverEntry> everyEntry() {
+  std::vector<SolverEntry> all(solverCatalogue().begin(), solverCatalogue().end());
+  all.push_back(solverEntry("default"));
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract, ::testing::ValuesIn(everyEntry()),
                          [](const auto& info) {
                            std::string name(info.param.name);
                            for (char& c : name)
