@@ -298,7 +298,8 @@ TEST(CompareCommand, WritesTheFolderItPromises) {
   const Outcome outcome = type({"compare", "--model", "panda", "--set", "D1", "--solver", "dls", "--solver",
                                 "default", "--problems", "5", "--out", folder});
   EXPECT_EQ(outcome.status, 0) << outcome.complaint;
-  for (const char* file : {"results.csv", "solutions.csv", "summary.json", "report.html"})
+  EXPECT_NE(outcome.output.find("D1[restarts=50]"), std::string::npos);  // one attempt, and what a user gets
+  for (const char* file : {"results.csv", "solutions.csv", "solvers.csv", "summary.json", "report.html"})
     EXPECT_TRUE(fs::exists(folder + '/' + file)) << file;
   const std::string solutions = readFile(folder + "/solutions.csv");
   EXPECT_EQ(
@@ -324,11 +325,17 @@ TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterrupt
   const fs::path folder = fs::path(::testing::TempDir()) / "gelenk-compare-killed";
   fs::remove_all(folder);
   const auto words = [&](const char* out) {
-    return std::vector<std::string>{GELENK_PROGRAM, "compare", "--model",  "panda",
-                                    "--set",        "D1",      "--set",    "D5",
-                                    "--solver",     "sdls",    "--solver", "evolution",
-                                    "--problems",   "100",     "--seeds",  "3",
-                                    "--traces",     "20",      "--out",    (folder / out).string()};
+    return std::vector<std::string>{GELENK_PROGRAM, "compare",
+                                    "--model",      "panda",
+                                    "--set",        "D1",
+                                    "--set",        "D5",
+                                    "--solver",     "sdls",
+                                    "--solver",     "evolution",
+                                    "--problems",   "100",
+                                    "--seeds",      "3",
+                                    "--traces",     "20",
+                                    "--restarts",   "0",
+                                    "--out",        (folder / out).string()};
   };
   ASSERT_EQ(testing::runProgram(words("whole")).status, 0);
   const fs::path results = folder / "cut" / "results.csv";
@@ -373,12 +380,33 @@ TEST(CompareCommand, MistakesAreNamedAndNothingIsWritten) {
   };
   EXPECT_NE(complaint({"--solver", "newtonn"}).find("pseudo-inverse"), std::string::npos);
   EXPECT_NE(complaint({"--set", "D9"}).find("D1, D2"), std::string::npos);
+  EXPECT_NE(complaint({"--solver", "dls", "--set", "dls.lamda=1"}).find("there are: lambda"),
+            std::string::npos);
+  EXPECT_NE(complaint({"--solver", "ccd", "--set", "dls.lambda=1"}).find("not used"), std::string::npos);
+  EXPECT_NE(complaint({"--solver", "dls[lambda=99]"}).find("0 to 10"), std::string::npos);
+  EXPECT_NE(complaint({"--sweep", "dls.lambda=1:2"}).find("logN or linN"), std::string::npos);
   EXPECT_NE(complaint({"--problems", "0"}).find("at least 1"), std::string::npos);
   EXPECT_NE(complaint({"--tolerance", "-1"}).find("positive"), std::string::npos);
   EXPECT_NE(complaint({"--traces", "-4"}).find("traces"), std::string::npos);
   EXPECT_NE(complaint({"--model", "nobody.bvh"}).find("nobody.bvh"), std::string::npos);
   EXPECT_NE(complaint({"--shard", "3"}).find("K/N"), std::string::npos);
   EXPECT_NE(complaint({"--reproduce", "cold-fusion"}).find("fabrik-2011"), std::string::npos);
+}
+
+TEST(CompareCommand, ASweepRunsItsGridAndPlotsIt) {
+  const std::string folder = (fs::path(::testing::TempDir()) / "gelenk-compare-sweep").string();
+  fs::remove_all(folder);
+  const Outcome outcome =
+      type({"compare", "--model", "planar:0,0:1,1,1", "--sweep", "dls.lambda=0.01:1:log5", "--set", "D1",
+            "--set", "dls.largest-step=0.3", "--problems", "10", "--restarts", "0", "--out", folder});
+  EXPECT_EQ(outcome.status, 0) << outcome.complaint;
+  EXPECT_NE(outcome.output.find("dls[lambda=0.03162,largest-step=0.3]"), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find("dls[largest-step=0.3]"), std::string::npos);  // the grid is in its place
+  const std::string html = readFile(folder + "/report.html");
+  if (html.find("gnuplot was not found") == std::string::npos) {
+    EXPECT_NE(html.find("dls.lambda of dls[largest-step=0.3]"), std::string::npos);
+  }
+  fs::remove_all(folder);
 }
 
 TEST(CompareCommand, AnExperimentWritesOverItsOwnFilesOnly) {
