@@ -7,6 +7,7 @@
 
 #include "kinematics/io/text_file.h"
 #include "solvers/problem/ik_solver.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -19,7 +20,7 @@ std::string pageOf(std::string_view solver) {
                                                               {"newton-quotient", "newton"},
                                                               {"ball-chain", "fabrik"}};
   const auto found = shared.find(solver);
-  return std::string(GELENK_ASSET_DIR) + "/../docs/solvers/" +
+  return testing::assetFolder() + "/../docs/solvers/" +
          (found == shared.end() ? std::string(solver) : found->second) + ".md";
 }
 

@@ -16,6 +16,7 @@
 #include "kinematics/io/text_file.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
+#include "tests/places.h"
 #include "tests/sandbox/program.h"
 
 namespace gelenk {
@@ -325,17 +326,28 @@ TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterrupt
   const fs::path folder = fs::path(::testing::TempDir()) / "gelenk-compare-killed";
   fs::remove_all(folder);
   const auto words = [&](const char* out) {
-    return std::vector<std::string>{GELENK_PROGRAM, "compare",
-                                    "--model",      "panda",
-                                    "--set",        "D1",
-                                    "--set",        "D5",
-                                    "--solver",     "sdls",
-                                    "--solver",     "evolution",
-                                    "--problems",   "100",
-                                    "--seeds",      "3",
-                                    "--traces",     "20",
-                                    "--restarts",   "0",
-                                    "--out",        (folder / out).string()};
+    return std::vector<std::string>{testing::programFile(),
+                                    "compare",
+                                    "--model",
+                                    "panda",
+                                    "--set",
+                                    "D1",
+                                    "--set",
+                                    "D5",
+                                    "--solver",
+                                    "sdls",
+                                    "--solver",
+                                    "evolution",
+                                    "--problems",
+                                    "100",
+                                    "--seeds",
+                                    "3",
+                                    "--traces",
+                                    "20",
+                                    "--restarts",
+                                    "0",
+                                    "--out",
+                                    (folder / out).string()};
   };
   ASSERT_EQ(testing::runProgram(words("whole")).status, 0);
   const fs::path results = folder / "cut" / "results.csv";
@@ -427,7 +439,7 @@ TEST(CompareCommand, AnExperimentWritesOverItsOwnFilesOnly) {
 
 TEST(Program, EndsWithZeroOneOrTwo) {
   const auto status = [](std::vector<std::string> words) {
-    words.insert(words.begin(), GELENK_PROGRAM);
+    words.insert(words.begin(), testing::programFile());
     return testing::runProgram(words).status;
   };
   EXPECT_EQ(status({}), 1);
