@@ -133,7 +133,7 @@ const SolverEntry& solverEntry(std::string_view text) {
   throw std::invalid_argument("no solver is called '" + std::string(name) + "'; there are: " + known);
 }
 
-SolverChoice withParameter(SolverChoice choice, std::string_view parameter, double value) {
+SolverSpec withParameter(SolverSpec choice, std::string_view parameter, double value) {
   const std::string name(parameter);
   validate(choice.entry->name, choice.entry->parameters, {{name, value}});
   const auto row = std::find_if(choice.entry->parameters.begin(), choice.entry->parameters.end(),
@@ -145,8 +145,8 @@ SolverChoice withParameter(SolverChoice choice, std::string_view parameter, doub
   return choice;
 }
 
-SolverChoice solverChoice(std::string_view text) {
-  SolverChoice choice{.name = std::string(nameOf(text)), .entry = &solverEntry(text)};
+SolverSpec solverSpec(std::string_view text) {
+  SolverSpec choice{.name = std::string(nameOf(text)), .entry = &solverEntry(text)};
   const std::size_t open = text.find('[');
   if (open == std::string_view::npos) return choice;
   if (text.back() != ']')
@@ -164,7 +164,7 @@ SolverChoice solverChoice(std::string_view text) {
   }
 }
 
-std::string toText(const SolverChoice& choice) {
+std::string toText(const SolverSpec& choice) {
   std::string inner;
   for (const Parameter& parameter : choice.entry->parameters)
     if (const auto found = choice.values.find(parameter.name); found != choice.values.end())
@@ -185,7 +185,7 @@ ParameterSetting parameterSetting(std::string_view text) {
 }
 
 std::unique_ptr<IkSolver> makeSolver(std::string_view text) {
-  const SolverChoice choice = solverChoice(text);
+  const SolverSpec choice = solverSpec(text);
   return choice.entry->make(choice.values);
 }
 

@@ -69,7 +69,7 @@ Targets readTargets(const std::string& path, int joint) {
 /// Poses of a chain side by side; q of each. Empty where the problem is not of that kind.
 std::vector<VectorXd> solveInLanes(const BatchRequest& request, const Targets& targets, const VectorXd& start,
                                    double& preparation) {
-  const SolverChoice choice = solverChoice(request.solver);
+  const SolverSpec choice = solverSpec(request.solver);
   const bool serial = choice.name == "default" || choice.entry->name.starts_with("serial-pose");
   if (!serial || targets.kind != GoalKind::Pose || !choice.values.empty()) return {};
   const auto begin = Clock::now();

@@ -122,6 +122,10 @@ Eigen::MatrixXd Attempt::curvature() {
 
 /// At a stationary place, limits moved there and locked: false where it is one to end at, which why() says.
 bool Attempt::leaveSaddle() {
+  if (problem_.skeleton->nv() == 0) {
+    stop(Stop::Stationary);
+    return false;
+  }
   Eigen::MatrixXd H = curvature();
   const double size = H.cwiseAbs().maxCoeff();
   limits.projectBothSides(H);

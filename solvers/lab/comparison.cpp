@@ -358,7 +358,7 @@ std::vector<SetRow> writeProblems(const std::vector<LoadedSet>& sets, const Comp
       }
   }
   for (const std::string& text : plan.solvers) {
-    const SolverChoice choice = solverChoice(text);
+    const SolverSpec choice = solverSpec(text);
     for (const Parameter& p : choice.entry->parameters) {
       const auto chosen = choice.values.find(p.name);
       const std::vector<std::string> fields{
@@ -478,7 +478,7 @@ Record recordOf(const ComparisonPlan& plan, const LabModel& model) {
   for (const std::string& set : plan.sets) record.emplace_back("set", set);
   for (const std::string& solver : plan.solvers) record.emplace_back("solver", solver);
   for (const std::string& solver : plan.solvers) {
-    const SolverChoice choice = solverChoice(solver);
+    const SolverSpec choice = solverSpec(solver);
     std::string all;
     for (const Parameter& p : choice.entry->parameters) {
       const auto chosen = choice.values.find(p.name);

@@ -22,7 +22,7 @@ SetChoice setChoice(std::string_view text);
 /// What is compared with what, and under which rules: everything that an answer depends on.
 struct ComparisonPlan {
   std::vector<std::string> sets;     ///< texts of setChoice()
-  std::vector<std::string> solvers;  ///< texts of solverChoice()
+  std::vector<std::string> solvers;  ///< texts of solverSpec()
   int problems = 1000;               ///< of each set
   std::uint64_t seed = 1;
   double tolerance = 1e-6;  ///< metres and radians

@@ -209,7 +209,7 @@ json summariseSeeds(const std::string& set, const std::string& solver, const Res
 
 /// Every value of a solver's parameters.
 json parametersOfChoice(const std::string& solver) {
-  const SolverChoice choice = solverChoice(solver);
+  const SolverSpec choice = solverSpec(solver);
   json out = json::object();
   for (const Parameter& p : choice.entry->parameters) {
     const auto chosen = choice.values.find(p.name);
@@ -542,16 +542,16 @@ std::vector<Sweep> sweepsOf(const Group& group) {
   std::vector<Sweep> sweeps;
   std::set<std::tuple<const SolverEntry*, std::string_view, std::string>> known;
   for (const std::string& solver : group.solvers) {
-    const SolverChoice choice = solverChoice(solver);
+    const SolverSpec choice = solverSpec(solver);
     for (const auto& [name, chosen] : choice.values) {
-      SolverChoice rest = choice;
+      SolverSpec rest = choice;
       rest.values.erase(name);
       Sweep sweep{.entry = choice.entry, .parameter = nullptr, .rest = toText(rest)};
       for (const Parameter& p : choice.entry->parameters)
         if (p.name == name) sweep.parameter = &p;
       if (!known.insert({sweep.entry, name, sweep.rest}).second) continue;
       for (const std::string& other : group.solvers) {
-        SolverChoice that = solverChoice(other);
+        SolverSpec that = solverSpec(other);
         if (that.entry != sweep.entry || neverSupported(group, other)) continue;
         const auto value = that.values.find(name);
         const double x = value == that.values.end() ? sweep.parameter->value : value->second;

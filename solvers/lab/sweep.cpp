@@ -67,12 +67,12 @@ std::vector<std::string> withParameters(std::vector<std::string> solvers,
     const auto names = [&](const std::string& solver) { return &solverEntry(solver) == grids.back().entry; };
     if (std::none_of(solvers.begin(), solvers.end(), names)) solvers.emplace_back(grids.back().entry->name);
   }
-  std::vector<SolverChoice> choices;
-  for (const std::string& solver : solvers) choices.push_back(solverChoice(solver));
+  std::vector<SolverSpec> choices;
+  for (const std::string& solver : solvers) choices.push_back(solverSpec(solver));
   for (const std::string& text : settings) {
     const ParameterSetting setting = parameterSetting(text);
     bool any = false;
-    for (SolverChoice& choice : choices) {
+    for (SolverSpec& choice : choices) {
       if (choice.entry != setting.entry) continue;
       choice = withParameter(choice, setting.parameter, setting.value);
       any = true;
@@ -84,8 +84,8 @@ std::vector<std::string> withParameters(std::vector<std::string> solvers,
                                 "' sets a parameter of a solver that is not used; used: " + names);
   }
   for (const ParameterSweep& grid : grids) {
-    std::vector<SolverChoice> wider;
-    for (const SolverChoice& choice : choices) {
+    std::vector<SolverSpec> wider;
+    for (const SolverSpec& choice : choices) {
       if (choice.entry != grid.entry) {
         wider.push_back(choice);
         continue;
@@ -95,7 +95,7 @@ std::vector<std::string> withParameters(std::vector<std::string> solvers,
     choices = std::move(wider);
   }
   std::vector<std::string> texts;
-  for (const SolverChoice& choice : choices)
+  for (const SolverSpec& choice : choices)
     if (std::string text = toText(choice); std::find(texts.begin(), texts.end(), text) == texts.end())
       texts.push_back(std::move(text));
   return texts;

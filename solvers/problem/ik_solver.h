@@ -50,20 +50,20 @@ std::span<const SolverEntry> solverCatalogue();
 // "dls[lambda=0.1,largest-step=1]". "default" names the solver that fits the problem: the catalogue's first
 // on serial chains, the descent on the tree elsewhere; it has no parameters of its own.
 
-struct SolverChoice {
+struct SolverSpec {
   std::string name;  ///< as chosen: the entry's, or "default"
   const SolverEntry* entry = nullptr;
   ParameterValues values = {};  ///< those that differ from their defaults
 };
 
 /// Throws std::invalid_argument for an unknown solver, parameter or value, and lists what there is.
-SolverChoice solverChoice(std::string_view text);
+SolverSpec solverSpec(std::string_view text);
 
 /// The one text for a choice: parameters in the order of their table, defaults left out.
-std::string toText(const SolverChoice& choice);
+std::string toText(const SolverSpec& choice);
 
 /// The choice with one more value. Throws likewise.
-SolverChoice withParameter(SolverChoice choice, std::string_view parameter, double value);
+SolverSpec withParameter(SolverSpec choice, std::string_view parameter, double value);
 
 /// "dls.lambda=0.1": throws std::invalid_argument where it has another form or names what there is not.
 struct ParameterSetting {

@@ -394,10 +394,10 @@ TEST(Catalogue, EveryParameterChangesWhatItsSolverDoes) {
 }
 
 TEST(Catalogue, ChoicesAreTextsAndBack) {
-  EXPECT_EQ(toText(solverChoice("dls")), "dls");
-  EXPECT_EQ(toText(solverChoice("dls[largest-step=1,lambda=0.1]")), "dls[lambda=0.1,largest-step=1]");
-  EXPECT_EQ(toText(solverChoice("dls[lambda=0.05]")), "dls");  // the default
-  EXPECT_EQ(toText(withParameter(solverChoice("dls[lambda=0.1]"), "lambda", 0.05)), "dls");
+  EXPECT_EQ(toText(solverSpec("dls")), "dls");
+  EXPECT_EQ(toText(solverSpec("dls[largest-step=1,lambda=0.1]")), "dls[lambda=0.1,largest-step=1]");
+  EXPECT_EQ(toText(solverSpec("dls[lambda=0.05]")), "dls");  // the default
+  EXPECT_EQ(toText(withParameter(solverSpec("dls[lambda=0.1]"), "lambda", 0.05)), "dls");
   const ParameterSetting setting = parameterSetting("lm-chan.lambda=2");
   EXPECT_EQ(setting.entry->name, "lm-chan");
   EXPECT_EQ(setting.parameter, "lambda");

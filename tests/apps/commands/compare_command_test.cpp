@@ -104,6 +104,34 @@ TEST(SolveCommand, TheDefaultFitsTheModel) {
   }
 }
 
+/// data/cases: an arm with its target on its own line, and a robot whose other arm is nobody's business.
+TEST(SolveCommand, AStraightArmBendsAndTheOtherArmStays) {
+  const std::string cases = testing::dataFolder() + "/cases/";
+  if (!fs::exists(cases + "two_arms.urdf")) GTEST_SKIP() << "no trial data";
+  for (const char* solver :
+       {"default", "serial-pose", "hybrid", "lm-chan", "lm-gain-ratio", "exact-hessian", "dls", "ccd",
+        "fabrik", "evolution", "qp", "bfgs", "ceres-lm", "task-priority"}) {
+    const Outcome straight =
+        type({"solve", "--model", cases + "straight.urdf", "--target", "1.2", "0", "0", "--start", "0", "0",
+              "--solver", solver, "--restarts", "0", "--max-iterations", "2000"});
+    EXPECT_EQ(straight.status, 0) << solver << straight.output << straight.complaint;
+    if (straight.status == 0) {  // q = +-(0.9273, -1.8546)
+      const auto q = nlohmann::json::parse(straight.output)["solution"].get<std::vector<double>>();
+      const double elbow = std::remainder(q[1], 2.0 * M_PI), shoulder = std::remainder(q[0], 2.0 * M_PI);
+      EXPECT_NEAR(std::abs(elbow), 1.8546, 1e-4) << solver;
+      EXPECT_NEAR(shoulder, -0.5 * elbow, 1e-4) << solver;
+    }
+    for (const char* x : {"1.2", "3.5"}) {  // with restarts in vain too
+      const Outcome two =
+          type({"solve", "--model", cases + "two_arms.urdf", "--joint", "ltip", "--target", x, "0.1", "0",
+                "--start", "0", "0.3", "0", "--restarts", "5", "--solver", solver});
+      const auto out = nlohmann::json::parse(two.output);
+      EXPECT_EQ(two.status, x[0] == '1' ? 0 : 2) << solver << two.output;
+      EXPECT_EQ(out["joints"]["ra"].get<double>(), 0.3) << solver;
+    }
+  }
+}
+
 TEST(SolveCommand, NumbersAreNamedAndComeInDegreesOnDemand) {
   const std::vector<std::string> words{"solve", "--model", "panda", "--target", "0.4", "0.2", "0.5"};
   std::vector<std::string> inDegrees = words;
