@@ -27,10 +27,12 @@ class HybridSolver final : public IkSolver {
     // Its own objective holds posture too, and may rest on a place that meets the goals or on a saddle of
     // them.
     IkProblem below = problem;
-    for (int saddles = 0; saddles < 20 && !judge(problem, report.q).solved; ++saddles) {
-      if (report.why != Stop::Stationary) break;
-      report.why = whyAtRest(problem, report.q, &below.start);
-      if (report.why != Stop::Saddle || below.start.size() == 0) break;
+    for (int saddles = 0; saddles < 20; ++saddles) {
+      if (report.why != Stop::Stationary || judge(problem, report.q).solved) break;
+      Eigen::VectorXd lower;
+      report.why = whyAtRest(problem, report.q, &lower);
+      if (lower.size() == 0) break;
+      below.start = lower;
       IkReport next = solver.solve(below, budget, trace);
       next.counters += report.counters;
       next.seconds += report.seconds;
