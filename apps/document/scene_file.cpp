@@ -71,7 +71,8 @@ void requireSolver(const JsonEntry& entry, const std::string& name) {
     try {
       makeSolver(name);
     } catch (const std::invalid_argument& error) {
-      entry.fail("a solver and values of its parameters", std::string("one that is refused: ") + error.what());
+      entry.fail("a solver and values of its parameters",
+                 std::string("one that is refused: ") + error.what());
     }
     return;
   }

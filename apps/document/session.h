@@ -170,7 +170,8 @@ class Session {
   /// A name, or a name and values of its parameters in brackets, which it keeps from then on. Throws
   /// std::invalid_argument that lists what there is.
   void setSolver(const std::string& text);
-  /// Those of the present solver that are away from their defaults, and others in their place. Throws likewise.
+  /// Those of the present solver that are away from their defaults, and others in their place. Throws
+  /// likewise.
   ParameterValues parameters() const;
   void setParameters(const ParameterValues& values);
   void nextSolver(int direction = 1);

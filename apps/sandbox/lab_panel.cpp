@@ -224,7 +224,8 @@ class LabPanel final : public Panel {
 
   static void solve(Runner& runner, IkProblem problem) {
     problem.start = runner.q;
-    if (!runner.solver.starts_with("hybrid")) runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
+    if (!runner.solver.starts_with("hybrid"))
+      runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
     const auto before = std::chrono::steady_clock::now();
     runner.report = runner.method->frame(problem);
     runner.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
