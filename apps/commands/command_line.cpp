@@ -15,6 +15,7 @@ Option& Option::oneOf(const std::vector<std::string>& words) {
 Option& Option::positive() { return option_->check(CLI::PositiveNumber), *this; }
 Option& Option::nonNegative() { return option_->check(CLI::NonNegativeNumber), *this; }
 Option& Option::range(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
+Option& Option::count(int values) { return option_->expected(values), *this; }
 Option& Option::needs(const Option& other) { return option_->needs(other.option_), *this; }
 
 Command Command::command(const std::string& name, const std::string& help) {

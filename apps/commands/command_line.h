@@ -27,6 +27,7 @@ class Option {
   Option& positive();                                    ///< a number above zero
   Option& nonNegative();
   Option& range(double low, double high);
+  Option& count(int values);           ///< so many values, not more or fewer
   Option& needs(const Option& other);  ///< refused where the other is not given
 
  private:

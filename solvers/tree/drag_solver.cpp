@@ -409,14 +409,14 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
   double bestResidual = std::numeric_limits<double>::infinity();
   Stop why = Stop::Budget;
   for (int attempt = 0; attempt <= budget.restarts && why != Stop::Converged; ++attempt) {
-    if (attempt > 0) {
-      report_.q = randomWithinLimits(skeleton(), random);
+    rebuild(goals);
+    if (attempt > 0) {  // the tree's joints alone: the others stay
+      descent_.load(randomWithinLimits(skeleton(), random));
       ++report_.counters.restarts;
     }
-    rebuild(goals);
     setTargets(goals);
     HybridDescent::Settings settings{
-        .lambda = 1e-3, .kappa = 0.0, .smallestStep = 1e-14, .leastDamping = 1e-8};
+        .lambda = options_.posture, .kappa = 0.0, .smallestStep = 1e-14, .leastDamping = 1e-8};
     int stuck = 0;
     for (;; settings.lambda = settings.lambda > 1e-10 ? 0.1 * settings.lambda : 0.0) {
       updateMovingTargets(goals);
