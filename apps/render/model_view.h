@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "apps/document/model.h"
-#include "apps/document/scene.h"
+#include "apps/document/document.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
 #include "skinning/muscles/muscle_control.h"
