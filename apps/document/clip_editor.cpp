@@ -67,8 +67,8 @@ void ClipEditor::change(ClipEdits next) {
 
 void ClipEditor::requireFrame(int frame) const {
   if (frame < 0 || frame >= keyed_.frameCount())
-    throw std::invalid_argument("the clip has frames 1 to " + std::to_string(keyed_.frameCount()) +
-                                ", not " + std::to_string(frame + 1));
+    throw std::invalid_argument("the clip has frames 1 to " + std::to_string(keyed_.frameCount()) + ", not " +
+                                std::to_string(frame + 1));
 }
 
 void ClipEditor::replace(MotionClip clip) {
@@ -93,7 +93,7 @@ void ClipEditor::setFrameRate(double framesPerSecond) {
 bool ClipEditor::hasKey(int joint, int frame) const {
   const auto at = keys().find(joint);
   return at != keys().end() && std::any_of(at->second.begin(), at->second.end(),
-                                              [&](const JointKey& key) { return key.frame == frame; });
+                                           [&](const JointKey& key) { return key.frame == frame; });
 }
 
 std::vector<int> ClipEditor::keyFrames() const {

@@ -10,8 +10,8 @@ namespace gelenk {
 
 /// What was done to a motion: an edited whole, with keys of single joints on top.
 struct ClipEdits {
-  std::shared_ptr<const MotionClip> base = {};  ///< null: the motion as its file holds it
-  double framesPerSecond = 0.0;                 ///< plays faster or slower; 0: as the base says
+  std::shared_ptr<const MotionClip> base = {};     ///< null: the motion as its file holds it
+  double framesPerSecond = 0.0;                    ///< plays faster or slower; 0: as the base says
   std::map<int, std::vector<JointKey>> keys = {};  ///< by joint, ascending frames
   double falloff = 0.25;  ///< seconds in which a joint comes back before its first and after its last key
 };

@@ -55,9 +55,9 @@ struct SceneGoal {
 struct Edits {
   Eigen::VectorXd q = {};  ///< nq, radians and metres
   std::vector<SceneGoal> goals = {};
-  SharedRows<Influences> weights = {};                     ///< of the skin, one row a vertex
-  std::shared_ptr<const MuscleSettings> muscles = {};      ///< null where the model has no limb for them
-  std::shared_ptr<const ClipEdits> clip = {};              ///< null: the motion is as its file holds it
+  SharedRows<Influences> weights = {};                 ///< of the skin, one row a vertex
+  std::shared_ptr<const MuscleSettings> muscles = {};  ///< null where the model has no limb for them
+  std::shared_ptr<const ClipEdits> clip = {};          ///< null: the motion is as its file holds it
   double seconds = 0.0;  ///< of the playhead: an edit is taken back where it was made
 };
 

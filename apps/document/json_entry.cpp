@@ -103,7 +103,8 @@ int JsonEntry::integer() const {
 
 int JsonEntry::integer(int lower, int upper) const {
   const int i = integer();
-  if (i < lower || i > upper) fail(fmt::format("an integer from {} to {}", lower, upper), fmt::format("{}", i));
+  if (i < lower || i > upper)
+    fail(fmt::format("an integer from {} to {}", lower, upper), fmt::format("{}", i));
   return i;
 }
 
@@ -141,11 +142,12 @@ Eigen::Quaterniond JsonEntry::unitQuaternion() const {
 
 Json parseJson(std::string_view text, const std::string& file) {
   try {
-    return Json::parse(text, [&](int depth, Json::parse_event_t, Json&) {  // writing and telling a tree recurse
-      if (depth > deepestNesting)
-        throw ParseError(file, 0, fmt::format("entries nested at most {} deep", deepestNesting), "more");
-      return true;
-    });
+    return Json::parse(
+        text, [&](int depth, Json::parse_event_t, Json&) {  // writing and telling a tree recurse
+          if (depth > deepestNesting)
+            throw ParseError(file, 0, fmt::format("entries nested at most {} deep", deepestNesting), "more");
+          return true;
+        });
   } catch (const Json::parse_error& error) {
     const int line = 1 + static_cast<int>(std::count(text.begin(),
                                                      text.begin() + std::min(error.byte, text.size()), '\n'));

@@ -28,9 +28,9 @@ LimbSettings defaultLimbSettings(const Limb& limb);
 /// Muscle layers of a body.
 struct MuscleSettings {
   bool enabled = false;
-  bool lattice = true;          ///< drawn
-  bool split = false;           ///< LBS beside the layers
-  std::string shownLimb = {};   ///< whose lattice is drawn; empty: every limb's
+  bool lattice = true;         ///< drawn
+  bool split = false;          ///< LBS beside the layers
+  std::string shownLimb = {};  ///< whose lattice is drawn; empty: every limb's
   std::vector<std::pair<std::string, LimbSettings>> limbs = {};  ///< by name, in the order of limbsOf
 };
 

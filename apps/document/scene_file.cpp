@@ -107,14 +107,10 @@ Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
 Json toJson(const SceneGoal& sceneGoal, const Skeleton& skeleton) {
   const Goal& goal = sceneGoal.goal;
   const GoalState state = sceneGoal.state == GoalState::Dragged ? GoalState::Held : sceneGoal.state;
-  Json entry{{"id", static_cast<int>(sceneGoal.id)},
-             {"name", goal.name},
-             {"kind", nameIn(kindNames, goal.kind)},
-             {"joint", skeleton.joint(goal.joint).name},
-             {"point", toJson(goal.pointInJoint)},
-             {"target", toJson(goal.target)},
-             {"state", nameIn(stateNames, state)},
-             {"handle", sceneGoal.handle}};
+  Json entry{{"id", static_cast<int>(sceneGoal.id)}, {"name", goal.name},
+             {"kind", nameIn(kindNames, goal.kind)}, {"joint", skeleton.joint(goal.joint).name},
+             {"point", toJson(goal.pointInJoint)},   {"target", toJson(goal.target)},
+             {"state", nameIn(stateNames, state)},   {"handle", sceneGoal.handle}};
   if (goal.kind == GoalKind::Orientation || goal.kind == GoalKind::Pose)
     entry["orientation"] = toJson(goal.orientation);
   if (goal.kind == GoalKind::Aim) entry["axis"] = toJson(goal.axisInJoint);
@@ -547,12 +543,10 @@ Document parseScene(std::string_view text, const std::string& file, const Model&
   if (const auto entry = root.find("weights")) readWeights(*entry, model, edits.weights);
   if (const auto entry = root.find("muscles"))
     edits.muscles = std::make_shared<MuscleSettings>(readMuscles(*entry, limbsOf(model)));
-  if (const auto entry = root.find("clip"))
-    edits.clip = std::make_shared<ClipEdits>(readClip(*entry, model));
+  if (const auto entry = root.find("clip")) edits.clip = std::make_shared<ClipEdits>(readClip(*entry, model));
   if (const auto entry = root.find("playback")) document.playback = readPlayback(*entry, edits.seconds);
   if (const auto entry = root.find("lab")) document.lab = readLab(*entry);
-  if (const auto entry = root.find("lecture"))
-    document.lecture = readLecture(*entry);
+  if (const auto entry = root.find("lecture")) document.lecture = readLecture(*entry);
   return document;
 }
 Document readScene(const std::string& path, const Model& model) {

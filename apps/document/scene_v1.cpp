@@ -25,8 +25,7 @@ Json fromVersion1(Json tree, const std::string& file) {
     if (const auto entry = panels->find(title)) out[name] = entry->value();
   if (const auto lecture = panels->find("Lecture")) {
     const auto state = lecture->find("scene");
-    out["lecture"] = {{"topic", lecture->at("topic").value()},
-                      {"state", state ? state->value() : Json("")}};
+    out["lecture"] = {{"topic", lecture->at("topic").value()}, {"state", state ? state->value() : Json("")}};
     if (lecture->at("topic").text() == "dh" && state)  // the table's text; the model's name is a robot's
       out["model"] = {{"name", "dh:" + state->text()}};
   }

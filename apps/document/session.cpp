@@ -61,8 +61,7 @@ std::vector<int> endEffectors(const Skeleton& skeleton) {
 
 }  // namespace
 
-Session::Session(Model model)
-    : Session(std::make_shared<const Model>(std::move(model)), ModelReference{}) {
+Session::Session(Model model) : Session(std::make_shared<const Model>(std::move(model)), ModelReference{}) {
   document_.model.nameOrFile = model_->name;
 }
 
@@ -96,8 +95,8 @@ Session& Session::operator=(Session&&) noexcept = default;
 void Session::changeWeights(const WeightChange& change) {
   for (const auto& [vertex, influences] : change)
     if (vertex < 0 || vertex >= document_.edits.weights.size())
-      throw std::invalid_argument(
-          fmt::format("weights of vertex {} for a skin of {} vertices", vertex, document_.edits.weights.size()));
+      throw std::invalid_argument(fmt::format("weights of vertex {} for a skin of {} vertices", vertex,
+                                              document_.edits.weights.size()));
   for (const auto& [vertex, influences] : change) {
     document_.edits.weights.set(vertex, influences);
     skin_->influences[vertex] = influences;
@@ -181,8 +180,7 @@ void Session::makeHandles() {
   for (const int joint : joints)
     if (const auto middle = limbMiddle(skeleton(), joint))
       if (const std::string name = skeleton().joint(*middle).name + "_pole"; !findGoal(name))
-        addSceneGoal(
-            {.goal = {.kind = GoalKind::Pole, .name = name, .joint = *middle}, .handle = true});
+        addSceneGoal({.goal = {.kind = GoalKind::Pole, .name = name, .joint = *middle}, .handle = true});
 }
 
 bool Session::hasGoal(GoalId id) const {
@@ -220,8 +218,8 @@ Eigen::Vector3d Session::blendedPoint(const SurfacePoint& point) const {
   return p;
 }
 
-/// The blended point moves in its joint's frame as the pose changes; solver and judge need it as a point fixed
-/// to that joint.
+/// The blended point moves in its joint's frame as the pose changes; solver and judge need it as a point
+/// fixed to that joint.
 void Session::anchorSurfaceGoals() {
   for (SceneGoal& goal : document_.edits.goals)
     if (goal.surface.triangle >= 0)
@@ -512,7 +510,8 @@ void Session::judgeFrame() {
 }
 
 std::string Session::makeUnsupportedReason(const IkProblem& problem) const {
-  return document_.solver.name == "hybrid" ? std::string() : makeSolver(document_.solver.name)->whyUnsupported(problem);
+  return document_.solver.name == "hybrid" ? std::string()
+                                           : makeSolver(document_.solver.name)->whyUnsupported(problem);
 }
 
 std::vector<bool> Session::jointsAtLimit() const {
@@ -529,8 +528,7 @@ std::vector<bool> Session::jointsAtLimit() const {
 Document Session::saved() const {
   Document document = document_;
   for (SceneGoal& goal : document.edits.goals)
-    if (dragged() == goal.id)
-      goal.state = drag_->after == GoalState::Free ? GoalState::Held : drag_->after;
+    if (dragged() == goal.id) goal.state = drag_->after == GoalState::Free ? GoalState::Held : drag_->after;
   return document;
 }
 

@@ -36,7 +36,8 @@ std::vector<std::string> frameSolverNames();
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name,
                                              std::shared_ptr<const Skeleton> skeleton);
 
-/// What the last solved frame did; all facts are recomputed by forward kinematics outside the solver (judge.h).
+/// What the last solved frame did; all facts are recomputed by forward kinematics outside the solver
+/// (judge.h).
 struct FrameSolve {
   bool ran = false;  ///< false: nothing was held, nothing to solve
   Stop why = Stop::Converged;

@@ -206,8 +206,7 @@ class Studio {
   void addMuscles() {
     if (!model().skin) return;
     const auto& muscles = session_.edits().muscles;
-    const bool wanted =
-        request_.layers.empty() ? muscles && muscles->enabled : request_.layers != "none";
+    const bool wanted = request_.layers.empty() ? muscles && muscles->enabled : request_.layers != "none";
     if (!wanted) {
       if (request_.lattice)
         throw std::invalid_argument(
@@ -332,7 +331,8 @@ void addRenderCommand(CLI::App& app) {
   command->add_option("input", request->input, "Built-in model, model file or scene (.json)")->required();
   command->add_option("-o,--output", request->output, "Picture or video to write")->required();
   command->add_option("--skeleton", request->files.skeleton, "Skeleton file that goes with an OBJ");
-  command->add_option("--weights", request->files.weights, "Weights file that goes with an OBJ and a skeleton");
+  command->add_option("--weights", request->files.weights,
+                      "Weights file that goes with an OBJ and a skeleton");
   command->add_option("--asf", request->files.asf,
                       "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
   command->add_option("--amc", request->files.amc, "Motion for the ASF skeleton");

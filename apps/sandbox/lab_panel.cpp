@@ -236,7 +236,8 @@ class LabPanel final : public Panel {
   void drawGhost(Sandbox& sandbox, const Runner& runner, std::size_t number) const {
     const Session& session = sandbox.session();
     if (!runner.unsupported.empty()) return;
-    if (!lab_->sideBySide && difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3)
+    if (!lab_->sideBySide &&
+        difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3)
       return;
     Frames frames = forwardKinematics(session.skeleton(), runner.q);
     if (lab_->sideBySide) {

@@ -178,8 +178,7 @@ class LecturePanel final : public Panel {
   }
 
   void store(const Sandbox&, Document& document) const override {
-    document.lecture =
-        topic_ ? LectureState{.topic = topic_->id, .state = scene_->save()} : LectureState{};
+    document.lecture = topic_ ? LectureState{.topic = topic_->id, .state = scene_->save()} : LectureState{};
   }
 
  private:

@@ -300,7 +300,8 @@ class MotionPanel final : public Panel {
   void placeHead(Sandbox& sandbox) {
     if (!sandbox.playing()) (*head_) = currentFrame() / clip().framesPerSecond;
     (*head_) = std::min((*head_), play_->loop ? length() : clip().duration());
-    sample(sandbox.session().skeleton(), clip(), (*head_), play_->loop ? BeyondEnd::Loop : BeyondEnd::Stay, q_);
+    sample(sandbox.session().skeleton(), clip(), (*head_), play_->loop ? BeyondEnd::Loop : BeyondEnd::Stay,
+           q_);
     if (play_->goalsOnTop) solveGoals(sandbox);
   }
 
@@ -349,7 +350,8 @@ class MotionPanel final : public Panel {
   }
   void leavePose() { restedSeconds_.reset(); }
 
-  /// The session's pose as it stands, after a file or undo put it there: at rest in the clip's pose, or posed.
+  /// The session's pose as it stands, after a file or undo put it there: at rest in the clip's pose, or
+  /// posed.
   void takeUpPose(Sandbox& sandbox) {
     if (sandbox.playing() || play_->goalsOnTop) return leavePose();
     placeHead(sandbox);
@@ -660,7 +662,8 @@ class MotionPanel final : public Panel {
     problem.start = q_;
     if (!solver_ || solverName_ != session.solver()) {
       solverName_ = session.solver();
-      solver_ = makeFrameSolver(solverName_ == "hybrid" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
+      solver_ =
+          makeFrameSolver(solverName_ == "hybrid" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
     }
     const IkReport report = solver_->frame(problem);
     if (report.q.size() == q_.size() && report.q.allFinite()) q_ = report.q;
@@ -692,7 +695,7 @@ class MotionPanel final : public Panel {
   }
 
   std::optional<ClipEditor> editor_;
-  int analysed_ = 0;  ///< the editor's version that the facts below belong to
+  int analysed_ = 0;          ///< the editor's version that the facts below belong to
   Playback* play_ = nullptr;  ///< the document's
   double* head_ = nullptr;    ///< likewise, seconds
   int jumps_ = 0;             ///< the session's that the editor has followed

@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 constexpr double degree = M_PI / 180.0;
 
 /// A slider over a double, one edit a move; true when moved.
-bool slider(Sandbox& sandbox, const char* label, double& value, double lower, double upper, const char* format,
-            const char* explanation) {
+bool slider(Sandbox& sandbox, const char* label, double& value, double lower, double upper,
+            const char* format, const char* explanation) {
   float shown = static_cast<float>(value);
   ImGui::SetNextItemWidth(0.55f * ImGui::GetContentRegionAvail().x);
   const bool moved =
@@ -360,11 +360,14 @@ class MusclePanel final : public Panel {
         Eigen::Rotation2Dd(-angle).toRotationMatrix() * plane.stretch;  // polar: rotation times symmetric
     double across = S(0, 0), sideways = S(1, 1), shear = 0.5 * (S(0, 1) + S(1, 0)), turned = angle / degree;
     double x = 1000.0 * plane.offset.x(), y = 1000.0 * plane.offset.y();
-    bool changed = slider(sandbox, "Scale x", across, 0.3, 2.0, "%.2f", "Stretch towards the inside of the bend.");
+    bool changed =
+        slider(sandbox, "Scale x", across, 0.3, 2.0, "%.2f", "Stretch towards the inside of the bend.");
     changed |= slider(sandbox, "Scale y", sideways, 0.3, 2.0, "%.2f", "Stretch along the bend axis.");
-    changed |= slider(sandbox, "Shear", shear, -0.5, 0.5, "%.2f", "Off-diagonal entry of the symmetric stretch.");
+    changed |=
+        slider(sandbox, "Shear", shear, -0.5, 0.5, "%.2f", "Off-diagonal entry of the symmetric stretch.");
     changed |= slider(sandbox, "Rotate", turned, -60.0, 60.0, "%.0f°", "Turn about the bone, degrees.");
-    changed |= slider(sandbox, "Offset x", x, -60.0, 60.0, "%.1f mm", "Shift towards the inside of the bend.");
+    changed |=
+        slider(sandbox, "Offset x", x, -60.0, 60.0, "%.1f mm", "Shift towards the inside of the bend.");
     changed |= slider(sandbox, "Offset y", y, -60.0, 60.0, "%.1f mm", "Shift along the bend axis.");
     if (changed) {
       Eigen::Matrix2d stretch;
@@ -399,7 +402,7 @@ class MusclePanel final : public Panel {
   std::shared_ptr<const MuscleSettings> shownSettings_;  ///< the document's that was taken up last
   MuscleSettings settings_;                              ///< a copy to work on
   std::shared_ptr<MuscleRig> rig_;
-  int boundVersion_ = 0;  ///< the session's weightsVersion() that rig_ stands on
+  int boundVersion_ = 0;               ///< the session's weightsVersion() that rig_ stands on
   std::optional<LatticePoint> under_;  ///< the mouse
   std::optional<DraggedPlane> dragged_;
   int shownAt_ = -10;  ///< frame in which the inspector was drawn last

@@ -17,8 +17,8 @@ struct Document;
 ///
 /// What the document holds (pose, goals, weights, muscles, motion, view) is read and changed through
 /// sandbox.session(), so that undo and scene files know of it; a panel keeps only how it is being looked at.
-/// The Sandbox that is passed in (sandbox.h) gives showFrames() to pose the figure for a frame, ghosts to draw
-/// further bodies, overlays and labels, open() and say().
+/// The Sandbox that is passed in (sandbox.h) gives showFrames() to pose the figure for a frame, ghosts to
+/// draw further bodies, overlays and labels, open() and say().
 class Panel {
  public:
   virtual ~Panel() = default;

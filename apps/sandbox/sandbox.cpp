@@ -133,7 +133,8 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   s.panels = makePanels();
   s.gui.setLook(options.theme, s.scale);
   s.layout = layOut(s, options.width, options.height);
-  const bool isLecture = options.model.starts_with("lecture:");  // an example of the lecture opens its own model
+  const bool isLecture =
+      options.model.starts_with("lecture:");  // an example of the lecture opens its own model
   const ModelReference reference{.nameOrFile = isLecture ? "planar" : options.model, .files = options.files};
   auto [model, document] = gelenk::openDocument(reference);
   if (isScene(options.model)) {
@@ -181,9 +182,8 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   s.limitGlow.assign(s.session->skeleton().jointCount(), 0.0);
   s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
   const Frames rest = restFrames(s.session->skeleton());
-  const Eigen::AlignedBox3d box =
-      boxOf(*s.session, rest,
-            s.session->skin() ? linearBlendSkin(*s.session->skin(), rest) : SkinnedVertices{});
+  const Eigen::AlignedBox3d box = boxOf(
+      *s.session, rest, s.session->skin() ? linearBlendSkin(*s.session->skin(), rest) : SkinnedVertices{});
   s.size = std::max(box.diagonal().norm(), 1e-9);
   const Eigen::Vector3d up = s.session->model().up;
   s.groundHeight = std::min(up.dot(box.min()), up.dot(box.max()));
@@ -197,8 +197,7 @@ bool Sandbox::open(const ModelReference& reference) {
   try {
     bool taken = false;
     if (reference.files == Companions{} && !isScene(reference.nameOrFile))
-      for (const auto& panel : state_->panels)
-        taken = taken || panel->openFile(*this, reference.nameOrFile);
+      for (const auto& panel : state_->panels) taken = taken || panel->openFile(*this, reference.nameOrFile);
     if (!taken && isScene(reference.nameOrFile)) {
       auto [model, document] = gelenk::openDocument(reference);
       openDocument(std::move(model), std::move(document));

@@ -19,7 +19,7 @@ namespace gelenk {
 /// A further body in the view: a comparison, a keyframe, a mocap source. Drawn in the frame in which it is
 /// added.
 struct Ghost {
-  Frames worldFromJoint;  ///< of the sandbox's model
+  Frames worldFromJoint;                      ///< of the sandbox's model
   Eigen::Vector3f tint = {0.3f, 0.5f, 0.9f};  ///< sRGB, 0..1
   float opacity = 0.4f;
   std::string label = {};

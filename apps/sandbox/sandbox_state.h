@@ -114,7 +114,7 @@ struct Sandbox::State {
   std::vector<Label> labels;
   std::vector<Ghost> ghosts;
   std::vector<SkinPose> ghostPoses;
-  std::vector<double> limitGlow;  ///< a joint, 1 at its limit, fading
+  std::vector<double> limitGlow;       ///< a joint, 1 at its limit, fading
   std::optional<GoalId> selectedGoal;  ///< may have gone meanwhile: goalSelected()
 
   // input

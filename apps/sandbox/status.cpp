@@ -42,8 +42,8 @@ std::string Sandbox::status() const {
             {"solver", s.session->solver()},
             {"q", q},
             {"goals", goals},
-            {"dragging", s.session->dragged() ? json(s.session->goal(*s.session->dragged()).goal.name)
-                                              : json(nullptr)},
+            {"dragging",
+             s.session->dragged() ? json(s.session->goal(*s.session->dragged()).goal.name) : json(nullptr)},
             {"iterations", solve.iterations},
             {"stop", solve.ran ? json(toString(solve.why)) : json(nullptr)},
             {"error", solve.error},

@@ -8,11 +8,11 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace gelenk;
   static const Model model = [] {
-    Model made{.name = "fuzz",
-               .skeleton = Skeleton({{.name = "a", .ball = true},
-                                     {.name = "b",
-                                      .parent = 0,
-                                      .axes = {{AxisDof::Kind::Rotation, Eigen::Vector3d::UnitZ()}}}})};
+    Model made{
+        .name = "fuzz",
+        .skeleton = Skeleton(
+            {{.name = "a", .ball = true},
+             {.name = "b", .parent = 0, .axes = {{AxisDof::Kind::Rotation, Eigen::Vector3d::UnitZ()}}}})};
     made.clip = MotionClip{.framesPerSecond = 1.0, .q = made.skeleton.rest().replicate(1, 3)};
     return made;
   }();

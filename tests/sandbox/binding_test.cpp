@@ -104,8 +104,8 @@ TEST(BindingPanel, TheBrushBindsTheVertexUnderItAndDragsNothing) {
   EXPECT_TRUE(stage.log.messages().empty());
 }
 
-/// The figure as it opens: feet pinned, the drag solver at work. Whatever changes the weights, the frames that
-/// follow stand on the skeleton that is still there.
+/// The figure as it opens: feet pinned, the drag solver at work. Whatever changes the weights, the frames
+/// that follow stand on the skeleton that is still there.
 TEST(BindingPanel, EveryWayOfBindingTheFigureLeavesTheSolverAtWork) {
   const OffscreenContext context;
   Sandbox sandbox({.model = "figure", .width = 1280, .height = 800});
@@ -131,7 +131,9 @@ TEST(BindingPanel, EveryWayOfBindingTheFigureLeavesTheSolverAtWork) {
   };
   play("0 show skin off\n0 show shadow off\n0 show skin on\n");
   const Vector2d chest =
-      sandbox.state().toWindow(sandbox.session().frames()[skeleton->jointIndex("spine_03")].translation()).pixel;
+      sandbox.state()
+          .toWindow(sandbox.session().frames()[skeleton->jointIndex("spine_03")].translation())
+          .pixel;
   play("0 tab Binding\n1 select head\n2 key b\n3 move " + at(chest) + "\n5 press left\n6 move " +
        at(chest + Vector2d(6, 3)) + "\n8 release left\n");
   expectChanged("brush");

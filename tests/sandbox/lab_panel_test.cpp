@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/view_picture.h"

@@ -7,11 +7,11 @@
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/scene_file.h"
-#include "skinning/rigging/weight_paint.h"
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
 #include "skinning/io/obj.h"
+#include "skinning/rigging/weight_paint.h"
 
 namespace gelenk {
 namespace {

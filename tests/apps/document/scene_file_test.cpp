@@ -11,6 +11,7 @@
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
 #include "tests/kinematics/io/bad_input.h"
+#include "tests/places.h"
 #include "tests/skinning/muscles/resting_arm.h"
 
 namespace gelenk {
@@ -168,8 +169,8 @@ TEST(SceneFile, AFileOfVersion1IsReadWithItsPanels) {
   const Model model = armModel();
   const Document document = armDocument(model);
   const Json now = parseJson(formatScene(document, model), "now.json");
-  Json old{{"format", "gelenk-scene"}, {"version", 1},       {"model", now["model"]},
-           {"q", now["q"]},            {"goals", now["goals"]}, {"solver", "dls"}};
+  Json old{{"format", "gelenk-scene"}, {"version", 1},   {"model", now["model"]}, {"q", now["q"]},
+           {"goals", now["goals"]},    {"solver", "dls"}};
   for (auto& goal : old["goals"]) goal.erase("id");
   for (const char* part : {"camera", "show", "theme", "selected"}) old[part] = now["view"][part];
   old["panels"] = {{"Binding", now["weights"]},
@@ -202,7 +203,7 @@ TEST(SceneFile, AFileOfVersion1IsReadWithItsPanels) {
 }
 
 TEST(SceneFile, TheSceneThatCameWithVersion1StillOpens) {
-  const std::string path = std::string(GELENK_ASSET_DIR) + "/scenes/reach.json";
+  const std::string path = testing::assetFolder() + "/scenes/reach.json";
   EXPECT_EQ(readModelReference(path).nameOrFile, "figure");
   const auto [model, document] = openDocument({.nameOrFile = path});
   Session session(model, document);
@@ -304,10 +305,12 @@ TEST(SceneFile, SaysWhatIsWrongAndWhere) {
            "clip.keys[1].frame: an integer from 1 to 40, found 41"},
           {"keys out of order", with("\"frame\": 10", "\"frame\": 4"), 0,
            "clip.keys[1].frame: frames of a joint in ascending order"},
-          {"a frame of another length", with("\"base\": {\n   \"frames_per_second\": 30.0,\n   \"q\": [\n    [",
-                                             "\"base\": {\n   \"frames_per_second\": 30.0,\n   \"q\": [\n    [7,"),
+          {"a frame of another length",
+           with("\"base\": {\n   \"frames_per_second\": 30.0,\n   \"q\": [\n    [",
+                "\"base\": {\n   \"frames_per_second\": 30.0,\n   \"q\": [\n    [7,"),
            0, "clip.base.q[0]: " + nq + " numbers"},
-          {"an unknown solver in the lab", with("\"qp\"", "\"qpp\""), 0, "lab.solvers[1]: one of the solvers"},
+          {"an unknown solver in the lab", with("\"qp\"", "\"qpp\""), 0,
+           "lab.solvers[1]: one of the solvers"},
           {"unknown example", with("\"topic\": \"newton-1d\"", "\"topic\": \"magic\""), 0,
            "lecture.topic: one of planar-fk"},
       },

@@ -197,8 +197,7 @@ TEST(WeightPaint, TheMirrorImageIsExactAndStable) {
     for (int j = 0; j < 5; ++j)
       EXPECT_EQ(weightOn(weights[v], {.joints = {j}}),
                 weightOn(weights[vertices[v]], {.joints = {joints[j]}}));
-  for (int i = 0; i < 200; ++i)
-    EXPECT_EQ(weights[2 * i + 1], start[2 * i + 1]);  // the side copied from
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(weights[2 * i + 1], start[2 * i + 1]);  // the side copied from
   EXPECT_TRUE(mirrored(weights, rest, vertices, joints, MirrorFrom::PositiveX).empty());
 }
 
