@@ -1,0 +1,110 @@
+#include "skinning/rigging/auto_rig.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "skinning/rigging/fit/placement.h"
+#include "skinning/rigging/fit/rig_skeleton.h"
+#include "skinning/rigging/fit/rig_weights.h"
+
+namespace gelenk {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// Times the stages and asks whether to go on.
+class Stages {
+ public:
+  Stages(const RigOptions& options, std::vector<RigStage>& out) : options_(options), out_(out) {}
+
+  void begin(const std::string& name, double done) {
+    end();
+    if (options_.progress && !options_.progress(name, done)) throw RigStopped();
+    out_.push_back({name});
+    start_ = Clock::now();
+  }
+  void end() {
+    if (!out_.empty()) out_.back().seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const RigOptions& options_;
+  std::vector<RigStage>& out_;
+  Clock::time_point start_ = Clock::now();
+};
+
+const TemplateBody& templateOf(RigTemplate which) {
+  (void)which;
+  return humanTemplate();
+}
+
+/// From rough to fine: the pieces may bend their shapes more and more, and far points count less and less.
+constexpr FitStage schedule[] = {
+    {.rounds = 8, .stiffness = 0.5, .robustWidth = 0.08},
+    {.rounds = 10, .stiffness = 0.2, .robustWidth = 0.05},
+    {.rounds = 12, .stiffness = 0.05, .robustWidth = 0.03, .pull = 0.03},
+    {.rounds = 8, .stiffness = 0.02, .robustWidth = 0.03, .pull = 0.02},
+};
+
+}  // namespace
+
+RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
+  validate(mesh);
+  RiggedBody out;
+  RigReport& report = out.report;
+  Stages stages(options, report.stages);
+
+  stages.begin("template", 0.0);
+  const TemplateBody& body = templateOf(options.skeleton);
+
+  stages.begin("place", 0.1);
+  const SurfaceSamples samples = sampleSurface(mesh, 6000);
+  if (samples.points.empty()) throw RigRefused("no triangle has an area");
+  Placement placement = placeBody(body, samples, {options.up, options.front});
+  if (placement.maps.empty()) throw RigRefused("the body stands in none of the ways that were asked for");
+
+  stages.begin("fit", 0.3);
+  const FitTarget target(inBodySpace(samples, placement.frame), 0.05);
+  for (FitStage stage : schedule) {
+    stage.symmetric = placement.symmetric;
+    report.misfit = fitPieces(body, target, placement.maps, stage);
+    if (options.progress && !options.progress("fit", 0.4)) throw RigStopped();
+  }
+  const std::vector<RigJoint> joints = rigJoints(body, options.skeleton, placement);
+  out.skeleton = rigSkeleton(joints);
+
+  stages.begin("weights", 0.6);
+  SparseWeights weights = rigWeights(mesh, out.skeleton, joints);
+  const std::vector<Influences> kept = fourLargest(weights, out.skeleton.jointCount(), &report.loss);
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    weights[v].clear();
+    for (int k = 0; k < 4; ++k)
+      if (kept[v].weights[k] > 0.0) weights[v].emplace_back(kept[v].joints[k], kept[v].weights[k]);
+  }
+  out.weights = std::move(weights);
+  stages.end();
+
+  report.up = placement.frame.axes.col(1);
+  report.front = placement.frame.axes.col(2);
+  report.pose = placement.pose;
+  report.symmetric = placement.symmetric;
+  double low = unlimited, high = -unlimited;
+  for (const Vector3d& p : samples.points) {
+    low = std::min(low, report.up.dot(p));
+    high = std::max(high, report.up.dot(p));
+  }
+  report.height = high - low;
+  const double margin = std::clamp((placement.runnerUp / placement.misfit - 1.0) / 0.2, 0.0, 1.0);
+  const double likeness = std::clamp((0.05 - report.misfit) / 0.035, 0.0, 1.0);
+  report.confidence = std::min(0.5 + 0.5 * margin, likeness);
+  if (report.misfit > 0.05)
+    throw RigRefused("nothing like the template's body is in this mesh (it misses the surface by " +
+                     std::to_string(std::lround(100.0 * report.misfit)) + " % of its height)");
+  return out;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,272 @@
+#include "skinning/rigging/fit/body_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <cmath>
+
+namespace gelenk {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+KdTree<6>::Point lifted(const Vector3d& p, const Vector3d& n, double reach) {
+  KdTree<6>::Point out;
+  out << p, reach * n;
+  return out;
+}
+
+std::vector<KdTree<6>::Point> lifted(const SurfaceSamples& s, double reach) {
+  std::vector<KdTree<6>::Point> out(s.points.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = lifted(s.points[i], s.normals[i], reach);
+  return out;
+}
+
+std::vector<Vector3d> normalsOf(const Mesh& mesh, const std::vector<Vector3d>& positions) {
+  std::vector<Vector3d> normals(positions.size(), Vector3d::Zero());
+  for (const auto& t : mesh.triangles) {
+    const Vector3d n = (positions[t[1]] - positions[t[0]]).cross(positions[t[2]] - positions[t[0]]);
+    for (const int v : t) normals[v] += n;
+  }
+  for (Vector3d& n : normals) n = n.squaredNorm() > 0.0 ? Vector3d(n.normalized()) : Vector3d::UnitZ();
+  return normals;
+}
+
+/// The normal equations of all maps, entry 12 k + 3 c + r for row r and column c of piece k (column 3: where
+/// its origin goes). In a symmetric problem the right pieces are mirror images of the left ones and the
+/// middle ones of themselves.
+class MapEquations {
+ public:
+  MapEquations(const TemplateBody& body, bool symmetric)
+      : size_(12 * static_cast<int>(body.pieces.size())),
+        N_(MatrixXd::Zero(size_, size_)),
+        b_(VectorXd::Zero(size_)),
+        unknown_(size_, {-1, 0.0}) {
+    constexpr double mirror[4] = {-1.0, 1.0, 1.0, 1.0};
+    for (int i = 0; i < size_; ++i) {
+      const int k = i / 12, partner = body.pieces[k].partner;
+      const double odd = mirror[i % 3] * mirror[i % 12 / 3];
+      if (!symmetric || partner > k)
+        unknown_[i] = {unknowns_++, 1.0};
+      else if (partner < k)
+        unknown_[i] = {unknown_[i + 12 * (partner - k)].first, odd};
+      else if (odd > 0.0)
+        unknown_[i] = {unknowns_++, 1.0};
+    }
+  }
+
+  /// Adds p . A p / 2 - b . p for the point p = sum over its pieces of w (linear y + origin), y = x - from.
+  using Blend = std::array<std::pair<int, double>, 4>;
+  void point(const TemplateBody& body, const Vector3d& x, const Blend& blend, const Matrix3d& A,
+             const Vector3d& b) {
+    Eigen::Matrix<double, 4, 4> phi;  // one column a piece
+    int pieces = 0;
+    while (pieces < 4 && blend[pieces].second != 0.0) {
+      const auto& [k, w] = blend[pieces];
+      phi.col(pieces++) << w * (x - body.pieces[k].from), w;
+    }
+    for (int m = 0; m < pieces; ++m)
+      for (int i = 0; i < 4; ++i) {
+        const int row = 12 * blend[m].first + 3 * i;
+        b_.segment<3>(row) += phi(i, m) * b;
+        for (int n = 0; n < pieces; ++n) {
+          if (blend[n].first > blend[m].first) continue;  // lower blocks only
+          for (int j = 0; j < 4; ++j)
+            N_.block<3, 3>(row, 12 * blend[n].first + 3 * j) += (phi(i, m) * phi(j, n)) * A;
+        }
+      }
+  }
+
+  /// Adds weight |linear of a piece - shape|^2 / 2.
+  void shape(int piece, const Matrix3d& shape, double weight) {
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r) {
+        const int i = 12 * piece + 3 * c + r;
+        N_(i, i) += weight;
+        b_[i] += weight * shape(r, c);
+      }
+  }
+
+  /// Adds weight |linear of a piece - linear of its parent|^2 / 2; parent < piece.
+  void together(int piece, int parent, double weight) {
+    for (int e = 0; e < 9; ++e) {
+      const int i = 12 * piece + e, j = 12 * parent + e;
+      N_(i, i) += weight;
+      N_(j, j) += weight;
+      N_(i, j) -= weight;
+    }
+  }
+
+  void solve(PieceMaps& maps) const {
+    MatrixXd N = MatrixXd::Zero(unknowns_, unknowns_);
+    VectorXd b = VectorXd::Zero(unknowns_);
+    for (int j = 0; j < size_; ++j) {
+      const auto& [column, columnSign] = unknown_[j];
+      if (column < 0) continue;
+      b[column] += columnSign * b_[j];
+      for (int i = 12 * (j / 12); i < size_; ++i) {
+        const auto& [row, rowSign] = unknown_[i];
+        if (row < 0 || N_(i, j) == 0.0) continue;
+        const double value = rowSign * columnSign * N_(i, j);
+        N(row, column) += value;
+        if (i / 12 != j / 12) N(column, row) += value;  // the block above the diagonal
+      }
+    }
+    N.diagonal().array() += 1e-12 * N.diagonal().maxCoeff();
+    const VectorXd x = N.ldlt().solve(b);
+    for (int i = 0; i < size_; ++i) {
+      const auto& [index, sign] = unknown_[i];
+      const double value = index < 0 ? 0.0 : sign * x[index];
+      PieceMap& map = maps[i / 12];
+      const int column = i % 12 / 3;
+      (column < 3 ? map.linear(i % 3, column) : map.origin[i % 3]) = value;
+    }
+  }
+
+ private:
+  int size_, unknowns_ = 0;
+  MatrixXd N_;
+  VectorXd b_;
+  std::vector<std::pair<int, double>> unknown_;
+};
+
+Matrix3d rotationOf(const Matrix3d& linear) {
+  Eigen::JacobiSVD<Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d flip = Matrix3d::Identity();
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
+  return svd.matrixU() * flip * svd.matrixV().transpose();
+}
+
+/// Length along the piece and the girths across it: a frame (along, side, depth) of the template at rest.
+Matrix3d pieceFrame(const BodyPiece& piece) {
+  const Vector3d along = (piece.to - piece.from).normalized();
+  const Vector3d hint = std::abs(along.z()) < 0.9 ? Vector3d::UnitZ() : Vector3d::UnitY();
+  Matrix3d B;
+  B.col(0) = along;
+  B.col(1) = hint.cross(along).normalized();
+  B.col(2) = B.col(0).cross(B.col(1));
+  return B;
+}
+
+/// What the pieces should look like: rotation times stretch along and across, mirrored pieces alike, lengths
+/// in a limb near each other's stretch.
+std::vector<Matrix3d> shapesOf(const TemplateBody& body, const PieceMaps& maps) {
+  const std::size_t n = maps.size();
+  std::vector<Matrix3d> R(n), frame(n);
+  std::vector<Vector3d> stretch(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    R[i] = rotationOf(maps[i].linear);
+    frame[i] = pieceFrame(body.pieces[i]);
+    stretch[i] = (frame[i].transpose() * R[i].transpose() * maps[i].linear * frame[i]).diagonal();
+    stretch[i] = stretch[i].cwiseMax(0.2);
+  }
+  const std::vector<Vector3d> raw = stretch;
+  for (std::size_t i = 0; i < n; ++i) {
+    stretch[i] = 0.5 * (raw[i] + raw[body.pieces[i].partner]);
+    const bool limb = body.pieces[i].partner != static_cast<int>(i) && body.pieces[i].length() > 0.08;
+    if (limb) stretch[i].tail<2>().setConstant(stretch[i].tail<2>().mean());
+  }
+  const std::vector<Vector3d> shared = stretch;
+  for (std::size_t i = 0; i < n; ++i)
+    if (const int mate = body.pieces[i].mate; mate >= 0)
+      stretch[i][0] = 0.5 * shared[i][0] + 0.5 * shared[mate][0];
+  std::vector<Matrix3d> out(n);
+  for (std::size_t i = 0; i < n; ++i)
+    out[i] = R[i] * frame[i] * stretch[i].asDiagonal() * frame[i].transpose();
+  return out;
+}
+
+}  // namespace
+
+FitTarget::FitTarget(SurfaceSamples samples, double normalReach)
+    : samples_(std::move(samples)), reach_(normalReach), tree_(lifted(samples_, normalReach)) {}
+
+int FitTarget::nearest(const Vector3d& point, const Vector3d& normal) const {
+  return tree_.nearest(lifted(point, normal, reach_));
+}
+
+std::vector<Vector3d> deformed(const TemplateBody& body, const PieceMaps& maps) {
+  std::vector<Vector3d> out(body.surface.positions.size(), Vector3d::Zero());
+  for (std::size_t v = 0; v < out.size(); ++v)
+    for (const auto& [k, w] : body.weights[v])
+      if (w > 0.0)
+        out[v] += w * (maps[k].linear * (body.surface.positions[v] - body.pieces[k].from) + maps[k].origin);
+  return out;
+}
+
+std::vector<Vector3d> deformedJoints(const TemplateBody& body, const PieceMaps& maps) {
+  std::vector<Vector3d> out;
+  for (const TemplateJoint& joint : body.joints) {
+    const auto under = [&](int k) {
+      return Vector3d(maps[k].linear * (joint.position - body.pieces[k].from) + maps[k].origin);
+    };
+    out.push_back(under(joint.piece));
+  }
+  return out;
+}
+
+double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, const FitStage& stage) {
+  const auto& rest = body.surface.positions;
+  const SurfaceSamples& samples = target.samples();
+  const double width2 = stage.robustWidth * stage.robustWidth;
+  const std::size_t stride = std::max<std::size_t>(1, rest.size() / stage.vertices),
+                    sampleStride = std::max<std::size_t>(1, samples.points.size() / stage.samples);
+  std::vector<Matrix3d> A(rest.size());
+  std::vector<Vector3d> b(rest.size());
+  std::vector<int> active;
+  for (std::size_t v = 0; v < rest.size(); v += stride) active.push_back(static_cast<int>(v));
+  double error = 0.0;
+  for (int round = 0; round < stage.rounds; ++round) {
+    const std::vector<Vector3d> now = deformed(body, maps);
+    const std::vector<Vector3d> normals = normalsOf(body.surface, now);
+    std::fill(A.begin(), A.end(), Matrix3d::Zero());
+    std::fill(b.begin(), b.end(), Vector3d::Zero());
+    double sum = 0.0, total = 0.0;
+    const auto pair = [&](int v, int s, double share) {
+      const double d2 = (samples.points[s] - now[v]).squaredNorm();
+      const double facing = normals[v].dot(samples.normals[s]);
+      sum += share * std::min(facing > 0.2 ? d2 : 1.0, 4.0 * width2), total += share;
+      if (facing < 0.2) return;
+      const double robust = 1.0 / ((1.0 + d2 / width2) * (1.0 + d2 / width2));
+      const double weight = share * robust * body.importance[v] * facing;
+      const Vector3d n = (normals[v] + samples.normals[s]).normalized();
+      const Matrix3d metric = weight * (n * n.transpose() + stage.pull * Matrix3d::Identity());
+      A[v] += metric;
+      b[v] += metric * samples.points[s];
+    };
+    for (const int v : active)
+      if (const int s = target.nearest(now[v], normals[v]); s >= 0)
+        pair(v, s, 0.5 / static_cast<double>(active.size()));
+
+    std::vector<KdTree<6>::Point> points;
+    for (const int v : active) points.push_back(lifted(now[v], normals[v], target.normalReach()));
+    const KdTree<6> tree(std::move(points));
+    const double share = 0.5 * static_cast<double>(sampleStride) / static_cast<double>(samples.points.size());
+    for (std::size_t s = 0; s < samples.points.size(); s += sampleStride)
+      pair(active[tree.nearest(lifted(samples.points[s], samples.normals[s], target.normalReach()))],
+           static_cast<int>(s), share);
+    error = std::sqrt(sum / std::max(total, 1e-300));
+
+    MapEquations equations(body, stage.symmetric);
+    for (const int v : active) equations.point(body, rest[v], body.weights[v], A[v], b[v]);
+    const std::vector<Matrix3d> shapes = shapesOf(body, maps);
+    for (int i = 0; i < static_cast<int>(body.pieces.size()); ++i) {
+      const BodyPiece& piece = body.pieces[i];
+      const double size = std::max(piece.length(), 0.06);
+      equations.shape(i, shapes[i], stage.stiffness * size * size * piece.stiffness);
+      if (piece.parent < 0) continue;
+      // The joint, as it moves with either piece, stays one point.
+      equations.point(body, piece.from, {{{i, 1.0}, {piece.parent, -1.0}}}, 10.0 * Matrix3d::Identity(),
+                      Vector3d::Zero());
+      equations.together(i, piece.parent, piece.bond * stage.stiffness * size * size);
+    }
+    equations.solve(maps);
+  }
+  return error;
+}
+
+}  // namespace gelenk

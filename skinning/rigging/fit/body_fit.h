@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "skinning/rigging/fit/kd_tree.h"
+#include "skinning/rigging/fit/surface_samples.h"
+#include "skinning/rigging/fit/template_body.h"
+
+namespace gelenk {
+
+/// A surface to be fitted, ready for questions about its nearest point. Positions and normals are asked
+/// together: |p - q|^2 + (reach |n - m|)^2, so that the palm is not taken for the back of the hand.
+class FitTarget {
+ public:
+  FitTarget(SurfaceSamples samples, double normalReach);
+
+  int nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
+  const SurfaceSamples& samples() const { return samples_; }
+  double normalReach() const { return reach_; }
+
+ private:
+  SurfaceSamples samples_;
+  double reach_;
+  KdTree<6> tree_;
+};
+
+/// Vertices of the template under the maps, blended by its weights.
+std::vector<Eigen::Vector3d> deformed(const TemplateBody& body, const PieceMaps& maps);
+/// Where the joints come to lie.
+std::vector<Eigen::Vector3d> deformedJoints(const TemplateBody& body, const PieceMaps& maps);
+
+struct FitStage {
+  int rounds = 10;
+  double stiffness = 1.0;     ///< weight of the pieces' shape: a rotation times a length and a girth
+  double robustWidth = 0.05;  ///< distances well beyond it count for little; in template heights
+  double pull = 0.1;          ///< weight of the distance along the surface beside that across it
+  bool symmetric = true;      ///< the solution is its own mirror image at x = 0
+  int vertices = 1500;        ///< of the template that take part, about
+  int samples = 1500;         ///< of the target that look for the template, about
+};
+
+/// Rounds of an articulated closest-point fit (Besl and McKay 1992; one affine map a piece as in Sumner,
+/// Schmid and Pauly 2007): nearest points in both directions with normals, then one linear least-squares
+/// problem for all maps, point to plane, with joints that stay together and pieces near a rotation times
+/// length and girth. Returns the root mean square distance of the last round (robust weights, both ways).
+double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, const FitStage& stage);
+
+}  // namespace gelenk
