@@ -8,6 +8,7 @@
 #include "skinning/rigging/fit/placement.h"
 #include "skinning/rigging/fit/rig_skeleton.h"
 #include "skinning/rigging/fit/rig_weights.h"
+#include "skinning/rigging/fit/voxel_body.h"
 
 namespace gelenk {
 
@@ -38,8 +39,7 @@ class Stages {
 };
 
 const TemplateBody& templateOf(RigTemplate which) {
-  (void)which;
-  return humanTemplate();
+  return which == RigTemplate::Quadruped ? quadrupedTemplate() : humanTemplate();
 }
 
 /// From rough to fine: the pieces may bend their shapes more and more, and far points count less and less.
@@ -49,6 +49,28 @@ constexpr FitStage schedule[] = {
     {.rounds = 12, .stiffness = 0.05, .robustWidth = 0.03, .pull = 0.03},
     {.rounds = 8, .stiffness = 0.02, .robustWidth = 0.03, .pull = 0.02},
 };
+
+/// Joints that came to lie outside the body go to the nearest place inside; on symmetric bodies the right ones
+/// as the mirror images of the left.
+void moveInside(std::vector<RigJoint>& joints, const VoxelBody& voxels, const Placement& placement) {
+  if (!voxels.hasInside()) return;
+  const auto mirrored = [&](const Vector3d& p) {
+    const Vector3d q = placement.frame.toBody(p);
+    return placement.frame.toWorld({-q.x(), q.y(), q.z()});
+  };
+  for (RigJoint& joint : joints) {
+    if (voxels.isInside(joint.position)) continue;
+    Vector3d inside = voxels.nearestInside(joint.position, 0.04 * placement.frame.scale);
+    const bool middle = std::abs(placement.frame.toBody(joint.position).x()) < 1e-6;
+    if (placement.symmetric && middle) inside = 0.5 * (inside + mirrored(inside));
+    if (placement.symmetric && !middle)
+      for (RigJoint& other : joints)
+        if (&other != &joint &&
+            (mirrored(joint.position) - other.position).norm() < 1e-6 * placement.frame.scale)
+          other.position = mirrored(inside);
+    joint.position = inside;
+  }
+}
 
 }  // namespace
 
@@ -62,8 +84,13 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   const TemplateBody& body = templateOf(options.skeleton);
 
   stages.begin("place", 0.1);
-  const SurfaceSamples samples = sampleSurface(mesh, 6000);
+  SurfaceSamples samples = sampleSurface(mesh, 6000);
   if (samples.points.empty()) throw RigRefused("no triangle has an area");
+  const VoxelBody voxels(mesh, 128);
+  const SurfaceAir air = faceOutwards(samples, voxels);
+  const auto percent = [](double share) { return std::to_string(std::lround(100.0 * share)) + " %"; };
+  if (air.flipped > 0.005) report.repairs.push_back(percent(air.flipped) + " of the surface faces inwards: turned");
+  if (air.hidden > 0.005) report.repairs.push_back(percent(air.hidden) + " of the surface lies inside the body: passed over");
   Placement placement = placeBody(body, samples, {options.up, options.front});
   if (placement.maps.empty()) throw RigRefused("the body stands in none of the ways that were asked for");
 
@@ -71,10 +98,14 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   const FitTarget target(inBodySpace(samples, placement.frame), 0.05);
   for (FitStage stage : schedule) {
     stage.symmetric = placement.symmetric;
+    if (stage.rounds == 10) twistPieces(body, target, placement.maps);
     report.misfit = fitPieces(body, target, placement.maps, stage);
     if (options.progress && !options.progress("fit", 0.4)) throw RigStopped();
   }
-  const std::vector<RigJoint> joints = rigJoints(body, options.skeleton, placement);
+  const std::vector<Vector3d> positions =
+      refineJoints(body, target, placement.maps, {.symmetric = placement.symmetric});
+  std::vector<RigJoint> joints = rigJoints(body, options.skeleton, placement, positions);
+  moveInside(joints, voxels, placement);
   out.skeleton = rigSkeleton(joints);
 
   stages.begin("weights", 0.6);
@@ -98,9 +129,9 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
     high = std::max(high, report.up.dot(p));
   }
   report.height = high - low;
-  const double margin = std::clamp((placement.runnerUp / placement.misfit - 1.0) / 0.2, 0.0, 1.0);
-  const double likeness = std::clamp((0.05 - report.misfit) / 0.035, 0.0, 1.0);
-  report.confidence = std::min(0.5 + 0.5 * margin, likeness);
+  const double margin = std::clamp((placement.runnerUp / placement.misfit - 1.0) / 0.1, 0.0, 1.0);
+  const double likeness = std::clamp((0.035 - report.misfit) / 0.02, 0.0, 1.0);
+  report.confidence = likeness * (0.3 + 0.7 * margin);
   if (report.misfit > 0.05)
     throw RigRefused("nothing like the template's body is in this mesh (it misses the surface by " +
                      std::to_string(std::lround(100.0 * report.misfit)) + " % of its height)");

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
 #include <cmath>
 
 namespace gelenk {
@@ -267,6 +268,131 @@ double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
     equations.solve(maps);
   }
   return error;
+}
+
+void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps) {
+  for (int k = 0; k < static_cast<int>(body.pieces.size()); ++k) {
+    const BodyPiece& piece = body.pieces[k];
+    if (!piece.twists) continue;
+    std::vector<int> own;
+    for (std::size_t v = 0; v < body.weights.size(); ++v)
+      if (body.weights[v][0].first == k && body.weights[v][0].second > 0.5) own.push_back(static_cast<int>(v));
+    const std::vector<Vector3d> now = deformed(body, maps);
+    const std::vector<Vector3d> normals = normalsOf(body.surface, now);
+    const Vector3d pivot = maps[k].origin, axis = (maps[k].linear * (piece.to - piece.from)).normalized();
+    const auto misfit = [&](const Matrix3d& turn) {
+      double sum = 0.0;
+      for (const int v : own) {
+        const Vector3d p = pivot + turn * (now[v] - pivot), n = turn * normals[v];
+        const int s = target.nearest(p, n);
+        const double d2 = (target.samples().points[s] - p).squaredNorm() +
+                          target.normalReach() * target.normalReach() * (target.samples().normals[s] - n).squaredNorm();
+        sum += std::sqrt(d2);
+      }
+      return sum;
+    };
+    double best = 0.0, least = 0.85 * misfit(Matrix3d::Identity());
+    for (int step = 1; step < 12; ++step) {
+      const double angle = step * M_PI / 6.0;
+      const double m = misfit(Eigen::AngleAxisd(angle, axis).toRotationMatrix());
+      if (m < least) least = m, best = std::remainder(angle, 2.0 * M_PI);
+    }
+    if (best == 0.0) continue;
+    maps[k].linear = Eigen::AngleAxisd(best, axis).toRotationMatrix() * maps[k].linear;
+    PieceMap& parent = maps[piece.parent];
+    const BodyPiece& above = body.pieces[piece.parent];
+    const Vector3d along = (parent.linear * (above.to - above.from)).normalized();
+    parent.linear = Eigen::AngleAxisd(0.5 * best, along).toRotationMatrix() * parent.linear;
+  }
+}
+
+std::vector<Vector3d> refineJoints(const TemplateBody& body, const FitTarget& target, const PieceMaps& maps,
+                                   const SurfaceStage& stage, std::vector<Vector3d>* surface) {
+  using SparseMatrix = Eigen::SparseMatrix<double>;
+  const std::vector<Vector3d> start = deformed(body, maps);
+  const int n = static_cast<int>(start.size());
+  const SurfaceSamples& samples = target.samples();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& t : body.surface.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int i = t[k], j = t[(k + 1) % 3];
+      for (const auto& [r, c] : {std::pair(i, i), std::pair(j, j)}) entries.emplace_back(r, c, 0.5);
+      entries.emplace_back(std::max(i, j), std::min(i, j), -0.5);
+    }
+  SparseMatrix laplacian(n, n);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+
+  std::vector<Vector3d> shift(n, Vector3d::Zero());
+  Eigen::SimplicialLDLT<SparseMatrix> factor;
+  factor.analyzePattern(laplacian);
+  const double width2 = stage.robustWidth * stage.robustWidth;
+  for (int round = 0; round < stage.rounds; ++round) {
+    std::vector<Vector3d> now(n);
+    for (int v = 0; v < n; ++v) now[v] = start[v] + shift[v];
+    const std::vector<Vector3d> normals = normalsOf(body.surface, now);
+    VectorXd weight = VectorXd::Constant(n, 1e-6);
+    Eigen::Matrix<double, Eigen::Dynamic, 3> wanted = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(n, 3);
+    for (int v = 0; v < n; ++v) wanted.row(v) = 1e-6 * shift[v].transpose();
+    const auto pair = [&](int v, int s, double share) {
+      const Vector3d gap = samples.points[s] - now[v];
+      const double facing = normals[v].dot(samples.normals[s]);
+      if (facing < 0.3) return;
+      const double d2 = gap.squaredNorm();
+      const double w = share * facing / ((1.0 + d2 / width2) * (1.0 + d2 / width2));
+      weight[v] += w;
+      wanted.row(v) += w * (shift[v] + samples.normals[s].dot(gap) * normals[v]).transpose();
+    };
+    std::vector<KdTree<6>::Point> points;
+    for (int v = 0; v < n; ++v) points.push_back(lifted(now[v], normals[v], target.normalReach()));
+    const KdTree<6> tree(points);
+    for (int v = 0; v < n; ++v) pair(v, target.nearest(now[v], normals[v]), 1.0);
+    const double share = static_cast<double>(n) / static_cast<double>(samples.points.size());
+    for (std::size_t s = 0; s < samples.points.size(); ++s)
+      pair(tree.nearest(lifted(samples.points[s], samples.normals[s], target.normalReach())),
+           static_cast<int>(s), share);
+    SparseMatrix A = stage.smoothness * laplacian;
+    for (int v = 0; v < n; ++v) A.coeffRef(v, v) += weight[v];
+    factor.factorize(A);
+    const Eigen::Matrix<double, Eigen::Dynamic, 3> moved = factor.solve(wanted);
+    for (int v = 0; v < n; ++v) shift[v] = moved.row(v).transpose();
+  }
+  if (surface) {
+    surface->resize(n);
+    for (int v = 0; v < n; ++v) (*surface)[v] = start[v] + shift[v];
+  }
+
+  std::vector<Vector3d> joints = deformedJoints(body, maps);
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const int piece = body.joints[k].piece, parent = body.pieces[piece].parent;
+    double depth = std::numeric_limits<double>::infinity();
+    for (int v = 0; v < n; ++v) depth = std::min(depth, (start[v] - joints[k]).norm());
+    const double radius = std::max(1.2 * depth, 0.01);
+    Eigen::Matrix4d N = Eigen::Matrix4d::Zero();
+    Eigen::Matrix<double, 4, 3> b = Eigen::Matrix<double, 4, 3>::Zero();
+    for (int v = 0; v < n; ++v) {
+      const Vector3d arm = start[v] - joints[k];
+      if (arm.norm() > 3.0 * radius) continue;
+      double own = 0.0;
+      for (const auto& [p, w] : body.weights[v])
+        if (p == piece || p == parent || (p >= 0 && body.pieces[p].parent == piece)) own += w;
+      const double w = own * std::exp(-arm.squaredNorm() / (radius * radius));
+      const Eigen::Vector4d row(arm.x() / radius, arm.y() / radius, arm.z() / radius, 1.0);
+      N += w * row * row.transpose();
+      b += w * row * shift[v].transpose();
+    }
+    if (!(N(3, 3) > 1e-9)) continue;
+    const double ridge = 0.1 * N(3, 3);
+    N.diagonal().head<3>().array() += ridge;
+    joints[k] += N.ldlt().solve(b).row(3).transpose();
+  }
+  if (stage.symmetric) {
+    const std::vector<Vector3d> raw = joints;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      const Vector3d& other = raw[body.joints[k].partner];
+      joints[k] = 0.5 * (raw[k] + Vector3d(-other.x(), other.y(), other.z()));
+    }
+  }
+  return joints;
 }
 
 }  // namespace gelenk

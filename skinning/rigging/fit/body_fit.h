@@ -46,4 +46,22 @@ struct FitStage {
 /// length and girth. Returns the root mean square distance of the last round (robust weights, both ways).
 double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, const FitStage& stage);
 
+/// Turns pieces about their own length, in steps of 30 degrees, to where their surface lies nearest: a hand
+/// with the palm forwards has the same outline as one with the palm inwards. The parent takes half of the turn.
+void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps);
+
+struct SurfaceStage {
+  int rounds = 4;
+  double smoothness = 4.0;  ///< weight of the differences between neighbours beside that of the distances
+  double robustWidth = 0.02;
+  bool symmetric = true;
+};
+
+/// What the pieces' maps leave over: every vertex of the template moves towards the surface on its own, its
+/// displacement smooth over the template. Each joint follows the displacements around it (a local affine fit,
+/// weighted by exp(-(d / r)^2), r its depth under the skin). Returns the joints.
+std::vector<Eigen::Vector3d> refineJoints(const TemplateBody& body, const FitTarget& target,
+                                          const PieceMaps& maps, const SurfaceStage& stage,
+                                          std::vector<Eigen::Vector3d>* surface = nullptr);
+
 }  // namespace gelenk

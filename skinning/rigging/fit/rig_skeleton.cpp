@@ -18,9 +18,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// A joint of a rig: the mean of one or two of the template's.
+/// A joint of a rig: one of the template's, or a place between two.
 struct LayoutRow {
   const char *name, *parent, *first, *second = "";
+  double share = 0.5;  ///< of the second
 };
 
 // The bones that carry the trunk come before those of the neck: the first child's column in Pinocchio's
@@ -31,12 +32,12 @@ constexpr LayoutRow humanLayout[] = {
     {"knee_l", "hip_l", "calf_l"},
     {"ankle_l", "knee_l", "foot_l"},
     {"toe_l", "ankle_l", "ball_l"},
-    {"toe_end_l", "toe_l", "toe_end_l"},
+    {"toe_end_l", "toe_l", "ball_l", "toe_end_l", 0.8},
     {"hip_r", "pelvis", "thigh_r"},
     {"knee_r", "hip_r", "calf_r"},
     {"ankle_r", "knee_r", "foot_r"},
     {"toe_r", "ankle_r", "ball_r"},
-    {"toe_end_r", "toe_r", "toe_end_r"},
+    {"toe_end_r", "toe_r", "ball_r", "toe_end_r", 0.8},
     {"spine_01", "pelvis", "spine_01"},
     {"spine_02", "spine_01", "spine_02"},
     {"spine_03", "spine_02", "spine_03"},
@@ -52,7 +53,7 @@ constexpr LayoutRow humanLayout[] = {
     {"hand_r", "wrist_r", "middle_01_r"},
     {"neck", "spine_03", "neck_01"},
     {"headbase", "neck", "head"},
-    {"head_end", "headbase", "head_end"},
+    {"head_end", "headbase", "head", "head_end", 0.9},
 };
 
 // Pinocchio's own order; its right and left are the body's here.
@@ -77,6 +78,35 @@ constexpr LayoutRow pinocchioLayout[] = {
     {"17", "16", "hand_l", "middle_01_l"},
 };
 
+constexpr LayoutRow quadrupedLayout[] = {
+    {"pelvis", "", "pelvis"},
+    {"spine", "pelvis", "spine"},
+    {"chest", "spine", "fshoulder_l", "fshoulder_r"},
+    {"fshoulder_l", "chest", "fshoulder_l"},
+    {"felbow_l", "fshoulder_l", "felbow_l"},
+    {"fankle_l", "felbow_l", "fankle_l"},
+    {"ffoot_l", "fankle_l", "ffoot_l"},
+    {"fshoulder_r", "chest", "fshoulder_r"},
+    {"felbow_r", "fshoulder_r", "felbow_r"},
+    {"fankle_r", "felbow_r", "fankle_r"},
+    {"ffoot_r", "fankle_r", "ffoot_r"},
+    {"hip_l", "pelvis", "hip_l"},
+    {"knee_l", "hip_l", "knee_l"},
+    {"hock_l", "knee_l", "hock_l"},
+    {"hankle_l", "hock_l", "hankle_l"},
+    {"hfoot_l", "hankle_l", "hfoot_l"},
+    {"hip_r", "pelvis", "hip_r"},
+    {"knee_r", "hip_r", "knee_r"},
+    {"hock_r", "knee_r", "hock_r"},
+    {"hankle_r", "hock_r", "hankle_r"},
+    {"hfoot_r", "hankle_r", "hfoot_r"},
+    {"tail_root", "pelvis", "tail_root"},
+    {"tail", "tail_root", "tail"},
+    {"neck", "chest", "neck"},
+    {"headbase", "neck", "head"},
+    {"head", "headbase", "head", "nose", 0.9},
+};
+
 Matrix3d rotationOf(const Matrix3d& linear) {
   Eigen::JacobiSVD<Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3d flip = Matrix3d::Identity();
@@ -94,8 +124,7 @@ double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 }  // namespace
 
-std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, const Placement& placement) {
-  const std::vector<Vector3d> positions = deformedJoints(body, placement.maps);
+std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, const Placement& placement, const std::vector<Vector3d>& positions) {
   const Skeleton figure = mannequin();
   const auto find = [&](const std::string& name) {
     for (std::size_t k = 0; k < body.joints.size(); ++k)
@@ -108,7 +137,7 @@ std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, 
     for (std::size_t k = 0; k < joints.size(); ++k)
       if (joints[k].name == row.parent) joint.parent = static_cast<int>(k);
     const int first = find(row.first), second = *row.second ? find(row.second) : first;
-    joint.position = placement.frame.toWorld(0.5 * (positions[first] + positions[second]));
+    joint.position = placement.frame.toWorld(positions[first] + row.share * (positions[second] - positions[first]));
     const Matrix3d& axes = placement.frame.axes;
     joint.turn = axes * rotationOf(placement.maps[body.joints[first].piece].linear);
     if (skeleton == RigTemplate::Human) joint.figureJoint = figure.jointIndex(row.first);
@@ -116,6 +145,8 @@ std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, 
   };
   if (skeleton == RigTemplate::Pinocchio)
     for (const LayoutRow& row : pinocchioLayout) add(row);
+  else if (skeleton == RigTemplate::Quadruped)
+    for (const LayoutRow& row : quadrupedLayout) add(row);
   else
     for (const LayoutRow& row : humanLayout) add(row);
   return joints;

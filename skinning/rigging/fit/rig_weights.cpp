@@ -30,8 +30,8 @@ std::vector<Bone> rigBones(const Skeleton& skeleton, const Frames& rest) {
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (const int parent = skeleton.parent(i); parent >= 0 && (at(i) - at(parent)).norm() > 0.0)
       bones.push_back({parent, at(parent), at(i)});
-  const int shoulders[2] = {findJoint(skeleton, {"shoulder_l", "15"}),
-                            findJoint(skeleton, {"shoulder_r", "12"})},
+  const int shoulders[2] = {findJoint(skeleton, {"shoulder_l", "fshoulder_l", "15"}),
+                            findJoint(skeleton, {"shoulder_r", "fshoulder_r", "12"})},
             hips[2] = {findJoint(skeleton, {"hip_l", "8"}), findJoint(skeleton, {"hip_r", "4"})};
   if (std::min({shoulders[0], shoulders[1], hips[0], hips[1]}) < 0) return bones;
   const Vector3d chest = 0.5 * (at(shoulders[0]) + at(shoulders[1])),

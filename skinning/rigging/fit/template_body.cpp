@@ -26,7 +26,7 @@ constexpr PieceRow humanPieces[] = {
     {"chest", "pelvis", "spine_02", "neck_01", "", 1.0, 0.1},
     {"neck", "chest", "neck_01", "head", "", 1.0, 0.2},
     {"head", "neck", "head", "head_end", "", 1.0, 0.1},
-    {"clavicle", "chest", "clavicle", "upperarm", "", 1.0, 0.3},
+    {"clavicle", "chest", "clavicle", "upperarm", "", 1.0, 0.1},
     {"upperarm", "clavicle", "upperarm", "lowerarm", "lowerarm"},
     {"lowerarm", "upperarm", "lowerarm", "hand", "upperarm"},
     {"hand", "lowerarm", "hand", "middle_end", "", 1.0, 0.1},
@@ -60,7 +60,8 @@ TemplateBody makeHuman() {
                       .from = at(named(row.from)),
                       .to = at(named(row.to)),
                       .stiffness = row.stiffness,
-                      .bond = row.bond};
+                      .bond = row.bond,
+                      .twists = std::string(row.name) == "hand"};
       const std::string parent = row.parent;
       for (std::size_t k = 0; k < body.pieces.size(); ++k)
         if (body.pieces[k].name == parent || body.pieces[k].name == parent + side)

@@ -19,6 +19,7 @@ struct BodyPiece {
   int mate = -1;           ///< the other half of a limb, whose stretch should be like its own
   double stiffness = 1.0;  ///< how strictly the piece is a rotation times a stretch
   double bond = 0.0;       ///< how strictly it turns with its parent
+  bool twists = false;     ///< its turn about its own length is not known from the pose
 
   double length() const { return (to - from).norm(); }
 };
@@ -67,5 +68,7 @@ void aim(const TemplateBody& body, PieceMaps& maps, const std::string& left,
 
 /// The built-in figure with its 53 joints and 12 end sites.
 const TemplateBody& humanTemplate();
+/// A four-legged animal between horse, cow, dog and fox.
+const TemplateBody& quadrupedTemplate();
 
 }  // namespace gelenk
