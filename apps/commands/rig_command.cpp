@@ -107,9 +107,12 @@ void tell(const std::string& name, const RiggedBody& body, const std::string& sk
 bool rig(const std::string& path, const Request& request, json& all) {
   const Mesh mesh = readBody(path);
   RigOptions options{.up = axisOf(request.up), .front = axisOf(request.front)};
-  options.skeleton = request.skeleton == "pinocchio"   ? RigTemplate::Pinocchio
-                     : request.skeleton == "quadruped" ? RigTemplate::Quadruped
-                                                       : RigTemplate::Human;
+  if (request.skeleton == "pinocchio")
+    options.skeleton = RigTemplate::Pinocchio;
+  else if (request.skeleton == "quadruped")
+    options.skeleton = RigTemplate::Quadruped;
+  else if (request.skeleton != "human")
+    options.own = openModelFile(request.skeleton).skeleton;
   RiggedBody body;
   try {
     body = rigBody(mesh, options);
@@ -151,8 +154,10 @@ void addRigCommand(CLI::App& app) {
   auto request = std::make_shared<Request>();
   CLI::App* command = app.add_subcommand("rig", "A skeleton and skin weights for a body that has neither");
   command->add_option("body", request->bodies, "Meshes: OBJ, GLB, glTF, STL")->required();
-  command->add_option("--skeleton", request->skeleton, "Which skeleton to fit")
-      ->check(CLI::IsMember({"human", "pinocchio", "quadruped"}));
+  command->add_option(
+      "--skeleton", request->skeleton,
+      "Which skeleton to fit: human (default), pinocchio (its 18 joints), quadruped, or a file with "
+      "one of your own");
   command->add_option("-o,--out", request->folder,
                       "Folder for NAME.skeleton.out, NAME.attachment.out and NAME.glb; default: this one");
   const auto axes = CLI::IsMember({"auto", "x", "y", "z", "-x", "-y", "-z"});

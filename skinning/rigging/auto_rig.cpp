@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cmath>
 
+#include "kinematics/motion/joint_matching.h"
 #include "skinning/rigging/fit/placement.h"
 #include "skinning/rigging/fit/rig_skeleton.h"
+#include "skinning/rigging/fit/rig_transfer.h"
 #include "skinning/rigging/fit/rig_weights.h"
 #include "skinning/rigging/fit/voxel_body.h"
 
@@ -42,6 +44,23 @@ const TemplateBody& templateOf(RigTemplate which) {
   return which == RigTemplate::Quadruped ? quadrupedTemplate() : humanTemplate();
 }
 
+/// The skeleton of the template as it stands by itself.
+Skeleton restingSkeleton(RigTemplate which) {
+  const TemplateBody& body = templateOf(which);
+  std::vector<Vector3d> positions;
+  for (const TemplateJoint& joint : body.joints) positions.push_back(joint.position);
+  return rigSkeleton(rigJoints(body, which, {.maps = restMaps(body)}, positions));
+}
+
+/// Which template's joints have more of the meanings that the user's skeleton names.
+RigTemplate kindOf(const Skeleton& own) {
+  const auto shared = [&](RigTemplate which) {
+    return matchJoints(restingSkeleton(which), own).matches.size();
+  };
+  return shared(RigTemplate::Quadruped) > shared(RigTemplate::Human) ? RigTemplate::Quadruped
+                                                                     : RigTemplate::Human;
+}
+
 /// From rough to fine: the pieces may bend their shapes more and more, and far points count less and less.
 constexpr FitStage schedule[] = {
     {.rounds = 8, .stiffness = 0.5, .robustWidth = 0.08},
@@ -50,8 +69,8 @@ constexpr FitStage schedule[] = {
     {.rounds = 8, .stiffness = 0.02, .robustWidth = 0.03, .pull = 0.02},
 };
 
-/// Joints that came to lie outside the body go to the nearest place inside; on symmetric bodies the right ones
-/// as the mirror images of the left.
+/// Joints that came to lie outside the body go to the nearest place inside; on symmetric bodies the right
+/// ones as the mirror images of the left.
 void moveInside(std::vector<RigJoint>& joints, const VoxelBody& voxels, const Placement& placement) {
   if (!voxels.hasInside()) return;
   const auto mirrored = [&](const Vector3d& p) {
@@ -81,7 +100,8 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   Stages stages(options, report.stages);
 
   stages.begin("template", 0.0);
-  const TemplateBody& body = templateOf(options.skeleton);
+  const RigTemplate kind = options.own ? kindOf(*options.own) : options.skeleton;
+  const TemplateBody& body = templateOf(kind);
 
   stages.begin("place", 0.1);
   SurfaceSamples samples = sampleSurface(mesh, 6000);
@@ -89,8 +109,10 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   const VoxelBody voxels(mesh, 128);
   const SurfaceAir air = faceOutwards(samples, voxels);
   const auto percent = [](double share) { return std::to_string(std::lround(100.0 * share)) + " %"; };
-  if (air.flipped > 0.005) report.repairs.push_back(percent(air.flipped) + " of the surface faces inwards: turned");
-  if (air.hidden > 0.005) report.repairs.push_back(percent(air.hidden) + " of the surface lies inside the body: passed over");
+  if (air.flipped > 0.005)
+    report.repairs.push_back(percent(air.flipped) + " of the surface faces inwards: turned");
+  if (air.hidden > 0.005)
+    report.repairs.push_back(percent(air.hidden) + " of the surface lies inside the body: passed over");
   Placement placement = placeBody(body, samples, {options.up, options.front});
   if (placement.maps.empty()) throw RigRefused("the body stands in none of the ways that were asked for");
 
@@ -98,18 +120,27 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   const FitTarget target(inBodySpace(samples, placement.frame), 0.05);
   for (FitStage stage : schedule) {
     stage.symmetric = placement.symmetric;
-    if (stage.rounds == 10) twistPieces(body, target, placement.maps);
+    if (stage.rounds == 10) twistPieces(body, target, placement.maps, placement.symmetric);
     report.misfit = fitPieces(body, target, placement.maps, stage);
     if (options.progress && !options.progress("fit", 0.4)) throw RigStopped();
   }
   const std::vector<Vector3d> positions =
       refineJoints(body, target, placement.maps, {.symmetric = placement.symmetric});
-  std::vector<RigJoint> joints = rigJoints(body, options.skeleton, placement, positions);
+  std::vector<RigJoint> joints = rigJoints(body, kind, placement, positions);
   moveInside(joints, voxels, placement);
   out.skeleton = rigSkeleton(joints);
+  if (options.own) {
+    LaidSkeleton laid = layOn(out.skeleton, *options.own);
+    if (!laid.placed.empty()) {
+      std::string names;
+      for (const std::string& name : laid.placed) names += (names.empty() ? "" : ", ") + name;
+      report.doubts.push_back("placed by proportion, not by the surface: " + names);
+    }
+    out.skeleton = std::move(laid.skeleton);
+  }
 
   stages.begin("weights", 0.6);
-  SparseWeights weights = rigWeights(mesh, out.skeleton, joints);
+  SparseWeights weights = rigWeights(mesh, out.skeleton);
   const std::vector<Influences> kept = fourLargest(weights, out.skeleton.jointCount(), &report.loss);
   for (std::size_t v = 0; v < weights.size(); ++v) {
     weights[v].clear();

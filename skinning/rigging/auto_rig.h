@@ -19,6 +19,9 @@ enum class RigTemplate {
 
 struct RigOptions {
   RigTemplate skeleton = RigTemplate::Human;
+  /// A skeleton of the user's, which takes the place of `skeleton`: human or four-legged by its joints'
+  /// names.
+  std::optional<Skeleton> own = {};
   /// Unit vectors where the user knows how the body stands; else it is found out.
   std::optional<Eigen::Vector3d> up = {}, front = {};
   /// Called with the name of a stage and the share done, 0 to 1; false stops the work (RigStopped).

@@ -270,13 +270,14 @@ double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
   return error;
 }
 
-void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps) {
+void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, bool symmetric) {
   for (int k = 0; k < static_cast<int>(body.pieces.size()); ++k) {
     const BodyPiece& piece = body.pieces[k];
-    if (!piece.twists) continue;
+    if (!piece.twists || (symmetric && piece.partner < k)) continue;
     std::vector<int> own;
     for (std::size_t v = 0; v < body.weights.size(); ++v)
-      if (body.weights[v][0].first == k && body.weights[v][0].second > 0.5) own.push_back(static_cast<int>(v));
+      if (body.weights[v][0].first == k && body.weights[v][0].second > 0.5)
+        own.push_back(static_cast<int>(v));
     const std::vector<Vector3d> now = deformed(body, maps);
     const std::vector<Vector3d> normals = normalsOf(body.surface, now);
     const Vector3d pivot = maps[k].origin, axis = (maps[k].linear * (piece.to - piece.from)).normalized();
@@ -285,8 +286,9 @@ void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
       for (const int v : own) {
         const Vector3d p = pivot + turn * (now[v] - pivot), n = turn * normals[v];
         const int s = target.nearest(p, n);
-        const double d2 = (target.samples().points[s] - p).squaredNorm() +
-                          target.normalReach() * target.normalReach() * (target.samples().normals[s] - n).squaredNorm();
+        const double d2 =
+            (target.samples().points[s] - p).squaredNorm() +
+            target.normalReach() * target.normalReach() * (target.samples().normals[s] - n).squaredNorm();
         sum += std::sqrt(d2);
       }
       return sum;
@@ -303,6 +305,13 @@ void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
     const BodyPiece& above = body.pieces[piece.parent];
     const Vector3d along = (parent.linear * (above.to - above.from)).normalized();
     parent.linear = Eigen::AngleAxisd(0.5 * best, along).toRotationMatrix() * parent.linear;
+    if (!symmetric) continue;
+    const Vector3d mirror(-1.0, 1.0, 1.0);
+    for (const int left : {k, piece.parent}) {
+      PieceMap& right = maps[body.pieces[left].partner];
+      right.linear = mirror.asDiagonal() * maps[left].linear * mirror.asDiagonal();
+      right.origin = mirror.cwiseProduct(maps[left].origin);
+    }
   }
 }
 

@@ -47,8 +47,9 @@ struct FitStage {
 double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, const FitStage& stage);
 
 /// Turns pieces about their own length, in steps of 30 degrees, to where their surface lies nearest: a hand
-/// with the palm forwards has the same outline as one with the palm inwards. The parent takes half of the turn.
-void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps);
+/// with the palm forwards has the same outline as one with the palm inwards. The parent takes half of the
+/// turn. symmetric: the right pieces follow the left ones.
+void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, bool symmetric);
 
 struct SurfaceStage {
   int rounds = 4;

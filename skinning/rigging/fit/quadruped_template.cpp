@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 namespace {
 
 /// A joint of a four-legged animal of length 1 from nose to tail: z from the tail to the nose, y from the
-/// ground up. Proportions between a horse, a cow, a dog and a fox (means of drawn figures, rounded). Each joint
-/// but an end begins a piece that reaches to `to`, as a round cone of the two radii.
+/// ground up. Proportions between a horse, a cow, a dog and a fox (means of drawn figures, rounded). Each
+/// joint but an end begins a piece that reaches to `to`, as a round cone of the two radii.
 struct JointRow {
   const char *name, *parent;
   double x, y, z;
@@ -58,7 +58,8 @@ TemplateBody makeQuadruped() {
     return -1;
   };
   const auto rowOf = [&](const std::string& name) -> const JointRow& {
-    return *std::find_if(std::begin(rows), std::end(rows), [&](const JointRow& row) { return name == row.name; });
+    return *std::find_if(std::begin(rows), std::end(rows),
+                         [&](const JointRow& row) { return name == row.name; });
   };
   std::vector<int> pieceOfJoint;
   for (const JointRow& row : rows)
@@ -74,7 +75,9 @@ TemplateBody makeQuadruped() {
         piece = static_cast<int>(body.pieces.size());
         body.pieces.push_back({.name = name,
                                .parent = parent < 0 ? -1 : body.joints[parent].piece,
-                               .partner = piece + (!sided(row.name) ? 0 : right ? -1 : 1),
+                               .partner = piece + (!sided(row.name) ? 0
+                                                   : right          ? -1
+                                                                    : 1),
                                .from = at,
                                .to = {side * end.x, end.y, end.z},
                                .bond = row.bond});
@@ -89,7 +92,9 @@ TemplateBody makeQuadruped() {
       const int index = static_cast<int>(body.joints.size());
       body.joints.push_back({.name = name,
                              .parent = parent,
-                             .partner = index + (!sided(row.name) ? 0 : right ? -1 : 1),
+                             .partner = index + (!sided(row.name) ? 0
+                                                 : right          ? -1
+                                                                  : 1),
                              .piece = piece,
                              .position = at});
     }

@@ -124,7 +124,8 @@ double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 }  // namespace
 
-std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, const Placement& placement, const std::vector<Vector3d>& positions) {
+std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, const Placement& placement,
+                                const std::vector<Vector3d>& positions) {
   const Skeleton figure = mannequin();
   const auto find = [&](const std::string& name) {
     for (std::size_t k = 0; k < body.joints.size(); ++k)
@@ -137,7 +138,8 @@ std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, 
     for (std::size_t k = 0; k < joints.size(); ++k)
       if (joints[k].name == row.parent) joint.parent = static_cast<int>(k);
     const int first = find(row.first), second = *row.second ? find(row.second) : first;
-    joint.position = placement.frame.toWorld(positions[first] + row.share * (positions[second] - positions[first]));
+    joint.position =
+        placement.frame.toWorld(positions[first] + row.share * (positions[second] - positions[first]));
     const Matrix3d& axes = placement.frame.axes;
     joint.turn = axes * rotationOf(placement.maps[body.joints[first].piece].linear);
     if (skeleton == RigTemplate::Human) joint.figureJoint = figure.jointIndex(row.first);

@@ -19,7 +19,8 @@ struct RigJoint {
 };
 
 /// The template's joints at their fitted positions (in the template's space), as the skeleton wants them.
-std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, const Placement& placement, const std::vector<Eigen::Vector3d>& positions);
+std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, const Placement& placement,
+                                const std::vector<Eigen::Vector3d>& positions);
 
 /// Joints that rest where the body stands. Those of the figure keep its axes, zeros and limits: the rest
 /// angles say how the body is posed; what a hinge cannot turn goes into its offset.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kinematics/motion/joint_matching.h"
 #include "skinning/rigging/bone_heat.h"
 
 namespace gelenk {
@@ -10,72 +11,76 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Joints of a trunk, found by what hangs on them: two pairs of limbs and the path between their roots.
-struct Trunk {
-  std::vector<int> spine;  ///< from the hips up
-  int shoulders[2], hips[2];
-};
-
-int findJoint(const Skeleton& skeleton, std::initializer_list<const char*> names) {
+/// The joint of a side by its name in the rigs of this program, else by what its name means.
+int findJoint(const Skeleton& skeleton, std::initializer_list<const char*> names, const PlainName& meaning) {
   for (const char* name : names)
     if (const auto joint = skeleton.findJoint(name)) return *joint;
-  return -1;
+  const std::vector<PlainName> plain = plainNames(skeleton);
+  const auto found = std::find(plain.begin(), plain.end(), meaning);
+  return found == plain.end() ? -1 : static_cast<int>(found - plain.begin());
+}
+
+/// The joints from the hips' common parent to the shoulders' (both included), by height: the spine.
+std::vector<int> spineOf(const Skeleton& skeleton, const int shoulders[2], const int hips[2]) {
+  std::vector<int> spine;
+  for (int j = 0; j < skeleton.jointCount(); ++j) {
+    const int carriedShoulders = skeleton.isAncestor(j, shoulders[0]) + skeleton.isAncestor(j, shoulders[1]),
+              carriedHips = skeleton.isAncestor(j, hips[0]) + skeleton.isAncestor(j, hips[1]);
+    const bool onThePath = (carriedShoulders == 2) != (carriedHips == 2);
+    const bool meeting = carriedShoulders == 2 && carriedHips == 2 &&
+                         std::none_of(skeleton.children(j).begin(), skeleton.children(j).end(), [&](int c) {
+                           return skeleton.isAncestor(c, shoulders[0]) && skeleton.isAncestor(c, hips[0]);
+                         });
+    if (onThePath || meeting) spine.push_back(j);
+  }
+  return spine;
 }
 
 }  // namespace
 
-std::vector<Bone> rigBones(const Skeleton& skeleton, const Frames& rest) {
+std::vector<Bone> rigBones(const Skeleton& skeleton, const Frames& rest, const RigWeightOptions& options) {
   std::vector<Bone> bones;
   const auto at = [&](int j) { return Vector3d(rest[j].translation()); };
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (const int parent = skeleton.parent(i); parent >= 0 && (at(i) - at(parent)).norm() > 0.0)
       bones.push_back({parent, at(parent), at(i)});
-  const int shoulders[2] = {findJoint(skeleton, {"shoulder_l", "fshoulder_l", "15"}),
-                            findJoint(skeleton, {"shoulder_r", "fshoulder_r", "12"})},
-            hips[2] = {findJoint(skeleton, {"hip_l", "8"}), findJoint(skeleton, {"hip_r", "4"})};
+  const int shoulders[2] = {findJoint(skeleton, {"shoulder_l", "fshoulder_l", "15"},
+                                      {"upperarm", Side::Left}),
+                            findJoint(skeleton, {"shoulder_r", "fshoulder_r", "12"},
+                                      {"upperarm", Side::Right})},
+            hips[2] = {findJoint(skeleton, {"hip_l", "8"}, {"thigh", Side::Left}),
+                       findJoint(skeleton, {"hip_r", "4"}, {"thigh", Side::Right})};
   if (std::min({shoulders[0], shoulders[1], hips[0], hips[1]}) < 0) return bones;
   const Vector3d chest = 0.5 * (at(shoulders[0]) + at(shoulders[1])),
                  pelvis = 0.5 * (at(hips[0]) + at(hips[1]));
-  std::vector<int> spine;  // the joints on the way between hips and shoulders
-  for (int j = 0; j < skeleton.jointCount(); ++j)
-    if (skeleton.isAncestor(j, shoulders[0]) == skeleton.isAncestor(j, hips[0])
-            ? skeleton.isAncestor(j, shoulders[0]) && skeleton.isAncestor(j, shoulders[1])
-            : (skeleton.isAncestor(j, shoulders[0]) && skeleton.isAncestor(j, shoulders[1])) ||
-                  (skeleton.isAncestor(j, hips[0]) && skeleton.isAncestor(j, hips[1])))
-      spine.push_back(j);
-  const Vector3d axis = chest - pelvis;
-  const auto height = [&](const Vector3d& p) { return axis.dot(p - pelvis) / axis.squaredNorm(); };
+  const std::vector<int> spine = spineOf(skeleton, shoulders, hips);
+  if (spine.empty()) return bones;
+  const auto height = [&](const Vector3d& p) { return (chest - pelvis).dot(p - pelvis); };
+  // A piece of a rib belongs to the spine's joint that carries the bone at its height: in a skeleton rooted
+  // at the hips the nearest joint below, in one rooted at the chest the nearest above.
+  const bool rootedBelow = height(at(spine.front())) < height(at(spine.back()));
+  const auto carrier = [&](double h) {
+    int best = spine.front();
+    for (const int j : spine)
+      if (rootedBelow ? height(at(j)) <= h : height(at(j)) >= h) best = j;
+    return best;
+  };
   for (int side = 0; side < 2; ++side) {
-    const Vector3d from = chest + 0.75 * (at(shoulders[side]) - chest) + 0.12 * (pelvis - chest),
-                   to = pelvis + 0.8 * (at(hips[side]) - pelvis);
+    const Vector3d from = chest + options.ribWidth * (at(shoulders[side]) - chest) +
+                          options.ribDrop * (pelvis - chest),
+                   to = pelvis + options.ribWaist * (at(hips[side]) - pelvis);
     constexpr int pieces = 8;
     for (int k = 0; k < pieces; ++k) {
       const Vector3d a = from + (to - from) * k / pieces, b = from + (to - from) * (k + 1) / pieces;
-      const double middle = height(0.5 * (a + b));
-      // The carrier: the nearest bone of the spine by height.
-      int carrier = spine.empty() ? 0 : spine[0];
-      double nearest = unlimited;
-      for (const int j : spine)
-        for (const int c : skeleton.children(j)) {
-          if (std::find(spine.begin(), spine.end(), c) == spine.end()) continue;
-          const double low = std::min(height(at(j)), height(at(c))),
-                       high = std::max(height(at(j)), height(at(c)));
-          const double gap = std::max({low - middle, middle - high, 0.0});
-          if (gap < nearest) nearest = gap, carrier = j;
-        }
-      if (spine.size() > 1 && height(at(spine.back())) < middle &&
-          skeleton.isAncestor(spine.front(), spine.back()) && skeleton.isAncestor(spine.back(), shoulders[0]))
-        carrier = spine.back();
-      bones.push_back({carrier, a, b});
+      bones.push_back({carrier(height(0.5 * (a + b))), a, b});
     }
   }
   return bones;
 }
 
-SparseWeights rigWeights(const Mesh& mesh, const Skeleton& skeleton, const std::vector<RigJoint>& joints) {
-  (void)joints;
-  const std::vector<Bone> bones = rigBones(skeleton, restFrames(skeleton));
-  return boneHeatWeights(mesh, bones, {.strength = 10.0, .voxels = 160});
+SparseWeights rigWeights(const Mesh& mesh, const Skeleton& skeleton, const RigWeightOptions& options) {
+  return boneHeatWeights(mesh, rigBones(skeleton, restFrames(skeleton), options),
+                         {.strength = options.strength, .voxels = options.voxels});
 }
 
 }  // namespace gelenk

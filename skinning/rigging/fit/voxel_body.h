@@ -9,7 +9,8 @@
 namespace gelenk {
 
 /// A mesh as voxels: those that the surface touches, those that the outside air reaches, and the rest, which
-/// lies inside. Needs no closed, welded or oriented surface; through a hole wider than a voxel the air gets in.
+/// lies inside. Needs no closed, welded or oriented surface; through a hole wider than a voxel the air gets
+/// in.
 class VoxelBody {
  public:
   /// resolution: voxels along the longest side of the box.

@@ -47,7 +47,8 @@ Posed posedFigure(const std::vector<Turn>& turns) {
   for (const Turn& turn : turns) {
     const int joint = figure.jointIndex(turn.joint);
     const Vector3d pivot = frames[joint].translation();
-    const Isometry3d move = Eigen::Translation3d(pivot) * AngleAxisd(turn.degrees * degree, turn.axis.normalized()) *
+    const Isometry3d move = Eigen::Translation3d(pivot) *
+                            AngleAxisd(turn.degrees * degree, turn.axis.normalized()) *
                             Eigen::Translation3d(-pivot);
     for (int j = 0; j < figure.jointCount(); ++j)
       if (figure.isAncestor(joint, j)) frames[j] = move * frames[j];
@@ -68,7 +69,8 @@ struct Error {
   double mean = 0.0, max = 0.0;
 };
 /// Distances of the limb joints from the truth, in per cent of the figure's height.
-Error limbError(const Skeleton& skeleton, const std::map<std::string, Vector3d>& truth, double size = height) {
+Error limbError(const Skeleton& skeleton, const std::map<std::string, Vector3d>& truth,
+                double size = height) {
   const Frames frames = restFrames(skeleton);
   Error error;
   for (const auto& [name, p] : truth) {
@@ -98,7 +100,8 @@ TEST(AutoRig, FindsTheLimbJointsOfTheFigureInPosesThatBodiesAreMadeIn) {
   const std::vector<std::pair<const char*, std::vector<Turn>>> poses{
       {"rest", {}},
       {"T", {{"upperarm_l", z, 49}, {"upperarm_r", z, -49}, {"lowerarm_l", y, 45}, {"lowerarm_r", y, -45}}},
-      {"arms down", {{"upperarm_l", z, -32}, {"upperarm_r", z, 32}, {"lowerarm_l", x, 40}, {"lowerarm_r", x, 40}}},
+      {"arms down",
+       {{"upperarm_l", z, -32}, {"upperarm_r", z, 32}, {"lowerarm_l", x, 40}, {"lowerarm_r", x, 40}}},
       {"walking",
        {{"thigh_l", x, -25},
         {"thigh_r", x, 18},
@@ -142,7 +145,8 @@ TEST(AutoRig, TheSkeletonTurnsAndGrowsWithTheBody) {
       expected[first.skeleton.joint(j).name] = way.move * frames[j].translation();
     const double scale = std::cbrt(way.move.linear().determinant());
     EXPECT_LT(limbError(rigged.skeleton, expected, scale * height).max, 0.2) << way.name;
-    EXPECT_NEAR((rigged.report.up - way.move.linear() * first.report.up / scale).norm(), 0.0, 0.02) << way.name;
+    EXPECT_NEAR((rigged.report.up - way.move.linear() * first.report.up / scale).norm(), 0.0, 0.02)
+        << way.name;
   }
 }
 
@@ -188,9 +192,11 @@ Mesh ball(double a, double b, int rings = 24) {  // a torus of radii a, b, or a 
   Mesh mesh;
   for (int i = 0; i < rings; ++i)
     for (int j = 0; j < rings; ++j) {
-      const double u = 2.0 * M_PI * i / rings, v = (a > 0.0 ? 2.0 : 1.0) * M_PI * j / (a > 0.0 ? rings : rings - 1);
+      const double u = 2.0 * M_PI * i / rings,
+                   v = (a > 0.0 ? 2.0 : 1.0) * M_PI * j / (a > 0.0 ? rings : rings - 1);
       const double r = a > 0.0 ? a + b * std::cos(v) : b * std::sin(v);
-      mesh.positions.emplace_back(r * std::cos(u), a > 0.0 ? b * std::sin(v) : b * std::cos(v), r * std::sin(u));
+      mesh.positions.emplace_back(r * std::cos(u), a > 0.0 ? b * std::sin(v) : b * std::cos(v),
+                                  r * std::sin(u));
     }
   for (int i = 0; i < rings; ++i)
     for (int j = 0; j + (a > 0.0 ? 0 : 1) < rings; ++j) {
@@ -217,7 +223,8 @@ TEST(AutoRig, SameInputSameBitsAndItCanBeStopped) {
   EXPECT_EQ(first.skeleton.rest(), second.skeleton.rest());
   EXPECT_EQ(first.weights, second.weights);
   int asked = 0;
-  EXPECT_THROW(rigBody(mesh, {.progress = [&](const std::string&, double) { return ++asked < 3; }}), RigStopped);
+  EXPECT_THROW(rigBody(mesh, {.progress = [&](const std::string&, double) { return ++asked < 3; }}),
+               RigStopped);
   EXPECT_EQ(asked, 3);
 }
 
@@ -228,7 +235,8 @@ TEST(AutoRig, FindsTheLegsOfALongAnimal) {
   for (Vector3d& p : mesh.positions) p = reshaped(p);
   std::map<std::string, Vector3d> truth;
   for (const TemplateJoint& joint : animal.joints)
-    if (joint.name.ends_with("_l") || joint.name.ends_with("_r")) truth[joint.name] = reshaped(joint.position);
+    if (joint.name.ends_with("_l") || joint.name.ends_with("_r"))
+      truth[joint.name] = reshaped(joint.position);
   const RiggedBody rigged = rigBody(mesh, {.skeleton = RigTemplate::Quadruped});
   const Error error = limbError(rigged.skeleton, truth, 1.15);
   EXPECT_LT(error.mean, 2.5);
