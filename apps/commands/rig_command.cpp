@@ -130,7 +130,8 @@ bool rig(const std::string& path, const Request& request, json& all) {
         formatPinocchioWeights(boneWeights(body.weights, body.skeleton)));
   const Skin skin =
       bindSkin(mesh, restFrames(body.skeleton), fourLargest(body.weights, body.skeleton.jointCount()));
-  writeGltf((folder / (name + ".glb")).string(), body.skeleton, &skin, {});
+  writeGltf((folder / (name + ".glb")).string(), plainIds ? namedAsHuman(body.skeleton) : body.skeleton,
+            &skin, {});
   if (request.asJson)
     all.push_back(jsonOf(name, body));
   else

@@ -38,6 +38,7 @@ struct RigReport {
   Eigen::Vector3d up = Eigen::Vector3d::UnitY(), front = Eigen::Vector3d::UnitZ();
   double height = 0.0;      ///< along `up`, in the mesh's unit
   double misfit = 0.0;      ///< root mean square distance between body and fitted template, in heights
+  double strain = 0.0;      ///< how far the template's proportions had to change, as a logarithm
   double confidence = 0.0;  ///< 0 to 1; below 0.5 the result needs a look
   std::string pose;         ///< the template's pose that the body was nearest to
   bool symmetric = false;   ///< the body is its own mirror image, and so is the skeleton then

@@ -270,6 +270,21 @@ double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
   return error;
 }
 
+double shapeStrain(const TemplateBody& body, const PieceMaps& maps) {
+  std::vector<double> logs;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    const Matrix3d frame = pieceFrame(body.pieces[i]);
+    const Matrix3d inPiece = maps[i].linear * frame;
+    const double length = inPiece.col(0).norm(), girth = inPiece.col(1).cross(inPiece.col(2)).norm();
+    logs.push_back(std::log(length));
+    logs.push_back(0.5 * std::log(girth));
+  }
+  double mean = 0.0, square = 0.0;
+  for (const double x : logs) mean += x / static_cast<double>(logs.size());
+  for (const double x : logs) square += (x - mean) * (x - mean) / static_cast<double>(logs.size());
+  return std::isfinite(square) ? std::sqrt(square) : std::numeric_limits<double>::infinity();
+}
+
 void twistPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, bool symmetric) {
   for (int k = 0; k < static_cast<int>(body.pieces.size()); ++k) {
     const BodyPiece& piece = body.pieces[k];

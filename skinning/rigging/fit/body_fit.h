@@ -46,6 +46,11 @@ struct FitStage {
 /// length and girth. Returns the root mean square distance of the last round (robust weights, both ways).
 double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, const FitStage& stage);
 
+/// How much the pieces' lengths and girths differ from those of the template in one size: the root mean
+/// square of the logarithms of their stretches about the mean. About 0.15 among people, infinite where a
+/// piece lost all extent.
+double shapeStrain(const TemplateBody& body, const PieceMaps& maps);
+
 /// Turns pieces about their own length, in steps of 30 degrees, to where their surface lies nearest: a hand
 /// with the palm forwards has the same outline as one with the palm inwards. The parent takes half of the
 /// turn. symmetric: the right pieces follow the left ones.

@@ -72,6 +72,10 @@ std::vector<Stance> stancesOf(const SurfaceSamples& samples, const std::vector<M
   return out;
 }
 
+bool standsAsAuthored(const Stance& stance) {
+  return stance.axes.col(1).y() > 0.9 && stance.axes.col(2).z() > 0.9;
+}
+
 struct Trial {
   Stance stance;
   const TemplatePose* pose;
@@ -104,7 +108,8 @@ SurfaceSamples inBodySpace(const SurfaceSamples& samples, const BodyFrame& frame
   return out;
 }
 
-Placement placeBody(const TemplateBody& body, const SurfaceSamples& samples, const PlacementWishes& wishes) {
+std::vector<Placement> placeBody(const TemplateBody& body, const SurfaceSamples& samples,
+                                 const PlacementWishes& wishes) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& p : samples.points) box.extend(p);
   const std::vector<MirrorPlane> planes = mirrorPlanes(samples, box.diagonal().norm());
@@ -128,8 +133,7 @@ Placement placeBody(const TemplateBody& body, const SurfaceSamples& samples, con
     for (Trial& trial : trials) {
       stage.symmetric = symmetric && trial.stance.plane->misfit < symmetricMisfit;
       trial.misfit = fitPieces(body, *trial.target, trial.maps, stage);
-      const bool authored = trial.stance.axes.col(1).y() > 0.9 && trial.stance.axes.col(2).z() > 0.9;
-      if (authored) trial.misfit *= 0.97;
+      if (standsAsAuthored(trial.stance)) trial.misfit *= 0.97;
     }
     std::stable_sort(trials.begin(), trials.end(),
                      [](const Trial& a, const Trial& b) { return a.misfit < b.misfit; });
@@ -139,18 +143,21 @@ Placement placeBody(const TemplateBody& body, const SurfaceSamples& samples, con
   run(8, {.rounds = 4, .stiffness = 2.0, .robustWidth = 0.2, .vertices = 300, .samples = 300});
   run(8, {.rounds = 8, .stiffness = 1.0, .robustWidth = 0.1, .vertices = 400, .samples = 400});
 
-  Placement best;
-  if (trials.empty()) return best;
-  const Trial& first = trials[0];
-  best.frame = first.frame;
-  best.maps = first.maps;
-  best.pose = first.pose->name;
-  best.symmetric = symmetric && first.stance.plane->misfit < symmetricMisfit;
-  best.misfit = first.misfit;
-  for (const Trial& other : trials)
-    if (first.stance.axes.cwiseProduct(other.stance.axes).colwise().sum().minCoeff() < 0.8)
-      best.runnerUp = std::min(best.runnerUp, other.misfit);
-  return best;
+  std::vector<Placement> out;
+  for (const Trial& trial : trials) {
+    if (trial.misfit > 1.25 * trials[0].misfit) break;
+    const bool known = std::any_of(out.begin(), out.end(), [&](const Placement& p) {
+      return p.frame.axes.cwiseProduct(trial.stance.axes).colwise().sum().minCoeff() > 0.8;
+    });
+    if (known) continue;
+    out.push_back({.frame = trial.frame,
+                   .maps = trial.maps,
+                   .pose = trial.pose->name,
+                   .symmetric = symmetric && trial.stance.plane->misfit < symmetricMisfit,
+                   .misfit = trial.misfit,
+                   .authored = standsAsAuthored(trial.stance)});
+  }
+  return out;
 }
 
 }  // namespace gelenk

@@ -27,7 +27,7 @@ struct Placement {
   std::string pose;        ///< of the template's poses, the one it began with
   bool symmetric = false;  ///< the body is its own mirror image
   double misfit = 1.0;     ///< of the rough fit, in template heights
-  double runnerUp = 1.0;   ///< misfit of the best placement that faces or stands another way
+  bool authored = false;   ///< stands with y up and faces z, as most files do
 };
 
 struct PlacementWishes {
@@ -35,9 +35,11 @@ struct PlacementWishes {
 };
 
 /// Finds how the body stands: planes of symmetry give the side axis, the principal axes within the plane the
-/// upright one; every way to stand and face and every pose of the template is tried with a short fit. The
-/// best wins; between two that fit within 3 % of each other the one that stands as authored (y up, facing z).
-Placement placeBody(const TemplateBody& body, const SurfaceSamples& samples, const PlacementWishes& wishes);
+/// upright one; every way to stand and face and every pose of the template is tried with a short fit. Best
+/// first, and after it the best of each other way to stand whose misfit is within a quarter of its own. Empty
+/// where the wishes leave none.
+std::vector<Placement> placeBody(const TemplateBody& body, const SurfaceSamples& samples,
+                                 const PlacementWishes& wishes);
 
 /// The samples in the template's space.
 SurfaceSamples inBodySpace(const SurfaceSamples& samples, const BodyFrame& frame);
