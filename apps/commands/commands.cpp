@@ -9,6 +9,7 @@ void addInfoCommand(Command& app);
 void addLectureCommand(Command& app);
 void addMotionCommand(Command& app);
 void addMusclesCommand(Command& app);
+void addRigCommand(Command& app);
 void addSolveCommand(Command& app);
 
 void addCommands(Command& app) {
@@ -19,6 +20,7 @@ void addCommands(Command& app) {
   addLectureCommand(app);
   addMotionCommand(app);
   addMusclesCommand(app);
+  addRigCommand(app);
   addSolveCommand(app);
 }
 
