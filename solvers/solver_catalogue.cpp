@@ -16,7 +16,7 @@
 #include "solvers/problem/ik_solver.h"
 #include "solvers/serial/pose_goals.h"
 #include "solvers/serial/serial_pose.h"
-#include "solvers/serial/spherical_wrist.h"
+#include "solvers/solutions/closed_form_solver.h"
 #include "solvers/tree/hybrid_solver.h"
 
 namespace gelenk {
@@ -65,8 +65,8 @@ constexpr std::array catalogue{
     SolverEntry{"fabrik", "Forward and backward reaching", "Aristidou, Lasenby 2011", &makeFabrik},
     SolverEntry{"ball-chain", "LM for chains of balls, J never formed", "Chan, Lawrence 1988; this project",
                 &makeBallChain},
-    SolverEntry{"spherical-wrist", "Closed form of six-joint arms", "Pieper 1968; Hawkins 2013",
-                &mergingPoseGoals<&makeSphericalWrist>},
+    SolverEntry{"closed-form", "Nearest of the complete set", "Pieper 1968; Raghavan, Roth 1990",
+                &mergingPoseGoals<&makeClosedForm>},
 #ifdef GELENK_HAS_KDL
     SolverEntry{"kdl-nr", "Orocos KDL: Newton-Raphson", "Orocos KDL, ChainIkSolverPos_NR",
                 &mergingPoseGoals<&makeKdlNewton>},
@@ -85,6 +85,7 @@ std::unique_ptr<IkSolver> makeSolver(std::string_view name) { return solverEntry
 
 const SolverEntry& solverEntry(std::string_view name) {
   if (name == "default") name = catalogue.front().name;
+  if (name == "spherical-wrist") name = "closed-form";  // its name when it knew two classes of arms
   std::string known;
   for (const SolverEntry& entry : catalogue) {
     if (entry.name == name) return entry;

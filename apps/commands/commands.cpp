@@ -9,6 +9,7 @@ void addInfoCommand(CLI::App& app);
 void addLectureCommand(CLI::App& app);
 void addMotionCommand(CLI::App& app);
 void addMusclesCommand(CLI::App& app);
+void addSolutionsCommand(CLI::App& app);
 void addSolveCommand(CLI::App& app);
 
 void addCommands(CLI::App& app) {
@@ -19,6 +20,7 @@ void addCommands(CLI::App& app) {
   addLectureCommand(app);
   addMotionCommand(app);
   addMusclesCommand(app);
+  addSolutionsCommand(app);
   addSolveCommand(app);
 }
 

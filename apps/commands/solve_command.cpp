@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/arm_request.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model.h"
 #include "kinematics/configuration.h"
@@ -12,7 +13,6 @@
 namespace gelenk {
 namespace {
 
-using Eigen::VectorXd;
 using json = nlohmann::ordered_json;
 
 struct Request {
@@ -22,51 +22,6 @@ struct Request {
   Budget budget{.maxIterations = 200, .maxSeconds = 1e9, .restarts = 50};
   bool trace = false;
 };
-
-/// The joint asked for, or the model's only end.
-int effectorOf(const Model& model, const std::string& name) {
-  if (!name.empty()) return model.skeleton.jointIndex(name);
-  std::vector<int> ends;
-  for (int i = 0; i < model.skeleton.jointCount(); ++i)
-    if (model.skeleton.children(i).empty()) ends.push_back(i);
-  if (ends.size() == 1) return ends.front();
-  std::string names;
-  for (int end : ends) names += (names.empty() ? "" : ", ") + model.skeleton.joint(end).name;
-  throw std::invalid_argument(
-      fmt::format("'{}' has several ends; choose one with --joint: {}", model.name, names));
-}
-
-Goal goalOf(const Request& request, int joint) {
-  const std::vector<double>& t = request.target;
-  if (t.size() != 3 && t.size() != 7)
-    throw std::invalid_argument(
-        fmt::format("--target wants X Y Z or X Y Z QW QX QY QZ, {} values given", t.size()));
-  for (double value : t)
-    if (!std::isfinite(value)) throw std::invalid_argument("--target must be finite numbers");
-  Goal goal{.joint = joint, .target = {t[0], t[1], t[2]}};
-  if (t.size() == 3) return goal;
-  goal.kind = GoalKind::Pose;
-  goal.orientation = Eigen::Quaterniond(t[3], t[4], t[5], t[6]);
-  if (!(std::abs(goal.orientation.norm() - 1.0) < 1e-3))
-    throw std::invalid_argument(
-        fmt::format("the target's quaternion must have length 1, not {:.6g}", goal.orientation.norm()));
-  goal.orientation.normalize();
-  return goal;
-}
-
-VectorXd startOf(const Request& request, const Skeleton& skeleton) {
-  if (request.start.empty()) return skeleton.rest();
-  if (static_cast<int>(request.start.size()) != skeleton.nq())
-    throw std::invalid_argument(
-        fmt::format("--start needs {} values for this model, {} given", skeleton.nq(), request.start.size()));
-  const VectorXd q = VectorXd::Map(request.start.data(), skeleton.nq());
-  if (!q.allFinite()) throw std::invalid_argument("--start must be finite numbers");
-  for (int i = 0; i < skeleton.jointCount(); ++i)
-    if (skeleton.joint(i).ball && !(std::abs(ballRotation(skeleton, q, i).norm() - 1.0) < 1e-3))
-      throw std::invalid_argument(
-          fmt::format("the start's quaternion of '{}' must have length 1", skeleton.joint(i).name));
-  return q;
-}
 
 json traceOf(const IkReport& report) {
   json list = json::array();
@@ -87,8 +42,8 @@ bool solve(const Request& request) {
   const Model model = openModel(request.model);
   const int joint = effectorOf(model, request.joint);
   const IkProblem problem{.skeleton = &model.skeleton,
-                          .start = startOf(request, model.skeleton),
-                          .goals = {goalOf(request, joint)},
+                          .start = startConfiguration(request.start, model.skeleton, "--start"),
+                          .goals = {targetGoal(request.target, joint)},
                           .positionTolerance = request.tolerance,
                           .orientationTolerance = request.tolerance};
   const std::string refusal = solver->whyUnsupported(problem);
