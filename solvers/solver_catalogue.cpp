@@ -20,7 +20,7 @@
 #include "solvers/problem/ik_solver.h"
 #include "solvers/serial/pose_goals.h"
 #include "solvers/serial/serial_pose.h"
-#include "solvers/serial/spherical_wrist.h"
+#include "solvers/solutions/closed_form_solver.h"
 #include "solvers/tree/hybrid_solver.h"
 
 namespace gelenk {
@@ -89,8 +89,8 @@ constexpr std::array catalogue{
     row<&makeFabrik>("fabrik", "Forward and backward reaching", "Aristidou, Lasenby 2011"),
     row<&makeBallChain>("ball-chain", "LM for chains of balls, J never formed",
                         "Chan, Lawrence 1988; this project"),
-    row<&makeSphericalWrist, &mergingPoseGoals>("spherical-wrist", "Closed form of six-joint arms",
-                                                "Pieper 1968; Hawkins 2013"),
+    row<&makeClosedForm, &mergingPoseGoals>("closed-form", "Nearest of the complete set",
+                                            "Pieper 1968; Raghavan, Roth 1990"),
 #ifdef GELENK_HAS_KDL
     row<&makeKdlNewton, &mergingPoseGoals>("kdl-nr", "Orocos KDL: Newton-Raphson",
                                            "Orocos KDL, ChainIkSolverPos_NR"),
@@ -139,7 +139,8 @@ std::unique_ptr<IkSolver> SolverEntry::make(const ParameterValues& values) const
 }
 
 const SolverEntry& solverEntry(std::string_view text) {
-  const std::string_view name = nameOf(text);
+  std::string_view name = nameOf(text);
+  if (name == "spherical-wrist") name = "closed-form";  // its name when it knew two classes of arms
   if (name == fitting.name) return fitting;
   std::string known;
   for (const SolverEntry& entry : catalogue) {

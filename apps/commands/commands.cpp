@@ -11,6 +11,7 @@ void addMotionCommand(Command& app);
 void addMusclesCommand(Command& app);
 void addRigCommand(Command& app);
 void addSolveCommand(Command& app);
+void addSolutionsCommand(Command& app);
 
 void addCommands(Command& app) {
   addCompareCommand(app);
@@ -21,6 +22,7 @@ void addCommands(Command& app) {
   addMotionCommand(app);
   addMusclesCommand(app);
   addRigCommand(app);
+  addSolutionsCommand(app);
   addSolveCommand(app);
 }
 

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/arm_request.h"
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/goal_options.h"
@@ -15,7 +16,6 @@
 namespace gelenk {
 namespace {
 
-using Eigen::VectorXd;
 using json = nlohmann::ordered_json;
 
 struct Request {
@@ -29,19 +29,6 @@ struct Request {
 
   bool degrees() const { return format == "degrees"; }
 };
-
-/// The joint asked for, or the model's only end.
-int effectorOf(const Model& model, const std::string& name) {
-  if (!name.empty()) return model.skeleton.jointIndex(name);
-  std::vector<int> ends;
-  for (int i = 0; i < model.skeleton.jointCount(); ++i)
-    if (model.skeleton.children(i).empty()) ends.push_back(i);
-  if (ends.size() == 1) return ends.front();
-  std::string names;
-  for (int end : ends) names += (names.empty() ? "" : ", ") + model.skeleton.joint(end).name;
-  throw std::invalid_argument(
-      fmt::format("'{}' has several ends; choose one with --joint: {}", model.name, names));
-}
 
 /// Everything that the options ask for.
 std::vector<TypedGoal> goalsAskedFor(const Request& request, const Model& model) {

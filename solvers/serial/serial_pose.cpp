@@ -9,6 +9,7 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
+#include "solvers/serial/same_joints.h"
 
 namespace gelenk {
 
@@ -643,20 +644,8 @@ class SerialPose final : public IkSolver {
     record(answer.q);
   }
 
-  /// Prepared for a skeleton with the same joints (its address may have been used again).
   bool isPreparedFor(const Skeleton& skeleton) const {
-    if (prepared_.empty() || prepared_.size() != skeleton.joints().size()) return false;
-    for (size_t j = 0; j < prepared_.size(); ++j) {
-      const Joint &a = prepared_[j], &b = skeleton.joints()[j];
-      if (a.parent != b.parent || a.ball != b.ball || a.axes.size() != b.axes.size() ||
-          a.parentFromZero.matrix() != b.parentFromZero.matrix())
-        return false;
-      for (size_t k = 0; k < a.axes.size(); ++k)
-        if (a.axes[k].kind != b.axes[k].kind || a.axes[k].axis != b.axes[k].axis ||
-            a.axes[k].lower != b.axes[k].lower || a.axes[k].upper != b.axes[k].upper)
-          return false;
-    }
-    return true;
+    return !prepared_.empty() && sameJoints(prepared_, skeleton.joints());
   }
 
   bool withTable_;
