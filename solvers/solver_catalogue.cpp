@@ -17,7 +17,7 @@
 #include "solvers/serial/pose_goals.h"
 #include "solvers/serial/serial_pose.h"
 #include "solvers/serial/spherical_wrist.h"
-#include "solvers/tree/hybrid_solver.h"
+#include "solvers/tree/drag_solver.h"
 
 namespace gelenk {
 namespace {
@@ -40,8 +40,8 @@ constexpr std::array catalogue{
                 &makeLmGainRatio},
     SolverEntry{"exact-hessian", "Newton with the exact Hessian", "Nocedal, Wright 2006, ch. 3",
                 &makeExactHessian},
-    SolverEntry{"hybrid", "Exact Hessian and Gauss-Newton on the tree", "this project; Featherstone 2008",
-                &makeHybrid},
+    SolverEntry{"drag", "Exact Hessian and Gauss-Newton on the tree", "this project; Featherstone 2008",
+                &makeDrag},
     SolverEntry{"halley", "Halley's method (QuIK)", "Lloyd, Irani, Ahmadi 2022", &makeHalley},
     SolverEntry{"geodesic", "Levenberg-Marquardt, geodesic acceleration", "Transtrum, Sethna 2012",
                 &makeGeodesic},
@@ -85,6 +85,7 @@ std::unique_ptr<IkSolver> makeSolver(std::string_view name) { return solverEntry
 
 const SolverEntry& solverEntry(std::string_view name) {
   if (name == "default") name = catalogue.front().name;
+  if (name == "hybrid") name = "drag";  // as older files call it
   std::string known;
   for (const SolverEntry& entry : catalogue) {
     if (entry.name == name) return entry;

@@ -23,7 +23,7 @@ class WarmSolver final : public FrameSolver {
   std::unique_ptr<IkSolver> solver_;
 };
 
-/// The stateful drag solver. Priority 0 marks pins, see Session::problem.
+/// The stateful drag solver.
 class DragFrameSolver final : public FrameSolver {
  public:
   explicit DragFrameSolver(const Skeleton& skeleton) : solver_(skeleton, options()) {}
@@ -31,12 +31,9 @@ class DragFrameSolver final : public FrameSolver {
   IkReport frame(const IkProblem& problem) override {
     if (fresh_) solver_.reset(problem.start);
     fresh_ = false;
-    goals_.clear();
-    for (const Goal& goal : problem.goals) {
-      goals_.push_back({.goal = goal, .role = goal.priority == 0 ? GoalRole::Pin : GoalRole::Drag});
-      if (goal.priority == 0)
-        goals_.back().goal.weight = 1.0;  // pins have their weight in the solver's options
-    }
+    goals_ = problem.goals;
+    for (Goal& goal : goals_)
+      if (goal.role == Role::Pin) goal.weight = 1.0;  // pins have their weight in the solver's options
     return settle(problem.start);
   }
   void reset() override { fresh_ = true; }
@@ -69,7 +66,7 @@ class DragFrameSolver final : public FrameSolver {
   static DragOptions options() {
     DragOptions options;
     options.dragBias = 0.04;
-    // Three times the default: of eleven targets 1 to 3 m out of reach two ended in a cycle of 0.03 rad a
+    // Twice the default: of eleven targets 1 to 3 m out of reach two ended in a cycle of 0.03 rad a
     // frame without it, none with it, and a hand led at 3 cm a frame stays within 0.1 mm of its target either
     // way.
     options.change = 0.01;
@@ -77,21 +74,21 @@ class DragFrameSolver final : public FrameSolver {
   }
 
   DragSolver solver_;
-  std::vector<DragGoal> goals_;
+  std::vector<Goal> goals_;
   bool fresh_ = true;
 };
 
 }  // namespace
 
 std::vector<std::string> frameSolverNames() {
-  std::vector<std::string> names{"hybrid"};
+  std::vector<std::string> names{"drag"};
   for (const SolverEntry& entry : solverCatalogue())
-    if (entry.name != "hybrid") names.emplace_back(entry.name);
+    if (entry.name != "drag") names.emplace_back(entry.name);
   return names;
 }
 
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name, const Skeleton& skeleton) {
-  if (name == "hybrid") return std::make_unique<DragFrameSolver>(skeleton);
+  if (name == "drag" || name == "hybrid") return std::make_unique<DragFrameSolver>(skeleton);
   return std::make_unique<WarmSolver>(name, skeleton);
 }
 

@@ -69,7 +69,7 @@ struct Scene {
   std::vector<SceneGoal> goals;
   Camera camera;
   ViewOptions options;
-  std::string solver = "hybrid";
+  std::string solver = "drag";
   Theme theme = Theme::Light;
   std::string selectedJoint = {};
   std::map<std::string, std::string> panels;  ///< panel name -> its state as a JSON text

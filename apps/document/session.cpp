@@ -391,7 +391,7 @@ bool Session::canRedo() const { return !future_.empty(); }
 
 void Session::setSolver(const std::string& name) {
   solver_ = makeFrameSolver(name, skeleton());
-  solverName_ = name;
+  solverName_ = name == "hybrid" ? "drag" : name;  // as older files call it
 }
 
 void Session::nextSolver(int direction) {
@@ -408,7 +408,7 @@ IkProblem Session::problem() const {
     Goal g = goal.goal;
     const bool pinned = goal.state == GoalState::Pinned;
     g.weight = pinned ? pinWeight : g.kind == GoalKind::Pole ? poleWeight : heldWeight;
-    g.priority = pinned ? 0 : 1;
+    g.role = pinned ? Role::Pin : goal.state == GoalState::Dragged ? Role::Drag : Role::Hold;
     problem.goals.push_back(std::move(g));
   }
   return problem;
@@ -444,7 +444,7 @@ const FrameSolve& Session::step() {
 }
 
 std::string Session::makeUnsupportedReason(const IkProblem& problem) const {
-  return solverName_ == "hybrid" ? std::string() : makeSolver(solverName_)->whyUnsupported(problem);
+  return solverName_ == "drag" ? std::string() : makeSolver(solverName_)->whyUnsupported(problem);
 }
 
 std::vector<bool> Session::jointsAtLimit() const {

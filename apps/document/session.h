@@ -25,7 +25,7 @@ class FrameSolver {
   virtual void reset() {}
 };
 
-/// Names that makeFrameSolver knows: "hybrid" (the drag solver, the default) and every entry of
+/// Names that makeFrameSolver knows: "drag" (the drag solver, the default) and every entry of
 /// solverCatalogue().
 std::vector<std::string> frameSolverNames();
 /// Throws std::invalid_argument that lists the names there are.

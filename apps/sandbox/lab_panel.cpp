@@ -230,7 +230,7 @@ class LabPanel final : public Panel {
 
   static void solve(Runner& runner, IkProblem problem) {
     problem.start = runner.q;
-    if (runner.solver != "hybrid") runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
+    if (runner.solver != "drag") runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
     const auto before = std::chrono::steady_clock::now();
     runner.report = runner.method->frame(problem);
     runner.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();

@@ -39,7 +39,7 @@ struct SandboxOptions {
   int width = 1280, height = 800;  ///< pixels
   double scale = 1.0;              ///< of type and spacing
   Theme theme = Theme::Light;
-  std::string solver = "hybrid";
+  std::string solver = "drag";
 };
 
 /// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.

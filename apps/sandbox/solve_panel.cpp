@@ -26,12 +26,12 @@ Eigen::Vector3d singularValues(const Session& session, const Goal& goal) {
 std::string_view titleOf(const std::string& solver) {
   for (const SolverEntry& entry : solverCatalogue())
     if (entry.name == solver) return entry.title;
-  return solver == "hybrid" ? "Hybrid drag solver" : std::string_view(solver);
+  return solver == "drag" ? "Drag solver" : std::string_view(solver);
 }
 std::string_view referenceOf(const std::string& solver) {
   for (const SolverEntry& entry : solverCatalogue())
     if (entry.name == solver) return entry.reference;
-  return solver == "hybrid" ? "exact Hessian and Gauss-Newton steps on the skeleton tree" : "";
+  return solver == "drag" ? "exact Hessian and Gauss-Newton steps on the skeleton tree" : "";
 }
 
 class SolvePanel final : public Panel {
@@ -70,7 +70,7 @@ class SolvePanel final : public Panel {
       ImGui::EndCombo();
     }
     tooltip(
-        "The method that follows the goals in every frame. The hybrid keeps its state from frame to frame; "
+        "The method that follows the goals in every frame. The drag solver keeps its state from frame to frame; "
         "every other solver starts at the present pose with 20 iterations.");
     ImGui::PushFont(s.gui.fonts().small);
     dot(toImVec4(solverColour(current)), s.scale);

@@ -1,12 +1,12 @@
 // The drag solver on the built-in figure: five goals (both hands, head, two planted feet). `drag_benchmark
-// --marks` prints the table of docs/solvers/hybrid.md instead of timing one thing after the other.
+// --marks` prints the table of docs/solvers/drag.md instead of timing one thing after the other.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
 #include <cstring>
 
 #include "solvers/problem/judge.h"
-#include "solvers/tree/hybrid_solver.h"
+#include "solvers/tree/drag_solver.h"
 #include "tests/solvers/tree/drag_marks.h"
 
 namespace gelenk {
@@ -27,7 +27,7 @@ void DragFrame(benchmark::State& state, Kind kind, double step) {
                         ? marks::wildPath(figure, random, 2000, step)
                         : marks::reachablePath(figure, random, kind == Kind::Held ? 100 : 2000, step);
   DragSolver solver(figure.skeleton);
-  std::vector<DragGoal> goals = figure.goals();
+  std::vector<Goal> goals = figure.goals();
   if (kind == Kind::Held) {
     marks::follow(figure, solver, path, step);
     figure.setTargets(goals, path.back());
@@ -81,12 +81,12 @@ std::vector<IkProblem> coldProblems(const Figure& figure, int count, bool wholeR
 void ColdSolve(benchmark::State& state, bool wholeRange) {
   const Figure figure;
   const auto problems = coldProblems(figure, 1000, wholeRange);
-  const auto hybrid = makeHybrid();
+  const auto cold = makeDrag();
   std::vector<double> seconds;
   std::size_t at = 0, solved = 0;
   for (auto _ : state) {
     const IkProblem& problem = problems[at++ % problems.size()];
-    const IkReport report = hybrid->solve(problem, {.restarts = 30}, TraceLevel::Off);
+    const IkReport report = cold->solve(problem, {.restarts = 30}, TraceLevel::Off);
     seconds.push_back(report.seconds);
     solved += report.why == Stop::Converged;
   }
@@ -161,11 +161,11 @@ void printMarks(unsigned long long seed) {
 
   for (const bool wholeRange : {false, true})
     for (const int restarts : {0, 30}) {
-      const auto hybrid = makeHybrid();
+      const auto cold = makeDrag();
       std::vector<double> seconds;
       int solved = 0;
       for (const IkProblem& problem : coldProblems(figure, 1000, wholeRange)) {
-        const IkReport report = hybrid->solve(problem, {.restarts = restarts}, TraceLevel::Off);
+        const IkReport report = cold->solve(problem, {.restarts = restarts}, TraceLevel::Off);
         seconds.push_back(report.seconds);
         solved += judge(problem, report.q).solved;
       }

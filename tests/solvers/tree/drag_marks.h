@@ -33,29 +33,29 @@ struct Figure {
   Vector3d dragPoint(int k) const { return k < 2 ? palm : Vector3d(0.0, 0.0, 0.1); }
   Vector3d dragged(const Frames& frames, int k) const { return frames[dragJoint(k)] * dragPoint(k); }
 
-  std::vector<DragGoal> pins() const {
-    std::vector<DragGoal> goals;
+  std::vector<Goal> pins() const {
+    std::vector<Goal> goals;
     for (const int foot : feet)
-      goals.push_back({.goal = {.kind = GoalKind::Pose,
-                                .name = "foot",
-                                .joint = foot,
-                                .target = startFrames[foot].translation(),
-                                .orientation = Eigen::Quaterniond(startFrames[foot].linear())},
-                       .role = GoalRole::Pin});
+      goals.push_back({.kind = GoalKind::Pose,
+                       .name = "foot",
+                       .joint = foot,
+                       .target = startFrames[foot].translation(),
+                       .orientation = Eigen::Quaterniond(startFrames[foot].linear()),
+                       .role = Role::Pin});
     return goals;
   }
-  std::vector<DragGoal> goals() const {
-    std::vector<DragGoal> all;
+  std::vector<Goal> goals() const {
+    std::vector<Goal> all;
     for (int k = 0; k < dragCount; ++k)
-      all.push_back({.goal = {.name = "drag",
-                              .joint = dragJoint(k),
-                              .pointInJoint = dragPoint(k),
-                              .target = dragged(startFrames, k)}});
-    for (const DragGoal& pin : pins()) all.push_back(pin);
+      all.push_back({.name = "drag",
+                     .joint = dragJoint(k),
+                     .pointInJoint = dragPoint(k),
+                     .target = dragged(startFrames, k)});
+    for (const Goal& pin : pins()) all.push_back(pin);
     return all;
   }
-  void setTargets(std::vector<DragGoal>& goals, const std::vector<Vector3d>& targets) const {
-    for (int k = 0; k < dragCount; ++k) goals[k].goal.target = targets[k];
+  void setTargets(std::vector<Goal>& goals, const std::vector<Vector3d>& targets) const {
+    for (int k = 0; k < dragCount; ++k) goals[k].target = targets[k];
   }
 
   /// Largest distance of three points of each foot (ankle, 10 cm along the bone, 10 cm up) from where they
@@ -97,8 +97,8 @@ using Path = std::vector<std::vector<Vector3d>>;
 /// limits).
 inline Path reachablePath(const Figure& figure, std::mt19937_64& random, int frames, double step) {
   const Skeleton& skeleton = figure.skeleton;
-  HybridDescent feet(skeleton, 1.0, std::vector<double>(skeleton.nv(), 1.0), skeleton.rest());
-  const std::vector<DragGoal> pins = figure.pins();
+  DragDescent feet(skeleton, 1.0, std::vector<double>(skeleton.nv(), 1.0), skeleton.rest());
+  const std::vector<Goal> pins = figure.pins();
   feet.build(std::vector<int>{figure.feet[0], figure.feet[1]}, Vector3d::Zero());
   for (const int foot : figure.feet) {
     const Eigen::Isometry3d& frame = figure.startFrames[foot];
@@ -221,7 +221,7 @@ struct Shown {
 /// Follows the path frame by frame; step: metres a frame.
 inline Shown follow(const Figure& figure, DragSolver& solver, const Path& path, double step) {
   Shown shown;
-  std::vector<DragGoal> goals = figure.goals();
+  std::vector<Goal> goals = figure.goals();
   Frames frames;
   for (const auto& targets : path) {
     figure.setTargets(goals, targets);
