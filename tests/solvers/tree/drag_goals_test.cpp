@@ -4,9 +4,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "kinematics/notation/mannequin_masses.h"
 #include "solvers/problem/judge.h"
-#include "solvers/problem/support.h"
 #include "tests/solvers/problem/random_goal.h"
 #include "tests/solvers/tree/drag_marks.h"
 
@@ -309,45 +307,26 @@ TEST(DragGoals, ColdSolveReachesEveryReachableGoalOfTheTable) {
 
 // ---- balance ---------------------------------------------------------------------------------------------
 
-BalanceOptions balanceOf(const Skeleton& figure) {
-  BalanceOptions balance{.masses = std::make_shared<const Masses>(mannequinMasses(figure))};
-  for (const FootPoint& point : mannequinSoles(figure)) balance.supports.push_back({point.joint, point.inJoint});
-  return balance;
-}
-
 TEST(Balance, TheCentreOfMassStaysOverTheFeetInRandomDrags) {
   const marks::Figure figure;
-  const BalanceOptions balance = balanceOf(figure.skeleton);
-  std::vector<Vector3d> soles;
-  for (const auto& support : balance.supports)
-    soles.push_back(figure.startFrames[support.joint] * support.inJoint);
-  const SupportPolygon polygon = SupportPolygon::hull(soles, Vector3d::UnitY());
-  double outsideShare[2];
-  double worstPin[2] = {0.0, 0.0};
+  marks::Shown shown[2];
   for (const bool balanced : {false, true}) {
     std::mt19937_64 random(2024);
     DragOptions options;
-    if (balanced) options.balance = balance;
+    if (balanced) options.balance = marks::balanceOf(figure);
     DragSolver solver(figure.skeleton, options);
-    int frames = 0, outside = 0;
     for (int path = 0; path < 4; ++path) {
-      std::vector<Goal> goals = figure.goals();
+      const double step = path % 2 ? 0.01 : 0.05;
       solver.reset(figure.start);
-      for (const auto& targets : marks::wildPath(figure, random, 250, path % 2 ? 0.01 : 0.05)) {
-        figure.setTargets(goals, targets);
-        const VectorXd& q = solver.frame(goals).q;
-        const Frames at = forwardKinematics(figure.skeleton, q);
-        outside += polygon.outside(centreOfMass(*balance.masses, at)) > 0.0;
-        worstPin[balanced] = std::max(worstPin[balanced], figure.pinError(at));
-        ++frames;
-      }
+      shown[balanced].add(marks::follow(figure, solver, marks::wildPath(figure, random, 250, step), step));
     }
-    outsideShare[balanced] = static_cast<double>(outside) / frames;
   }
-  EXPECT_GT(outsideShare[0], 0.1);  // otherwise this shows nothing
-  EXPECT_EQ(outsideShare[1], 0.0);
-  EXPECT_LE(worstPin[1], 2e-3);
-  RecordProperty("outside_before", std::to_string(outsideShare[0]));
+  EXPECT_GT(shown[false].outside, 100);  // otherwise this shows nothing
+  EXPECT_EQ(shown[true].outside, 0);
+  EXPECT_LE(shown[true].worstPin, 2e-3);
+  EXPECT_LE(shown[true].worstRotation, 0.22);
+  EXPECT_LE(shown[true].worstViolation, 1e-12);
+  RecordProperty("outside_before", shown[false].outside);
 }
 
 }  // namespace

@@ -8,7 +8,9 @@
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/notation/mannequin.h"
+#include "kinematics/notation/mannequin_masses.h"
 #include "kinematics/rotation.h"
+#include "solvers/problem/support.h"
 #include "solvers/tree/drag_solver.h"
 
 // The drags by which the drag solver is judged, for the tests and for the table that drag_benchmark prints.
@@ -78,6 +80,29 @@ struct Figure {
     }
     return largest;
   }
+};
+
+/// The figure's masses and soles.
+inline BalanceOptions balanceOf(const Figure& figure) {
+  BalanceOptions balance{.masses = std::make_shared<const Masses>(mannequinMasses(figure.skeleton))};
+  for (const FootPoint& point : mannequinSoles(figure.skeleton))
+    balance.supports.push_back({point.joint, point.inJoint});
+  return balance;
+}
+
+/// How far the centre of mass stands outside the hull of the soles where they were at the start, metres;
+/// below 0 inside. The feet are pinned.
+struct Tipping {
+  explicit Tipping(const Figure& figure) : masses(mannequinMasses(figure.skeleton)) {
+    std::vector<Vector3d> soles;
+    for (const FootPoint& point : mannequinSoles(figure.skeleton))
+      soles.push_back(figure.startFrames[point.joint] * point.inJoint);
+    polygon = SupportPolygon::hull(soles, Vector3d::UnitY());
+  }
+  double operator()(const Frames& frames) const { return polygon.outside(centreOfMass(masses, frames)); }
+
+  Masses masses;
+  SupportPolygon polygon;
 };
 
 /// Half way between rest and a pose uniform within limits; the root stays.
@@ -202,7 +227,8 @@ struct Shown {
   double worstRotation = 0.0;   ///< radians a joint and frame
   double worstJump = 0.0;       ///< rotation over (target step / 0.5 m)
   double worstViolation = 0.0;  ///< of limits
-  int notFinite = 0;
+  int notFinite = 0, outside = 0;  ///< frames with the centre of mass outside the soles
+  double worstTipping = 0.0;       ///< metres outside
   long iterations = 0, factorisations = 0;
 
   void add(const Shown& other) {
@@ -213,6 +239,8 @@ struct Shown {
     worstJump = std::max(worstJump, other.worstJump);
     worstViolation = std::max(worstViolation, other.worstViolation);
     notFinite += other.notFinite;
+    outside += other.outside;
+    worstTipping = std::max(worstTipping, other.worstTipping);
     iterations += other.iterations;
     factorisations += other.factorisations;
   }
@@ -222,6 +250,7 @@ struct Shown {
 inline Shown follow(const Figure& figure, DragSolver& solver, const Path& path, double step) {
   Shown shown;
   std::vector<Goal> goals = figure.goals();
+  const Tipping tipping(figure);
   Frames frames;
   for (const auto& targets : path) {
     figure.setTargets(goals, targets);
@@ -239,6 +268,9 @@ inline Shown follow(const Figure& figure, DragSolver& solver, const Path& path, 
     for (int k = 0; k < Figure::dragCount; ++k)
       shown.errors.push_back((targets[k] - figure.dragged(frames, k)).norm());
     shown.worstPin = std::max(shown.worstPin, figure.pinError(frames));
+    const double tipped = tipping(frames);
+    shown.outside += tipped > 0.0;
+    shown.worstTipping = std::max(shown.worstTipping, tipped);
     const double rotation = figure.largestRotation(before, q);
     shown.worstRotation = std::max(shown.worstRotation, rotation);
     if (step > 0.0) shown.worstJump = std::max(shown.worstJump, rotation / (step / 0.5));
