@@ -17,7 +17,7 @@ struct JointLine {
   Vector3d position;
 };
 
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+std::string inQuotes(std::string_view word) { return "'" + std::string(word) + "'"; }
 
 std::vector<JointLine> splitJoints(std::string_view text, const std::string& file) {
   std::vector<JointLine> joints;
@@ -33,7 +33,7 @@ std::vector<JointLine> splitJoints(std::string_view text, const std::string& fil
     if (joint.id == "-1") throw ParseError(file, line, "an id other than -1, which means no parent", "'-1'");
     for (int k = 0; k < 3; ++k) {
       const auto value = parseNumber(words[k + 1]);
-      if (!value) throw ParseError(file, line, "a finite number", quoted(words[k + 1]));
+      if (!value) throw ParseError(file, line, "a finite number", inQuotes(words[k + 1]));
       joint.position[k] = *value;
     }
     joints.push_back(joint);
@@ -49,7 +49,7 @@ Index indexById(const std::vector<JointLine>& joints, const std::string& file) {
   for (std::size_t i = 0; i < joints.size(); ++i)
     if (!indexOf.emplace(joints[i].id, static_cast<int>(i)).second)
       throw ParseError(file, joints[i].line, "an id that is used once",
-                       quoted(joints[i].id) + " again (first on line " +
+                       inQuotes(joints[i].id) + " again (first on line " +
                            std::to_string(joints[indexOf[joints[i].id]].line) + ")");
   return indexOf;
 }
@@ -75,12 +75,12 @@ int parentIndex(const std::vector<JointLine>& joints, const Index& indexOf, int 
   }
   const auto found = indexOf.find(joint.parent);
   if (found == indexOf.end())
-    throw ParseError(file, joint.line, "the id of an earlier joint as parent", quoted(joint.parent));
+    throw ParseError(file, joint.line, "the id of an earlier joint as parent", inQuotes(joint.parent));
   if (found->second < i) return found->second;
   throw ParseError(file, joint.line, "the id of an earlier joint as parent",
                    liesOnACycle(joints, indexOf, i)
-                       ? quoted(joint.parent) + ", which makes a cycle of parents"
-                       : quoted(joint.parent) + ", which comes only on line " +
+                       ? inQuotes(joint.parent) + ", which makes a cycle of parents"
+                       : inQuotes(joint.parent) + ", which comes only on line " +
                              std::to_string(joints[found->second].line));
 }
 
@@ -99,7 +99,7 @@ Skeleton parsePinocchioSkeleton(std::string_view text, const std::string& file) 
         throw ParseError(file, lines[i].line, "a bone of finite length", "an overflow");
       if (joint.parentFromZero.translation().norm() == 0.0)
         throw ParseError(file, lines[i].line, "a bone of positive length",
-                         "the same position as its parent " + quoted(lines[i].parent));
+                         "the same position as its parent " + inQuotes(lines[i].parent));
       joints[joint.parent].ball = true;
     } else {
       for (int k = 0; k < 3; ++k) joint.axes.push_back({AxisDof::Kind::Translation, Vector3d::Unit(k)});

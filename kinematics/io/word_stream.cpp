@@ -10,7 +10,7 @@ namespace {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-std::string quoted(std::string_view word) {
+std::string inQuotes(std::string_view word) {
   constexpr std::size_t longest = 60;
   return "'" + std::string(word.substr(0, longest)) + (word.size() > longest ? "...'" : "'");
 }
@@ -91,7 +91,7 @@ void WordStream::skipLine() {
 }
 
 void WordStream::fail(const std::string& expected) const {
-  throw ParseError(file_, line_, expected, atEnd() ? "the end of the file" : quoted(word_));
+  throw ParseError(file_, line_, expected, atEnd() ? "the end of the file" : inQuotes(word_));
 }
 
 void WordStream::failTaken(const std::string& expected, const std::string& found) const {

@@ -6,6 +6,7 @@
 #include "apps/document/model_files.h"
 #include "tests/gpu/gl_fixture.h"
 #include "tests/gpu/test_bodies.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -118,7 +119,7 @@ TEST_F(SkinnedMesh, APoseOfAnotherLengthIsRejected) {
 }
 
 TEST_F(SkinnedMesh, ShaderAgreesOnTheMakeHumanBodyWithPinocchioWeights) {
-  const std::string data = GELENK_DATA_DIR;
+  const std::string data = testing::dataFolder();
   if (!std::filesystem::exists(data + "/pinocchio/mh_male.skeleton.out"))
     GTEST_SKIP() << "no trial data in " << data;
   const Model model =

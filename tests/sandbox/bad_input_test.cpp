@@ -8,6 +8,7 @@
 
 #include "kinematics/io/text_file.h"
 #include "tests/sandbox/program.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -32,7 +33,7 @@ class BadInput : public ::testing::Test {
   /// Runs `gelenk sandbox ...` and expects a sentence that holds the words.
   void expectRefusal(std::vector<std::string> arguments, const std::string& words,
                      const std::vector<std::string>& environment = {}) {
-    arguments.insert(arguments.begin(), {GELENK_PROGRAM, "sandbox"});
+    arguments.insert(arguments.begin(), {testing::programFile(), "sandbox"});
     const Finished finished = runProgram(arguments, environment);
     EXPECT_EQ(finished.status, 1) << finished.output;
     EXPECT_NE(finished.output.find(words), std::string::npos)

@@ -12,6 +12,7 @@
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
 #include "tests/sandbox/program.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -35,7 +36,7 @@ class RealWindow : public ::testing::Test {
     ASSERT_TRUE(parseInteger(number)) << "Xvfb did not start";
     display_ = "DISPLAY=:" + number;
     program_ =
-        std::make_unique<Program>(std::vector<std::string>{GELENK_PROGRAM, "sandbox", "figure", "--status",
+        std::make_unique<Program>(std::vector<std::string>{testing::programFile(), "sandbox", "figure", "--status",
                                                            statusPath(), "--size", "900x640", "--scale", "1"},
                                   std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
     waitFor([](const json& s) { return s["frame"] >= 2; });

@@ -13,6 +13,7 @@
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
 #include "tests/sandbox/program.h"
+#include "tests/places.h"
 
 namespace gelenk {
 
@@ -134,7 +135,7 @@ TEST(CompareCommand, ARunThatIsKilledAgainAndAgainEndsWithTheBitsOfAnUninterrupt
   const fs::path folder = fs::path(::testing::TempDir()) / "gelenk-compare-killed";
   fs::remove_all(folder);
   const auto words = [&](const char* out) {
-    return std::vector<std::string>{GELENK_PROGRAM, "compare", "--model",  "panda",
+    return std::vector<std::string>{testing::programFile(), "compare", "--model",  "panda",
                                     "--set",        "D1",      "--set",    "D5",
                                     "--solver",     "sdls",    "--solver", "evolution",
                                     "--problems",   "100",     "--seeds",  "3",
@@ -209,7 +210,7 @@ TEST(CompareCommand, AnExperimentWritesOverItsOwnFilesOnly) {
 
 TEST(Program, EndsWithZeroOneOrTwo) {
   const auto status = [](std::vector<std::string> words) {
-    words.insert(words.begin(), GELENK_PROGRAM);
+    words.insert(words.begin(), testing::programFile());
     return testing::runProgram(words).status;
   };
   EXPECT_EQ(status({}), 1);

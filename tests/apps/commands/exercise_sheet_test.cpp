@@ -8,6 +8,7 @@
 #include "skinning/blend/linear_blend.h"
 #include "skinning/muscles/muscle_control.h"
 #include "skinning/muscles/muscle_skin.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -100,7 +101,7 @@ TEST_F(SmallSheet, OtherNamesNeedAMappingAndTheMessageSaysSo) {
 }
 
 TEST(ExerciseSheet, MuscleLayersLeaveTheBoundBodyInPlace) {
-  const std::string data = GELENK_DATA_DIR;
+  const std::string data = testing::dataFolder();
   if (!std::filesystem::exists(data + "/mocap/asf/02.asf")) GTEST_SKIP() << "no trial data at " << data;
   Companions files;
   files.skeleton = data + "/pinocchio/mh_male.skeleton.out";

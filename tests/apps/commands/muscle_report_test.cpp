@@ -16,13 +16,14 @@
 #include "skinning/io/obj.h"
 #include "skinning/muscles/muscle_fit.h"
 #include "solvers/lab/report.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
 
 using Eigen::Vector3d;
 
-const std::string bodies = std::string(GELENK_DATA_DIR) + "/characters/makehuman/";
+const std::string bodies = testing::dataFolder() + "/characters/makehuman/";
 
 /// A limb cut out of the trial body, with the artist's weights: three joints by name, resting as the rig
 /// rests.

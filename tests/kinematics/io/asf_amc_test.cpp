@@ -9,13 +9,14 @@
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/io/c3d.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
 
 using Eigen::Vector3d;
 
-const std::string data = std::string(GELENK_DATA_DIR) + "/mocap/asf/";
+const std::string data = testing::dataFolder() + "/mocap/asf/";
 
 #define REQUIRE_DATA(path) \
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no trial data at " << (path)
@@ -177,7 +178,7 @@ struct Walk {
 };
 
 TEST(Asf, CmuWalkAgreesWithTheGoldenToATenthOfAMillimetre) {
-  const std::string golden = std::string(GELENK_DATA_DIR) + "/pinocchio/asf_fk_golden_02_01.txt";
+  const std::string golden = testing::dataFolder() + "/pinocchio/asf_fk_golden_02_01.txt";
   REQUIRE_DATA(golden);
   const Walk walk;
   EXPECT_EQ(walk.clip.q.rows(), 62);

@@ -4,6 +4,7 @@
 
 #include "kinematics/forward_kinematics.h"
 #include "tests/kinematics/io/bad_input.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -142,7 +143,7 @@ TEST(Bvh, BadInputIsRefusedWithItsLine) {
 }
 
 TEST(Bvh, EveryFileOfTheTrialDataIsReadAndSurvivesWriting) {
-  const std::string folder = std::string(GELENK_DATA_DIR) + "/mocap/bvh/";
+  const std::string folder = testing::dataFolder() + "/mocap/bvh/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no trial data at " << folder;
   for (const char* name : {"mh_walk1.bvh", "mh_dance1.bvh", "mh_tpose.bvh"}) {
     const BvhMotion bvh = readBvh(folder + name);

@@ -5,6 +5,7 @@
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
 #include "tests/kinematics/io/bad_input.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -92,7 +93,7 @@ TEST(PinocchioSkeleton, BadInputIsRefusedWithItsLine) {
 }
 
 TEST(PinocchioSkeleton, FittedHumanHasItsSidesNamedByTheBody) {
-  const std::string path = std::string(GELENK_DATA_DIR) + "/pinocchio/mh_male.skeleton.out";
+  const std::string path = testing::dataFolder() + "/pinocchio/mh_male.skeleton.out";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no trial data at " << path;
   const Skeleton skeleton = namedAsHuman(readPinocchioSkeleton(path));
   const Frames frames = restFrames(skeleton);

@@ -7,13 +7,14 @@
 #include "kinematics/io/text_file.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
 
 using Eigen::Vector3d;
 
-const std::string assets = GELENK_ASSET_DIR;
+const std::string assets = testing::assetFolder();
 
 const std::string fork =
     "NumJoints: 4\n"

@@ -5,6 +5,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "tests/kinematics/io/bad_input.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -150,7 +151,7 @@ TEST(Urdf, InertialsBecomeTheMassesOfTheJointsThatCarryTheirLinks) {
 }
 
 TEST(Urdf, EveryRobotOfTheTrialDataIsRead) {
-  const std::string folder = std::string(GELENK_DATA_DIR) + "/robots/";
+  const std::string folder = testing::dataFolder() + "/robots/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no trial data at " << folder;
   EXPECT_EQ(readUrdf(folder + "panda/urdf/panda.urdf").skeleton.nv(), 9);
   EXPECT_EQ(readUrdf(folder + "ur5/urdf/ur5_robot.urdf").skeleton.nv(), 6);

@@ -6,6 +6,7 @@
 
 #include "kinematics/io/asf_amc.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -174,7 +175,7 @@ TEST(Keyed, IsHitExactlyAndForgottenBeyondTheFalloff) {
 }
 
 TEST(FootPlant, WalkStandsStillAboveTheFloorAndTheRestOfTheBodyStays) {
-  const std::string data = std::string(GELENK_DATA_DIR) + "/mocap/asf/";
+  const std::string data = testing::dataFolder() + "/mocap/asf/";
   if (!std::filesystem::exists(data + "02_01.amc")) GTEST_SKIP() << "no trial data at " << data;
   const AsfSkeleton asf = readAsf(data + "02.asf");
   const MotionClip clip = readAmc(data + "02_01.amc", asf);

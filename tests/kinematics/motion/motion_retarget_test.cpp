@@ -8,6 +8,7 @@
 #include "kinematics/io/bvh.h"
 #include "kinematics/notation/mannequin.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -85,7 +86,7 @@ TEST(Retarget, NeedsTwoJointsOfEqualNames) {
 }
 
 TEST(Retarget, WalkOfTheTrialDataGoesOnTheFigureWithLimbsThatPointAlike) {
-  const std::string file = std::string(GELENK_DATA_DIR) + "/mocap/bvh/mh_walk1.bvh";
+  const std::string file = testing::dataFolder() + "/mocap/bvh/mh_walk1.bvh";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no trial data at " << file;
   const BvhMotion bvh = readBvh(file, {.metresPerUnit = 0.1});
   const Skeleton figure = mannequin();

@@ -6,6 +6,7 @@
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -195,7 +196,7 @@ TEST(BonePathsByName, TakeJointsOfEqualNamesWhateverTheirCaseAndSide) {
 }
 
 TEST(SkeletonTransfer, FittedHumanOnTheCmuSkeletonMatchesAllButHandsThumbsAndToes) {
-  const std::string data = GELENK_DATA_DIR;
+  const std::string data = testing::dataFolder();
   if (!std::filesystem::exists(data + "/mocap/asf/02.asf")) GTEST_SKIP() << "no trial data at " << data;
   const AsfSkeleton asf = readAsf(data + "/mocap/asf/02.asf");
   const Skeleton fitted = namedAsHuman(readPinocchioSkeleton(data + "/pinocchio/mh_male.skeleton.out"));

@@ -11,6 +11,7 @@
 #include "kinematics/notation/robots.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -236,7 +237,7 @@ TEST(DhFromSkeleton, RandomChainsOfTurningSlidingAndFixedJoints) {
 }
 
 TEST(DhFromSkeleton, RobotsOfUrdfFiles) {
-  const std::string folder = std::string(GELENK_DATA_DIR) + "/robots/";
+  const std::string folder = testing::dataFolder() + "/robots/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no trial data at " << folder;
   struct Case {
     const char *file, *end;

@@ -10,6 +10,7 @@
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/rotation.h"
 #include "kinematics/symmetry.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -205,7 +206,7 @@ TEST(Mirror, SidesAreFoundInTheUsualSpellings) {
 }
 
 TEST(Mannequin, RestPositionsAreThoseOfTheMeasuredTable) {
-  std::ifstream table(std::string(GELENK_DATA_DIR) + "/mannequin/mannequin_joints.txt");
+  std::ifstream table(testing::dataFolder() + "/mannequin/mannequin_joints.txt");
   if (!table) GTEST_SKIP() << "the table of measurements is not here";
   const Skeleton figure = mannequin();
   const Frames rest = restFrames(figure);

@@ -14,6 +14,7 @@
 #include "skinning/blend/linear_blend.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -116,7 +117,7 @@ TEST(Gltf, AnIndependentLoaderSeesTheSameJointsMeshAndKeys) {
 #endif
 
 TEST(Gltf, CmuWalkOutAndInKeepsEveryJoint) {
-  const std::string data = std::string(GELENK_DATA_DIR) + "/mocap/asf/";
+  const std::string data = testing::dataFolder() + "/mocap/asf/";
   if (!std::filesystem::exists(data + "02_01.amc")) GTEST_SKIP() << "no trial data at " << data;
   const AsfSkeleton asf = readAsf(data + "02.asf");
   const MotionClip clip = readAmc(data + "02_01.amc", asf);
@@ -137,7 +138,7 @@ TEST(Gltf, CmuWalkOutAndInKeepsEveryJoint) {
 }
 
 TEST(Gltf, TrialCharactersAreReadWithSkinAndAnimation) {
-  const std::string data = std::string(GELENK_DATA_DIR) + "/characters/";
+  const std::string data = testing::dataFolder() + "/characters/";
   if (!std::filesystem::exists(data + "gltf/Fox.glb")) GTEST_SKIP() << "no trial data at " << data;
   for (const char* name : {"gltf/RiggedFigure.glb", "gltf/Fox.glb", "kaykit/Knight.glb"}) {
     const GltfModel model = readGltf(data + name);

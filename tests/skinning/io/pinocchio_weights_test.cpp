@@ -8,6 +8,7 @@
 #include "skinning/blend/linear_blend.h"
 #include "skinning/io/obj.h"
 #include "tests/kinematics/io/bad_input.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -133,7 +134,7 @@ TEST(PinocchioWeights, RowsThatMissTheMeshesLooseVerticesAreExplained) {
 }
 
 TEST(PinocchioWeights, TrioOfTheSheetSkinsInPlaceAndLosesWhatTheFactsSay) {
-  const std::string data = GELENK_DATA_DIR;
+  const std::string data = testing::dataFolder();
   if (!std::filesystem::exists(data + "/pinocchio/mh_male.attachment.out"))
     GTEST_SKIP() << "no trial data at " << data;
   const Mesh mesh = readObj(data + "/characters/makehuman/mh_male.obj");

@@ -6,6 +6,7 @@
 
 #include "skinning/io/urdf_body.h"
 #include "tests/kinematics/io/bad_input.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -86,7 +87,7 @@ TEST(Stl, BadInputIsRefused) {
 }
 
 TEST(UrdfBody, RobotsCarryTheirMeshesInMetres) {
-  const std::string folder = std::string(GELENK_DATA_DIR) + "/robots/";
+  const std::string folder = testing::dataFolder() + "/robots/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no trial data at " << folder;
   const UrdfModel kuka = openUrdf(folder + "kuka_iiwa/model.urdf");
   ASSERT_TRUE(kuka.skin);

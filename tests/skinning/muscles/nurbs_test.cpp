@@ -8,6 +8,7 @@
 #include "skinning/muscles/nurbs_surface.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/skinning/muscles/nurbs_arm.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -97,7 +98,7 @@ TEST(Nurbs, AClosedTubeHasPolesRoundEndsAndExactEllipses) {
 }
 
 TEST(Nurbs, TheArmThatComesWithTheProgramIsItsTableOfRings) {
-  const NurbsSurface file = readNurbs(GELENK_ASSET_DIR "/nurbs_arm.nurbs"),
+  const NurbsSurface file = readNurbs(testing::assetFolder() + "/nurbs_arm.nurbs"),
                      made = closedTube(testing::armRings());
   EXPECT_EQ(file.knotsU, made.knotsU);
   EXPECT_EQ(file.knotsV, made.knotsV);

@@ -12,6 +12,7 @@
 #include "kinematics/symmetry.h"
 #include "skinning/bodies/mannequin_body.h"
 #include "skinning/bodies/polygonise.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -207,7 +208,7 @@ TEST(MannequinSkin, WeightsAreSymmetricSmoothAndDoNotLeakBetweenLegsOrFingers) {
 
 /// Half the L1 distance between two rows, the share of weight that differs.
 TEST(BoneHeat, ComesNearAnArtistsWeightsOnTheMakeHumanBody) {
-  const std::string folder = std::string(GELENK_DATA_DIR) + "/characters/makehuman/";
+  const std::string folder = testing::dataFolder() + "/characters/makehuman/";
   std::ifstream obj(folder + "mh_male.obj"), rig(folder + "mh_male.game_engine.skel.txt"),
       painted(folder + "weights.game_engine.txt");
   if (!obj || !rig || !painted) GTEST_SKIP() << "the MakeHuman body is not here";

@@ -1,0 +1,9 @@
+#include "tests/places.h"
+
+namespace gelenk::testing {
+
+std::string dataFolder() { return GELENK_DATA_DIR; }
+std::string assetFolder() { return GELENK_ASSET_DIR; }
+std::string programFile() { return GELENK_PROGRAM; }
+
+}  // namespace gelenk::testing
