@@ -37,6 +37,7 @@ struct GoalField {
   std::string_view explain;  ///< a phrase for a person
   Meaning meaning;
   Member member;
+  bool optional = false;  ///< what Goal begins with is sensible; End: where the target is
 };
 
 // ---- evaluation ------------------------------------------------------------------------------------------
@@ -233,13 +234,13 @@ namespace goal_fields {
 using Meaning = GoalField::Meaning;
 inline constexpr GoalField joint{"joint", "the joint", Meaning::Joint, &Goal::joint};
 inline constexpr GoalField point{"point", "the point of the joint", Meaning::PointInJoint,
-                                 &Goal::pointInJoint};
+                                 &Goal::pointInJoint, true};
 inline constexpr GoalField target{"target", "where it shall be", Meaning::Target, &Goal::target};
 inline constexpr GoalField orientation{"orientation", "worldFromJoint wanted", Meaning::Rotation,
                                        &Goal::orientation};
 inline constexpr GoalField other{"other", "the other joint", Meaning::Joint, &Goal::otherJoint};
 inline constexpr GoalField otherPoint{"other_point", "the point of the other joint", Meaning::PointInOther,
-                                      &Goal::pointInOther};
+                                      &Goal::pointInOther, true};
 }  // namespace goal_fields
 
 namespace goal_parts {

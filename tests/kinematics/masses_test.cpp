@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 TEST(Masses, CentreOfTwoBallsIsWhereTheirLeverBalances) {
   std::vector<Joint> joints{{.name = "a"}, {.name = "b", .parent = 0}};
-  joints[1].parentFromZero.translation() = {3, 0, 0};
+  joints[1].parentFromZero.translation() = Vector3d(3, 0, 0);
   const Skeleton skeleton(joints);
   const Masses masses{{1.0, 2.0}, {Vector3d(0, 0, 0), Vector3d(0, 0, 0)}};
   EXPECT_EQ(centreOfMass(masses, restFrames(skeleton)), Vector3d(2, 0, 0));  // 1 kg at 0, 2 kg at 3 m
@@ -68,8 +68,8 @@ TEST(Masses, TheFigureWeighs73KilogramsAndItsCentreLiesWhereAMansDoes) {
 
 TEST(Masses, RodsHaveTheirCentresHalfWay) {
   std::vector<Joint> joints{{.name = "a"}, {.name = "b", .parent = 0}, {.name = "c", .parent = 1}};
-  joints[1].parentFromZero.translation() = {2, 0, 0};
-  joints[2].parentFromZero.translation() = {0, 1, 0};
+  joints[1].parentFromZero.translation() = Vector3d(2, 0, 0);
+  joints[2].parentFromZero.translation() = Vector3d(0, 1, 0);
   const Skeleton skeleton(joints);
   const Masses masses = rodMasses(skeleton, 3.0);
   EXPECT_EQ(masses.mass, (std::vector<double>{6.0, 3.0, 0.0}));

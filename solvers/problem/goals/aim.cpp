@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 constexpr GoalField fields[] = {
     goal_fields::joint,
     {"axis", "the axis of the joint that shall point at the target", GoalField::Meaning::AxisInJoint,
-     &Goal::axisInJoint},
+     &Goal::axisInJoint, true},
     goal_fields::target};
 
 void residual(const Goal& goal, const GoalPlace& at, Eigen::Ref<VectorXd> r) {

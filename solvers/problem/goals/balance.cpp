@@ -16,8 +16,8 @@ using Eigen::VectorXd;
 constexpr GoalField fields[] = {
     {"polygon", "corners of the support; their convex hull counts", GoalField::Meaning::Polygon,
      &Goal::polygon},
-    {"up", "the direction of the plumb line, upwards", GoalField::Meaning::Direction, &Goal::direction},
-    {"margin", "how far inside the polygon", GoalField::Meaning::Length, &Goal::length}};
+    {"up", "the direction of the plumb line, upwards", GoalField::Meaning::Direction, &Goal::direction, true},
+    {"margin", "how far inside the polygon", GoalField::Meaning::Length, &Goal::length, true}};
 
 SupportPolygon::Nearest nearestTo(const Goal& goal, const Vector3d& centre) {
   const Vector3d up = goal.direction.normalized();

@@ -15,8 +15,8 @@ constexpr GoalField fields[] = {
     goal_fields::point,
     {"target", "a point of the plane", GoalField::Meaning::Target, &Goal::target},
     {"normal", "the direction out of the forbidden half space", GoalField::Meaning::Direction,
-     &Goal::direction},
-    {"margin", "how far from the plane at least", GoalField::Meaning::Length, &Goal::length}};
+     &Goal::direction, true},
+    {"margin", "how far from the plane at least", GoalField::Meaning::Length, &Goal::length, true}};
 
 double depth(const Goal& goal, const Vector3d& x) {
   return std::max(0.0, (goal.target - x).dot(goal.direction.normalized()) + goal.length);

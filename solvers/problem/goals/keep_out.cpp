@@ -20,7 +20,7 @@ constexpr GoalField fields[] = {
     goal_fields::point,
     {"target", "where the capsule's segment begins, or the middle of a sphere", GoalField::Meaning::Target,
      &Goal::target},
-    {"end", "where the segment ends; the same point: a sphere", GoalField::Meaning::End, &Goal::end},
+    {"end", "where the segment ends; the same point: a sphere", GoalField::Meaning::End, &Goal::end, true},
     {"radius", "how near the point may come to the segment", GoalField::Meaning::Length, &Goal::length}};
 
 struct Inside {
