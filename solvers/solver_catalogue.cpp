@@ -79,13 +79,15 @@ constexpr std::array catalogue{
 
 }  // namespace
 
+std::string_view presentName(std::string_view name) { return name == "hybrid" ? "drag" : name; }
+
 std::span<const SolverEntry> solverCatalogue() { return catalogue; }
 
 std::unique_ptr<IkSolver> makeSolver(std::string_view name) { return solverEntry(name).make(); }
 
 const SolverEntry& solverEntry(std::string_view name) {
   if (name == "default") name = catalogue.front().name;
-  if (name == "hybrid") name = "drag";  // as older files call it
+  name = presentName(name);
   std::string known;
   for (const SolverEntry& entry : catalogue) {
     if (entry.name == name) return entry;

@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/commands.h"
-#include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
-#include "apps/document/scene.h"
+#include "apps/document/scene_file.h"
+#include "apps/document/session.h"
 #include "kinematics/io/dh_text.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/text_file.h"
@@ -196,22 +196,19 @@ void convertMesh(const Request& request) {
 Imported importScene(const Request& request) {
   const Companions& files = request.companions;
   if (!request.unitIn.empty() || request.upIn != "y" || request.fps > 0.0 || request.bvhPositions != "auto" ||
-      !(files.skeleton + files.weights + files.asf + files.amc + files.mapping + files.figure).empty())
+      files != Companions{})
     throw std::invalid_argument(
         "a scene says itself what belongs to its model; leave the options about IN away");
-  Imported imported{.model = readModel(readModelReference(request.in))};
-  const Scene scene = loadScene(request.in, imported.model.skeleton);
-  try {
-    applyBinding(scene, imported.model);
-  } catch (const std::exception& error) {
-    throw std::runtime_error(request.in + ": " + error.what());
-  }
-  imported.model.clip = MotionClip{.framesPerSecond = 30.0, .q = scene.q};
+  auto [model, document] = openDocument({.nameOrFile = request.in});
+  const Session session(model, std::move(document));
+  Imported imported{.model = *model};
+  if (session.skin()) imported.model.skin = *session.skin();
+  imported.model.clip = MotionClip{.framesPerSecond = 30.0, .q = session.q()};
   return imported;
 }
 
 Imported importRequested(const Request& request) {
-  if (request.in.ends_with(".json")) return importScene(request);
+  if (isScene(request.in)) return importScene(request);
   ImportOptions options{.zUp = request.upIn == "z"};
   if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
   if (request.fps > 0.0) options.framesPerSecond = request.fps;

@@ -11,8 +11,9 @@ namespace {
 /// is no part of the budget: the same frames give the same poses on every machine.
 class WarmSolver final : public FrameSolver {
  public:
-  WarmSolver(const std::string& name, const Skeleton& skeleton) : solver_(makeSolver(name)) {
-    solver_->prepare(skeleton);
+  WarmSolver(const std::string& name, std::shared_ptr<const Skeleton> skeleton)
+      : skeleton_(std::move(skeleton)), solver_(makeSolver(name)) {
+    solver_->prepare(*skeleton_);
   }
 
   IkReport frame(const IkProblem& problem) override {
@@ -20,13 +21,15 @@ class WarmSolver final : public FrameSolver {
   }
 
  private:
+  std::shared_ptr<const Skeleton> skeleton_;  // before the solver that refers to it
   std::unique_ptr<IkSolver> solver_;
 };
 
 /// The stateful drag solver.
 class DragFrameSolver final : public FrameSolver {
  public:
-  explicit DragFrameSolver(const Skeleton& skeleton) : solver_(skeleton, options()) {}
+  explicit DragFrameSolver(std::shared_ptr<const Skeleton> skeleton)
+      : skeleton_(std::move(skeleton)), solver_(*skeleton_, options()) {}
 
   IkReport frame(const IkProblem& problem) override {
     if (fresh_) solver_.reset(problem.start);
@@ -73,6 +76,7 @@ class DragFrameSolver final : public FrameSolver {
     return options;
   }
 
+  std::shared_ptr<const Skeleton> skeleton_;  // before the solver that refers to it
   DragSolver solver_;
   std::vector<Goal> goals_;
   bool fresh_ = true;
@@ -87,9 +91,10 @@ std::vector<std::string> frameSolverNames() {
   return names;
 }
 
-std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name, const Skeleton& skeleton) {
-  if (name == "drag" || name == "hybrid") return std::make_unique<DragFrameSolver>(skeleton);
-  return std::make_unique<WarmSolver>(name, skeleton);
+std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name,
+                                             std::shared_ptr<const Skeleton> skeleton) {
+  if (presentName(name) == "drag") return std::make_unique<DragFrameSolver>(std::move(skeleton));
+  return std::make_unique<WarmSolver>(name, std::move(skeleton));
 }
 
 }  // namespace gelenk

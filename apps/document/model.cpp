@@ -87,6 +87,7 @@ Model openModel(const std::string& nameOrFile) {
     if (entry.name == nameOrFile) return entry.make();
   if (const auto chain = parsePlanarChain(nameOrFile)) return planarModel(*chain);
   if (auto balls = parseBallChain(nameOrFile)) return *std::move(balls);
+  if (const auto table = dhTableNamed(nameOrFile)) return dhModel(*table);
   if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);
   std::string known;
   for (const std::string& name : builtInModels()) known += (known.empty() ? "" : ", ") + name;

@@ -369,7 +369,7 @@ void standWhereMotionBegins(Model& model) {
 Imported importFiles(const std::string& nameOrFile, const Companions& companions,
                      const ImportOptions& options) {
   const auto names = builtInModels();
-  if (std::find(names.begin(), names.end(), nameOrFile) != names.end())
+  if (std::find(names.begin(), names.end(), nameOrFile) != names.end() || nameOrFile.starts_with("dh:"))
     return {.model = openModel(nameOrFile)};
   const auto kind = fileKind(nameOrFile);
   if (!kind && !std::filesystem::exists(nameOrFile))
@@ -393,6 +393,10 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
     result.tutorial.reset();
   }
   return result;
+}
+
+Model readModel(const ModelReference& reference) {
+  return withBody(importFiles(reference.nameOrFile, reference.files).model);
 }
 
 }  // namespace gelenk

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/document/model.h"
+#include "apps/document/model_reference.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/bvh.h"
 #include "kinematics/io/tutorial_skeleton.h"
@@ -46,15 +47,6 @@ struct ImportOptions {
   BvhPositions bvhPositions = BvhPositions::Automatic;
 };
 
-/// Further files that one file needs, empty where not given.
-struct Companions {
-  std::string skeleton, weights;  ///< of an OBJ
-  std::string asf;                ///< of an AMC, or to lay a fitted skeleton on
-  std::string amc;
-  std::string mapping;  ///< BonePath lines; default: CMU's bones on Pinocchio's human
-  std::string figure;   ///< of a tutorial pose
-};
-
 /// Metres in a unit: "m", "dm", "cm", "mm", "in", "ft", or a positive number of metres. Throws
 /// std::invalid_argument.
 double metresPerUnit(const std::string& unit);
@@ -74,6 +66,9 @@ struct Imported {
 /// ParseError and std::invalid_argument.
 Imported importFiles(const std::string& nameOrFile, const Companions& companions = {},
                      const ImportOptions& options = {});
+
+/// The model itself, with a body of its own where it has none. Throws ParseError and std::invalid_argument.
+Model readModel(const ModelReference& reference);
 
 /// Turns a model as a whole: skeleton, skin, bind pose.
 Model rotated(Model model, const Eigen::Quaterniond& worldFromOld);

@@ -100,14 +100,14 @@ void addLimit(Sandbox& sandbox, int joint, float glow) {
 void addLimits(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   const std::vector<bool> at = s.session->jointsAtLimit();
-  const std::optional<int> dragged = s.session->dragged();
+  const std::optional<GoalId> dragged = s.session->dragged();
   for (int i = 0; i < static_cast<int>(at.size()); ++i) {
     const bool pressed =
-        at[i] && dragged && s.session->skeleton().isAncestor(i, s.session->goals()[*dragged].goal.joint);
-    const bool examined = at[i] && s.selectedJoint == i && !dragged;
+        at[i] && dragged && s.session->skeleton().isAncestor(i, s.session->goal(*dragged).goal.joint);
+    const bool examined = at[i] && s.selectedJoint() == i && !dragged;
     double& glow = s.limitGlow[i];
     glow = pressed || examined ? 1.0 : std::max(0.0, glow - ImGui::GetIO().DeltaTime / 0.9);
-    if (glow > 0.0 && s.show.limits) addLimit(sandbox, i, static_cast<float>(glow));
+    if (glow > 0.0 && s.show().limits) addLimit(sandbox, i, static_cast<float>(glow));
   }
 }
 
@@ -135,19 +135,18 @@ const ImVec4& stateColour(const Palette& colours, const SceneGoal& goal) {
   return goal.state == GoalState::Free ? colours.free : colours.held;
 }
 
-void drawGoal(const Pen& pen, Sandbox& sandbox, int index) {
+void drawGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
   Sandbox::State& s = sandbox.state();
-  const SceneGoal& goal = s.session->goals()[index];
-  const Vector3d reached = s.session->reached(index);
+  const Vector3d reached = s.session->reached(goal.id);
   const Projected p = s.toWindow(reached);
   if (p.depth <= 0.0) return;
-  const bool hovered = s.hover.kind == Hover::Kind::Goal && s.hover.index == index;
-  const bool dragged = s.session->dragged() == index, selected = s.selectedGoal == index;
+  const bool hovered = s.hover.kind == Hover::Kind::Goal && s.hover.goal == goal.id;
+  const bool dragged = s.session->dragged() == goal.id, selected = s.selectedGoal == goal.id;
   const bool active = goal.state != GoalState::Free;
   const ImVec4& colour = stateColour(pen.colours, goal);
   const ImVec2 at = toImVec2(p.pixel);
 
-  const double error = s.session->error(index);
+  const double error = s.session->error(goal.id);
   if (active && goal.goal.kind != GoalKind::Pole && error > 2e-4 * s.size) {
     const Projected t = s.toWindow(goal.goal.target);
     const ImVec4 line = distanceColour(pen.colours, error / std::max(s.size, 1e-9) * 2.0);
@@ -198,7 +197,7 @@ void drawHover(const Pen& pen, Sandbox& sandbox) {
 void drawConstraint(const Pen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.session->dragged() || s.gesture.kind != Gesture::Kind::Drag) return;
-  const Vector3d target = s.session->goals()[*s.session->dragged()].goal.target;
+  const Vector3d target = s.session->goal(*s.session->dragged()).goal.target;
   if (s.gesture.constraint >= DragConstraint::AxisX) {
     const int axis = static_cast<int>(s.gesture.constraint) - static_cast<int>(DragConstraint::AxisX);
     static const ImVec4 axisColours[] = {
@@ -266,11 +265,11 @@ void addWorkspace(Sandbox& sandbox) {
 
 void addSceneMarks(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
-  if (s.show.skeleton || !s.mesh)
+  if (s.show().skeleton || !s.mesh)
     addBones(sandbox.overlay(), s.session->skeleton(), sandbox.shownFrames(), s.size, boneColour,
-             s.selectedJoint.value_or(-1));
+             s.selectedJoint().value_or(-1));
   if (s.session->model().planar) addWorkspace(sandbox);
-  if (s.show.jointFrames) {
+  if (s.show().jointFrames) {
     addJointFrames(sandbox.overlay(), sandbox.shownFrames(), s.size);
     if (!s.shownFrames && s.session->skeleton().jointCount() <= 12)
       addJointAxes(sandbox.overlay(), s.session->skeleton(), s.session->q(), sandbox.shownFrames(), s.size,
@@ -296,9 +295,9 @@ void drawMarks(Sandbox& sandbox) {
           {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text);
   }
   drawConstraint(pen, sandbox);
-  if (s.show.handles && (!s.shownFrames || s.handlesOnShown))
-    for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i)
-      if (isGoalShown(sandbox, i)) drawGoal(pen, sandbox, i);
+  if (s.show().handles && (!s.shownFrames || s.handlesOnShown))
+    for (const SceneGoal& goal : s.session->goals())
+      if (isGoalShown(sandbox, goal)) drawGoal(pen, sandbox, goal);
   drawHover(pen, sandbox);
   drawNotices(pen, sandbox);
   draw->PopClipRect();

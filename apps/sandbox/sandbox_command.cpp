@@ -112,7 +112,7 @@ void run(Arguments arguments) {
   parseSize(arguments);
   arguments.sandbox.theme = arguments.theme == "dark" ? Theme::Dark : Theme::Light;
   if (arguments.scale > 0.0) arguments.sandbox.scale = arguments.scale;
-  if (!arguments.sandbox.weightsFile.empty() && arguments.sandbox.skeletonFile.empty())
+  if (!arguments.sandbox.files.weights.empty() && arguments.sandbox.files.skeleton.empty())
     throw std::invalid_argument("--weights needs --skeleton: weights belong to the skeleton's bones");
   requireWritableFolder(arguments.screenshot);
   requireWritableFolder(arguments.status);
@@ -134,13 +134,13 @@ void addSandboxCommand(CLI::App& app) {
       ->add_option("model", a.sandbox.model,
                    "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")
       ->capture_default_str();
-  command->add_option("--skeleton", a.sandbox.skeletonFile, "Skeleton of an OBJ body");
-  command->add_option("--weights", a.sandbox.weightsFile,
+  command->add_option("--skeleton", a.sandbox.files.skeleton, "Skeleton of an OBJ body");
+  command->add_option("--weights", a.sandbox.files.weights,
                       "Weights of an OBJ body; heat weights where not given");
-  command->add_option("--asf", a.sandbox.asfFile,
+  command->add_option("--asf", a.sandbox.files.asf,
                       "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
-  command->add_option("--amc", a.sandbox.amcFile, "Motion for the ASF skeleton");
-  command->add_option("--mapping", a.sandbox.mappingFile,
+  command->add_option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
+  command->add_option("--mapping", a.sandbox.files.mapping,
                       "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command->add_option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
   command->add_flag("--offscreen", a.offscreen, "Without a window; deterministic");

@@ -98,11 +98,10 @@ class SolvePanel final : public Panel {
     heading(sandbox.state(), "THIS FRAME");
     const bool bad = solve.why == Stop::Failure || solve.why == Stop::Unsupported;
     const std::string sentence = describeSolve(*s.session);
-    const bool reached = sentence.starts_with("reached");
-    const ImVec4& colour = !solve.ran ? s.colours().textDim
-                           : bad      ? s.colours().bad
-                           : reached  ? s.colours().good
-                                      : s.colours().warning;
+    const ImVec4& colour = !solve.ran      ? s.colours().textDim
+                           : bad           ? s.colours().bad
+                           : solve.reached ? s.colours().good
+                                           : s.colours().warning;
     ImGui::PushFont(s.gui.fonts().medium);
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
     ImGui::TextWrapped("%s", sentence.c_str());
@@ -115,10 +114,10 @@ class SolvePanel final : public Panel {
         "Wall-clock time of the solve alone, in microseconds.");
     row("Joint motion", solve.ran ? fmt::format("{:.1e} rad", solve.jointMotion) : "–",
         "Largest change of a joint in this frame, radians (metres for translations).");
-    const std::optional<int> goal = goalOfInterest(s);
-    const bool measured = goal && s.session->goals()[*goal].goal.kind != GoalKind::Pole;
+    const SceneGoal* goal = goalOfInterest(s);
+    const bool measured = goal && goal->goal.kind != GoalKind::Pole;
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
-    if (measured) sigma = singularValues(*s.session, s.session->goals()[*goal].goal);
+    if (measured) sigma = singularValues(*s.session, goal->goal);
     const int rank = s.session->model().planar ? 2 : 3;
     row("σ min", measured ? fmt::format("{:.4f}", sigma[rank - 1]) : "–",
         "Smallest singular value of the goal's position Jacobian J (3 x n; 2 x n in the plane): metres a "
@@ -129,13 +128,12 @@ class SolvePanel final : public Panel {
     ImGui::EndTable();
   }
 
-  static std::optional<int> goalOfInterest(const Sandbox::State& s) {
-    if (s.session->dragged()) return s.session->dragged();
-    if (s.selectedGoal && *s.selectedGoal < static_cast<int>(s.session->goals().size()))
-      return s.selectedGoal;
-    for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i)
-      if (s.session->goals()[i].state == GoalState::Held) return i;
-    return s.session->goals().empty() ? std::nullopt : std::optional(0);
+  static const SceneGoal* goalOfInterest(const Sandbox::State& s) {
+    if (s.session->dragged()) return &s.session->goal(*s.session->dragged());
+    if (const auto selected = s.goalSelected()) return &s.session->goal(*selected);
+    for (const SceneGoal& goal : s.session->goals())
+      if (goal.state == GoalState::Held) return &goal;
+    return s.session->goals().empty() ? nullptr : &s.session->goals().front();
   }
 
   static const char* stateWord(GoalState state) {
@@ -148,16 +146,27 @@ class SolvePanel final : public Panel {
     return "";
   }
 
+  /// Millimetres, or degrees where the goal asks for an angle alone or the angle is what is missed.
+  static void showError(const Sandbox::State& s, const SceneGoal& goal) {
+    const GoalError error = s.session->judged(goal.id);
+    const bool isAngle =
+        goal.goal.kind == GoalKind::Orientation || goal.goal.kind == GoalKind::Aim ||
+        (error.position < s.session->reachedWithin() && error.orientation > Session::reachedAngle);
+    ImGui::TextColored(
+        distanceColour(s.colours(), std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0)), "%s",
+        isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
+                : formatLength(error.position).c_str());
+  }
+
   static void goals(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
     heading(sandbox.state(), "GOALS");
-    std::optional<int> toPin, toFree;
+    std::optional<GoalId> toPin, toFree;
     if (ImGui::BeginTable("##goals", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
-      for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i) {
-        const SceneGoal& goal = s.session->goals()[i];
-        if (!isGoalShown(sandbox, i)) continue;
-        ImGui::PushID(i);
+      for (const SceneGoal& goal : s.session->goals()) {
+        if (!isGoalShown(sandbox, goal)) continue;
+        ImGui::PushID(static_cast<int>(goal.id));
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
         const ImVec4& colour = goal.state == GoalState::Pinned    ? s.colours().pinned
@@ -165,25 +174,23 @@ class SolvePanel final : public Panel {
                                : goal.state == GoalState::Free    ? s.colours().textFaint
                                                                   : s.colours().held;
         dot(colour, s.scale);
-        if (ImGui::Selectable(goal.goal.name.c_str(), s.selectedGoal == i)) {
-          s.selectedGoal = i;
-          s.selectedJoint = goal.goal.joint;
+        if (ImGui::Selectable(goal.goal.name.c_str(), s.selectedGoal == goal.id)) {
+          s.selectedGoal = goal.id;
+          s.session->selectJoint(goal.goal.joint);
         }
         ImGui::TableNextColumn();
-        if (goal.state != GoalState::Free)
-          ImGui::TextColored(distanceColour(s.colours(), s.session->error(i)), "%s",
-                             formatLength(s.session->error(i)).c_str());
+        if (goal.state != GoalState::Free) showError(s, goal);
         tooltip(
             "Distance between target and the point reached, by forward kinematics. Poles: distance of the "
-            "elbow or knee from the half plane of the pole.");
+            "elbow or knee from the half plane of the pole. Orientation and aim: the angle.");
         ImGui::TableNextColumn();
-        if (ImGui::SmallButton(stateWord(goal.state))) toPin = i;
+        if (ImGui::SmallButton(stateWord(goal.state))) toPin = goal.id;
         tooltip(
             "Click to pin or free (P). free: goes with the body. held: kept at its target, weight 1. pin: "
             "weight 300 on the squared error.");
         ImGui::TableNextColumn();
         if (goal.state == GoalState::Held || !goal.handle) {
-          if (ImGui::SmallButton("×")) toFree = i;
+          if (ImGui::SmallButton("×")) toFree = goal.id;
           tooltip("Let go (Delete)");
         }
         ImGui::PopID();
@@ -194,15 +201,13 @@ class SolvePanel final : public Panel {
     if (toFree && !s.session->dragged()) {
       s.session->remember();
       s.session->removeGoal(*toFree);
-      s.selectedGoal.reset();
     }
   }
 
   static void selected(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
-    if (!s.selectedGoal || *s.selectedGoal >= static_cast<int>(s.session->goals().size())) return;
-    const int index = *s.selectedGoal;
-    const SceneGoal& goal = s.session->goals()[index];
+    if (!s.goalSelected()) return;
+    const SceneGoal& goal = s.session->goal(*s.selectedGoal);
     heading(sandbox.state(), "TARGET");
     float target[3];
     for (int k = 0; k < 3; ++k) target[k] = static_cast<float>(goal.goal.target[k]);
@@ -211,7 +216,7 @@ class SolvePanel final : public Panel {
       Eigen::Vector3d point = goal.goal.target;
       for (int k = 0; k < 3; ++k)
         if (static_cast<float>(point[k]) != target[k]) point[k] = target[k];
-      s.session->setTarget(index, point);
+      s.session->setTarget(goal.id, point);
     }
     if (ImGui::IsItemActivated()) s.session->remember();
     tooltip("Target x, y, z in metres, world axes. Drag a number, or double-click to type it.");
@@ -220,9 +225,10 @@ class SolvePanel final : public Panel {
       if (ImGui::Checkbox("Keep orientation", &oriented)) {
         s.session->remember();
         if (oriented)
-          s.session->setOrientation(index, Eigen::Quaterniond(s.session->frames()[goal.goal.joint].linear()));
+          s.session->setOrientation(goal.id,
+                                    Eigen::Quaterniond(s.session->frames()[goal.goal.joint].linear()));
         else
-          s.session->clearOrientation(index);
+          s.session->clearOrientation(goal.id);
       }
       tooltip(
           "Solve for the orientation of the joint's frame too: the rotation vector of R_target R⁻¹, in "

@@ -40,6 +40,9 @@ struct SolverEntry {
 /// Every solver there is, an explicit table in solver_catalogue.cpp.
 std::span<const SolverEntry> solverCatalogue();
 
+/// The name that a solver has now: older files call the drag solver "hybrid".
+std::string_view presentName(std::string_view name);
+
 /// "default" names the default solver of serial chains, the catalogue's first.
 /// Throws std::invalid_argument that lists the names there are.
 std::unique_ptr<IkSolver> makeSolver(std::string_view name);
