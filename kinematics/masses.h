@@ -18,14 +18,15 @@ struct Masses {
 };
 
 /// Every bone a rod of this mass a metre, with its centre half way: for skeletons without masses. Bones run
-/// from a joint to its children. Throws std::invalid_argument for a skeleton without bones or kgPerMetre <= 0.
+/// from a joint to its children. Throws std::invalid_argument for a skeleton without bones or kgPerMetre <=
+/// 0.
 Masses rodMasses(const Skeleton& skeleton, double kgPerMetre = 1.0);
 
 /// Metres, world.
 Eigen::Vector3d centreOfMass(const Masses& masses, const Frames& frames);
 
-/// d(centreOfMass) / d(dq), 3 x nv: column k is m_k / M (v_k + omega_k x c_k) with the mass m_k and its centre
-/// c_k of everything below dof k. One pass over the joints.
+/// d(centreOfMass) / d(dq), 3 x nv: column k is m_k / M (v_k + omega_k x c_k) with the mass m_k and its
+/// centre c_k of everything below dof k. One pass over the joints.
 void centreOfMassJacobian(const Skeleton& skeleton, const Masses& masses, const Frames& frames,
                           const Twists& twists, Eigen::Ref<Eigen::Matrix3Xd, 0, Eigen::OuterStride<>> J);
 

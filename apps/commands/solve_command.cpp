@@ -6,6 +6,7 @@
 #include "apps/commands/commands.h"
 #include "apps/document/model.h"
 #include "kinematics/configuration.h"
+#include "solvers/problem/goal_text.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
 
@@ -18,9 +19,10 @@ using json = nlohmann::ordered_json;
 struct Request {
   std::string model = "panda", solver = "default", joint;
   std::vector<double> target, start;
+  std::vector<std::string> goals;  ///< as parseGoal reads them
   double tolerance = 1e-6;
   Budget budget{.maxIterations = 200, .maxSeconds = 1e9, .restarts = 50};
-  bool trace = false;
+  bool trace = false, rods = false;
 };
 
 /// The joint asked for, or the model's only end.
@@ -85,10 +87,16 @@ bool solve(const Request& request) {
   if (request.budget.restarts < 0) throw std::invalid_argument("--restarts must not be negative");
   const auto solver = makeSolver(request.solver);
   const Model model = openModel(request.model);
-  const int joint = effectorOf(model, request.joint);
+  if (request.target.empty() && request.goals.empty())
+    throw std::invalid_argument("solve needs --target or --goal");
+  const std::shared_ptr<const Masses> masses =
+      request.rods ? std::make_shared<const Masses>(rodMasses(model.skeleton)) : model.masses;
+  std::vector<Goal> goals;
+  if (!request.target.empty()) goals.push_back(goalOf(request, effectorOf(model, request.joint)));
+  for (const std::string& text : request.goals) goals.push_back(parseGoal(text, model.skeleton, masses));
   const IkProblem problem{.skeleton = &model.skeleton,
                           .start = startOf(request, model.skeleton),
-                          .goals = {goalOf(request, joint)},
+                          .goals = goals,
                           .positionTolerance = request.tolerance,
                           .orientationTolerance = request.tolerance};
   const std::string refusal = solver->whyUnsupported(problem);
@@ -99,7 +107,7 @@ bool solve(const Request& request) {
   const bool solved = verdict.solved && report.why != Stop::Unsupported;
   json out{{"model", model.name},
            {"solver", request.solver},
-           {"joint", model.skeleton.joint(joint).name},
+           {"joint", model.skeleton.joint(goals.front().joint).name},
            {"status", toString(report.why)},
            {"solved", solved}};
   if (!refusal.empty()) out["unsupported_because"] = refusal;
@@ -108,6 +116,10 @@ bool solve(const Request& request) {
     out["position_error"] = verdict.goals[0].position;
     out["orientation_error"] = verdict.goals[0].orientation;
   }
+  for (std::size_t i = 0; !request.goals.empty() && i < verdict.goals.size(); ++i)
+    out["goals"].push_back({{"goal", writeGoal(problem.goals[i], model.skeleton)},
+                            {"position_error", verdict.goals[i].position},
+                            {"orientation_error", verdict.goals[i].orientation}});
   out["limit_violation"] = verdict.limitViolation;
   const Counters& c = report.counters;
   out["counters"] = {{"iterations", c.iterations},         {"forward_kinematics", c.forwardKinematics},
@@ -126,10 +138,17 @@ void addSolveCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "solve", "Solve one inverse-kinematics problem; print JSON; exit status 0 if solved, 2 if not");
   command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
+  command->add_option("--target", request->target,
+                      "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame");
   command
-      ->add_option("--target", request->target,
-                   "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame")
-      ->required();
+      ->add_option(
+          "--goal", request->goals,
+          "A goal of any kind, such as 'distance joint=hand_l other=hand_r length=0.25'; may be given "
+          "several times. Every kind takes weight=, role= (drag, hold, pin) and priority=")
+      ->allow_extra_args(false);
+  command->add_flag("--rod-masses", request->rods,
+                    "Weigh every bone as a rod of the same mass a metre, for goals that need masses");
+  command->footer("Kinds of goals and their fields, optional ones in brackets:\n" + describeGoalTypes());
   command->add_option("--solver", request->solver, "Solver by name (see compare --list)")
       ->capture_default_str();
   command->add_option("--joint", request->joint,

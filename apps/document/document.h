@@ -66,6 +66,7 @@ struct Edits {
 struct SolverChoice {
   std::string name = "drag";
   std::map<std::string, std::map<std::string, double, std::less<>>> parameters = {};
+  bool balance = false;  ///< the centre of mass stays over the soles, where the model has both
 };
 
 /// What is drawn.

@@ -149,7 +149,8 @@ class Reader {
   void collect(const TiXmlElement* robot) {
     for (const TiXmlElement* e = robot->FirstChildElement("link"); e; e = e->NextSiblingElement("link")) {
       const std::string name = attribute(e, "name");
-      const auto [at, isNew] = links_.emplace(name, Link{.line = e->Row(), .visuals = {}, .inertial = e->FirstChildElement("inertial")});
+      const auto [at, isNew] = links_.emplace(
+          name, Link{.line = e->Row(), .visuals = {}, .inertial = e->FirstChildElement("inertial")});
       if (!isNew) fail(e, "a link name that is used once", "'" + name + "' again");
       linkOrder_.push_back(name);
       for (const char* kind : {"visual", "collision"})

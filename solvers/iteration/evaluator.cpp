@@ -82,8 +82,13 @@ const MatrixXd& CountedEvaluator::jacobian() {
 /// Of the goal's own rows.
 GoalBend CountedEvaluator::bendOf(std::size_t g) {
   const Part& part = parts_[g];
-  return {twists_,     part.path,  J_.middleRows(part.row, part.rows), r_.segment(part.row, part.rows),
-          problem_.goals[g].weight, skeleton(), A_};
+  return {twists_,
+          part.path,
+          J_.middleRows(part.row, part.rows),
+          r_.segment(part.row, part.rows),
+          problem_.goals[g].weight,
+          skeleton(),
+          A_};
 }
 
 void CountedEvaluator::jacobianDerivative(const VectorXd& d, MatrixXd& dJ) {

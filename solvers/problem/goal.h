@@ -10,19 +10,19 @@
 
 /// Every type of goal there is. A new one is a line here and a file goals/NAME.cpp, which defines the
 /// GoalType of that name: enumerators, declarations and the table are made from this list.
-#define GELENK_GOAL_TYPES(ROW)              \
-  ROW(Position, positionGoal)               \
-  ROW(Orientation, orientationGoal)         \
-  ROW(Pose, poseGoal)                       \
-  ROW(Aim, aimGoal)                         \
-  ROW(Pole, poleGoal)                       \
-  ROW(Posture, postureGoal)                 \
-  ROW(CentreOfMass, centreOfMassGoal)       \
-  ROW(Balance, balanceGoal)                 \
-  ROW(Distance, distanceGoal)               \
+#define GELENK_GOAL_TYPES(ROW)                \
+  ROW(Position, positionGoal)                 \
+  ROW(Orientation, orientationGoal)           \
+  ROW(Pose, poseGoal)                         \
+  ROW(Aim, aimGoal)                           \
+  ROW(Pole, poleGoal)                         \
+  ROW(Posture, postureGoal)                   \
+  ROW(CentreOfMass, centreOfMassGoal)         \
+  ROW(Balance, balanceGoal)                   \
+  ROW(Distance, distanceGoal)                 \
   ROW(RelativePosition, relativePositionGoal) \
-  ROW(RelativePose, relativePoseGoal)       \
-  ROW(KeepOut, keepOutGoal)                 \
+  ROW(RelativePose, relativePoseGoal)         \
+  ROW(KeepOut, keepOutGoal)                   \
   ROW(HalfSpace, halfSpaceGoal)
 
 namespace gelenk {

@@ -30,7 +30,8 @@ std::vector<double> numbers(std::string_view text, std::string_view name) {
 
 Vector3d triple(std::string_view text, std::string_view name) {
   const std::vector<double> list = numbers(text, name);
-  if (list.size() != 3) fail(std::string(name) + " wants X,Y,Z, not " + std::to_string(list.size()) + " numbers");
+  if (list.size() != 3)
+    fail(std::string(name) + " wants X,Y,Z, not " + std::to_string(list.size()) + " numbers");
   return {list[0], list[1], list[2]};
 }
 
@@ -181,7 +182,8 @@ std::string writeGoal(const Goal& goal, const Skeleton& skeleton) {
 std::string describeGoalTypes() {
   std::string text;
   for (const GoalType* type : goalTypes())
-    text += "  " + std::string(type->name) + " " + fieldsOf(*type) + "\n      " + std::string(type->asks) + "\n";
+    text +=
+        "  " + std::string(type->name) + " " + fieldsOf(*type) + "\n      " + std::string(type->asks) + "\n";
   return text;
 }
 

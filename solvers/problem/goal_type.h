@@ -31,8 +31,9 @@ struct GoalField {
     Polygon,       ///< three or more points, metres, world
     Posture,       ///< nq
   };
-  using Member = std::variant<int Goal::*, double Goal::*, Eigen::Vector3d Goal::*, Eigen::Quaterniond Goal::*,
-                              Eigen::VectorXd Goal::*, std::vector<Eigen::Vector3d> Goal::*>;
+  using Member =
+      std::variant<int Goal::*, double Goal::*, Eigen::Vector3d Goal::*, Eigen::Quaterniond Goal::*,
+                   Eigen::VectorXd Goal::*, std::vector<Eigen::Vector3d> Goal::*>;
   std::string_view name;     ///< as typed in files and on the command line
   std::string_view explain;  ///< a phrase for a person
   Meaning meaning;
@@ -66,10 +67,10 @@ struct DofGroup {
 /// What second derivatives are made of.
 struct GoalBend {
   const Twists& twists;
-  std::span<const DofGroup> path;                 ///< from the root to Goal::joint
-  Eigen::Ref<const Eigen::MatrixXd> J;            ///< rows of this goal, times sqrt(weight)
-  Eigen::Ref<const Eigen::VectorXd> r;            ///< likewise
-  double weight;                                  ///< > 0
+  std::span<const DofGroup> path;       ///< from the root to Goal::joint
+  Eigen::Ref<const Eigen::MatrixXd> J;  ///< rows of this goal, times sqrt(weight)
+  Eigen::Ref<const Eigen::VectorXd> r;  ///< likewise
+  double weight;                        ///< > 0
   const Skeleton& skeleton;
   Eigen::Matrix3Xd& A;  ///< 3 x nv, to be overwritten
 };
@@ -101,9 +102,9 @@ struct DragPoints {
   void add(const DragPoint& point) { points[count++] = point; }
 };
 
-/// A smooth cost phi(y_1 ... y_m) of sums y_j of carried points, m <= 4, in metres^2: its value, its slope and
-/// its curvature as rows, d^2 phi = sum over rows of sign (c . dy)^2. With `exact` all of it, without the part
-/// that is never negative and exact where the goal is met (Gauss-Newton, signs +1).
+/// A smooth cost phi(y_1 ... y_m) of sums y_j of carried points, m <= 4, in metres^2: its value, its slope
+/// and its curvature as rows, d^2 phi = sum over rows of sign (c . dy)^2. With `exact` all of it, without the
+/// part that is never negative and exact where the goal is met (Gauss-Newton, signs +1).
 struct DragModel {
   static constexpr int mostVectors = 4, mostRows = 12;
   struct Row {
@@ -184,6 +185,9 @@ struct GoalType {
   bool judged = true;     ///< false: a preference
   bool oneSided = false;  ///< met in a whole region
   bool needsMasses = false;
+  bool movesWithPose = false;   ///< a pose that is set directly takes it along: it asks for what is then
+  bool handleAtTarget = false;  ///< taken with the mouse where its target is, not where it was reached
+  double preference = 1.0;      ///< weight beside others where a person adds it: less for a wish
 
   /// Rows of the residual (target minus current) and of its Jacobian, dr = -J dq.
   int (*rows)(const Skeleton&);
@@ -261,7 +265,8 @@ void twoJoints(const Goal& goal, const Skeleton&, std::vector<int>& out);
 Eigen::Vector3d pointReached(const Goal& goal, const GoalPlace& at);
 
 /// J <- d(point of joint)/dq and d(rotation of joint)/dq into three rows.
-void putPointRows(const GoalMotion& at, int joint, const Eigen::Vector3d& world, Eigen::Ref<Eigen::MatrixXd> J);
+void putPointRows(const GoalMotion& at, int joint, const Eigen::Vector3d& world,
+                  Eigen::Ref<Eigen::MatrixXd> J);
 void putRotationRows(const GoalMotion& at, int joint, Eigen::Ref<Eigen::MatrixXd> J);
 
 /// Rotation vector of wanted * current^-1, world axes.
@@ -272,7 +277,8 @@ Eigen::Vector3d rotationError(const Eigen::Quaterniond& wanted, const Eigen::Iso
 void addPointHessian(const GoalBend& at, int row, Eigen::MatrixXd& H);
 void addRotationHessian(const GoalBend& at, int row, Eigen::MatrixXd& H);
 /// The change of three point or rotation rows while q moves along d.
-void addPointDerivative(const GoalBend& at, int row, const Eigen::VectorXd& d, Eigen::Ref<Eigen::MatrixXd> dJ);
+void addPointDerivative(const GoalBend& at, int row, const Eigen::VectorXd& d,
+                        Eigen::Ref<Eigen::MatrixXd> dJ);
 void addRotationDerivative(const GoalBend& at, int row, const Eigen::VectorXd& d,
                            Eigen::Ref<Eigen::MatrixXd> dJ);
 

@@ -32,9 +32,8 @@ SupportPolygon SupportPolygon::hull(const std::vector<Vector3d>& points, const V
   });
   std::vector<Vector3d> chain;
   const auto add = [&](const Vector3d& p, std::size_t least) {
-    while (chain.size() >= least + 2 &&
-           cross(across(chain.back()) - across(chain[chain.size() - 2]), across(p) - across(chain.back())) <=
-               0.0)
+    while (chain.size() >= least + 2 && cross(across(chain.back()) - across(chain[chain.size() - 2]),
+                                              across(p) - across(chain.back())) <= 0.0)
       chain.pop_back();
     chain.push_back(p);
   };

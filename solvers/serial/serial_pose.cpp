@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 
 namespace gelenk {
@@ -71,10 +72,8 @@ void exactHessian(const ChainJacobian& J, const TipError& error, bool position, 
 }
 
 double nearestWithin(double angle, double start, double lower, double upper) {
-  double turned = angle - 2.0 * M_PI * std::nearbyint((angle - start) / (2.0 * M_PI));
-  if (turned < lower) turned += 2.0 * M_PI * std::ceil((lower - turned) / (2.0 * M_PI));
-  if (turned > upper) turned -= 2.0 * M_PI * std::ceil((turned - upper) / (2.0 * M_PI));
-  return std::clamp(turned, lower, upper);
+  const double turned = angle - 2.0 * M_PI * std::nearbyint((angle - start) / (2.0 * M_PI));
+  return std::clamp(wrapInto(turned, lower, upper), lower, upper);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ Vector3d rotationVector(const double* a, const double* b) {
 }  // namespace
 
 DragDescent::DragDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness,
-                             const VectorXd& rest)
+                         const VectorXd& rest)
     : tree_(skeleton, unit), stiffnessOfDof_(std::move(stiffness)), rest_(rest) {}
 
 void DragDescent::build(std::span<const int> joints, const Vector3d& origin) {
@@ -187,8 +187,8 @@ void DragDescent::collectRows(StepKind kind) {
     }
 }
 
-/// S <- factors of diag(sign) + V W^-1 V^T, strict lower and diagonal. False where a pivot has not the sign of
-/// its row: the matrix of the step is not positive definite.
+/// S <- factors of diag(sign) + V W^-1 V^T, strict lower and diagonal. False where a pivot has not the sign
+/// of its row: the matrix of the step is not positive definite.
 bool DragDescent::factorRows() {
   const int n = tree_.dofCount(), packs = (rows_ + 3) / 4, m = 4 * packs;
   Y_ = V_;
@@ -203,7 +203,8 @@ bool DragDescent::factorRows() {
         const Double4 scaled = four(b + 4 * k) * (1.0 / W_.diagonal(k));
         for (int i = 0; i < 4; ++i) sum[i] += a[4 * k + i] * scaled;
       }
-      for (int i = 0; i < 4; ++i) four(S_.data() + static_cast<std::ptrdiff_t>(4 * p + i) * m + 4 * q) = sum[i];
+      for (int i = 0; i < 4; ++i)
+        four(S_.data() + static_cast<std::ptrdiff_t>(4 * p + i) * m + 4 * q) = sum[i];
     }
   for (int i = 0; i < rows_; ++i) S_[static_cast<std::size_t>(i) * m + i] += sign_[i];
   for (int i = 0; i < rows_; ++i) {  // L D L^T by rows

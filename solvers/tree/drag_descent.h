@@ -23,8 +23,8 @@ struct StepOutcome {
   int placements = 0;  ///< forward kinematics
 };
 
-/// A smooth cost of sums of carried points, weight phi(y - correction): a goal whose type gives the drag solver
-/// DragForm::model. Beyond `cut` metres, sqrt(2 phi), it goes on with the same slope, as a point does.
+/// A smooth cost of sums of carried points, weight phi(y - correction): a goal whose type gives the drag
+/// solver DragForm::model. Beyond `cut` metres, sqrt(2 phi), it goes on with the same slope, as a point does.
 struct TreeBlock {
   const Goal* goal = nullptr;
   const GoalType* type = nullptr;
@@ -35,7 +35,8 @@ struct TreeBlock {
 };
 
 /// Minimises, on the dofs between the goals and the root and within the joints' limits,
-///     f = 1/2 sum_points w |t - x|^2 + sum_blocks w phi(y) + 1/2 lambda sum_i s_i (c_i - rest_i)^2 + 1/2 kappa |c - c_anchor|^2
+///     f = 1/2 sum_points w |t - x|^2 + sum_blocks w phi(y) + 1/2 lambda sum_i s_i (c_i - rest_i)^2 + 1/2
+///     kappa |c - c_anchor|^2
 /// by damped Newton steps that take the exact Hessian far from a solution and Gauss-Newton near one. Free
 /// balls measure c - rest by the rotation vector. The state between steps (mu of both kinds, what the last
 /// step was worth) persists, so that a drag goes on where the frame before ended. Lengths are units of the
@@ -56,8 +57,8 @@ class DragDescent {
     double largestStep = 0.5;       ///< radians or units a dof and step
     double smallestStep = 1e-6;     ///< steps below are not taken
     double rotationBudget = 1e300;  ///< radians a joint since anchor()
-    bool exact = true;          ///< false: Gauss-Newton alone
-    bool passing = false;       ///< true: a Gauss-Newton step that leaves no trace in what persists
+    bool exact = true;              ///< false: Gauss-Newton alone
+    bool passing = false;           ///< true: a Gauss-Newton step that leaves no trace in what persists
 
     // When the exact Hessian is taken. docs/solvers/drag.md tells what they were tried on.
     double near = 0.03;         ///< sqrt(sum w e^2) below which Gauss-Newton is as good, units
@@ -68,7 +69,7 @@ class DragDescent {
   };
 
   DragDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness,
-                const Eigen::VectorXd& rest);
+              const Eigen::VectorXd& rest);
 
   GoalTree& tree() { return tree_; }
   const GoalTree& tree() const { return tree_; }
@@ -165,8 +166,8 @@ class DragDescent {
   std::vector<double> tangentLength_;
   bool anyFixedMoves_ = false;
 
-  int rows_ = 0;                         ///< of U: those of sign +1, then those of sign -1
-  std::vector<double> U_, V_, Y_;        ///< four rows at a time, side by side for each dof
+  int rows_ = 0;                   ///< of U: those of sign +1, then those of sign -1
+  std::vector<double> U_, V_, Y_;  ///< four rows at a time, side by side for each dof
   std::vector<double> sign_, S_, Ud_, z_;
   std::vector<Eigen::Vector3d> slopes_;  ///< dy / d(dof) of a block's sums, one after the other
 

@@ -100,7 +100,8 @@ bool DragSolver::sameStructure(std::span<const Goal> goals) const {
 
 void DragSolver::rebuild(std::span<const Goal> goals) {
   for (const Goal& goal : goals)
-    if (const std::string why = whyMisplaced(goal, skeleton()); !why.empty()) throw std::invalid_argument(why);
+    if (const std::string why = whyMisplaced(goal, skeleton()); !why.empty())
+      throw std::invalid_argument(why);
   std::swap(memory_, previous_);
   memory_.clear();
   joints_.clear();
@@ -143,7 +144,8 @@ void DragSolver::rebuild(std::span<const Goal> goals) {
     memory_.push_back(std::move(memory));
   }
   if (options_.balance)
-    for (const BalanceOptions::Support& support : options_.balance->supports) joints_.push_back(support.joint);
+    for (const BalanceOptions::Support& support : options_.balance->supports)
+      joints_.push_back(support.joint);
   // The origin of the inner frame lies near the body: far from the world's origin nothing is lost to
   // rounding.
   descent_.build(joints_, skeleton().joint(0).parentFromZero.translation());
@@ -358,7 +360,7 @@ void DragSolver::updateBiases() {
       if (model.stiffness[j] == 0.0) continue;
       const double bound = descent_.sums()[block.firstSum + j].direction
                                ? options_.poseBias / options_.poseArm
-                                     : unit() * (pin ? options_.pinBias : options_.dragBias);
+                               : unit() * (pin ? options_.pinBias : options_.dragBias);
       memory.bias[j] = clipped(model.force[j] / model.stiffness[j], bound);
     }
   }
@@ -391,8 +393,8 @@ double DragSolver::errorOf(const Memory& memory) const {
   double largest = 0.0;
   for (int k = memory.firstPoint; k < memory.firstPoint + memory.pointCount; ++k)
     if (descent_.points()[k].weight > 0.0)
-      largest = std::max(largest,
-                         (wanted_[k] - descent_.tree().at(descent_.pose(), descent_.points()[k])).norm());
+      largest =
+          std::max(largest, (wanted_[k] - descent_.tree().at(descent_.pose(), descent_.points()[k])).norm());
   if (memory.block >= 0 && memory.weight > 0.0) {
     DragModel model;
     descent_.look(descent_.blocks()[memory.block], false, false, model);

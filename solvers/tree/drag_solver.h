@@ -14,8 +14,8 @@
 
 namespace gelenk {
 
-/// Keeps a body from tipping over: its centre of mass stays over the hull of those of its points that stand on
-/// the ground.
+/// Keeps a body from tipping over: its centre of mass stays over the hull of those of its points that stand
+/// on the ground.
 struct BalanceOptions {
   std::shared_ptr<const Masses> masses = {};
   struct Support {
@@ -49,8 +49,8 @@ struct DragOptions {
   int repairs = 3;               ///< further iterations that restore the pins when the budget is spent
   double pinTolerance =
       7e-4;  ///< a frame that would leave a pin farther off is taken again with a smaller budget, units
-  double settled = 1e-3;  ///< a frame ends with the first step below, radians or units
-  double unit = 0.0;      ///< metres a unit; 0: from the skeleton's size
+  double settled = 1e-3;     ///< a frame ends with the first step below, radians or units
+  double unit = 0.0;         ///< metres a unit; 0: from the skeleton's size
   double roundings = 0.999;  ///< of the tolerances in solve(): what the judge's own arithmetic may add
   std::optional<BalanceOptions> balance = {};
   std::vector<double> stiffness =
@@ -121,9 +121,7 @@ class DragSolver {
   const Goal& goalAt(std::span<const Goal> goals, std::size_t i) const {
     return i < goals.size() ? goals[i] : balance_;
   }
-  std::size_t countOf(std::span<const Goal> goals) const {
-    return goals.size() + (options_.balance ? 1 : 0);
-  }
+  std::size_t countOf(std::span<const Goal> goals) const { return goals.size() + (options_.balance ? 1 : 0); }
   bool sameStructure(std::span<const Goal> goals) const;
   bool met(std::span<const Goal> goals, double positionTolerance, double orientationTolerance);
   void rebuild(std::span<const Goal> goals);

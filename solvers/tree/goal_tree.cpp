@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/serial/simd.h"
 
@@ -158,11 +158,10 @@ void GoalTree::build(std::span<const int> joints, const Vector3d& origin) {
 bool GoalTree::project(const TreeNode& node, double* c) {
   bool moved = false;
   if (node.motion == TreeMotion::LimitedBall) {
-    const Vector2d offset = Vector2d(c[0], c[1]) - node.swingCentre;
-    if (offset.cwiseQuotient(node.swingRadii).squaredNorm() > 1.0) {
-      const Vector2d inside = node.swingCentre + nearestOnEllipse(node.swingRadii, offset);
-      c[0] = inside.x();
-      c[1] = inside.y();
+    Vector2d swing(c[0], c[1]);
+    if (intoSwing(node.swingCentre, node.swingRadii, swing)) {
+      c[0] = swing.x();
+      c[1] = swing.y();
       moved = true;
     }
     c += 2;

@@ -126,8 +126,8 @@ void printMarks(unsigned long long seed, bool balanced) {
   if (balanced) std::printf("with balance; tipped: share of frames and most mm outside the soles\n");
   std::printf("%d frames a row, seed %llu; errors and pins in mm, joints in radians a frame\n",
               paths * frames, seed);
-  std::printf("%-20s %7s %8s %9s %8s %7s  %8s %5s %6s %7s %7s %7s %7s\n", "drag", "p50", "p99", "pin max", "rot max",
-              "jump", "limits", "NaN", "steps", "us p50", "us p99", "tipped", "most");
+  std::printf("%-20s %7s %8s %9s %8s %7s  %8s %5s %6s %7s %7s %7s %7s\n", "drag", "p50", "p99", "pin max",
+              "rot max", "jump", "limits", "NaN", "steps", "us p50", "us p99", "tipped", "most");
   for (const bool reachable : {true, false})
     for (const double step : {0.01, 0.05}) {
       Shown all, held;

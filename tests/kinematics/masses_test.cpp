@@ -33,8 +33,7 @@ TEST(Masses, JacobianIsTheWeightedSumOfPointJacobians) {
     const Frames frames = forwardKinematics(skeleton, q);
     Eigen::Matrix3Xd expected = Eigen::Matrix3Xd::Zero(3, skeleton.nv()), J(3, skeleton.nv());
     for (int k = 0; k < 9; ++k)
-      expected +=
-          masses.mass[k] / masses.total() * pointJacobian(skeleton, q, frames, k, masses.centre[k]);
+      expected += masses.mass[k] / masses.total() * pointJacobian(skeleton, q, frames, k, masses.centre[k]);
     centreOfMassJacobian(skeleton, masses, frames, dofTwists(skeleton, q, frames), J);
     EXPECT_LE((J - expected).norm(), 1e-13 * std::max(1.0, expected.norm()));
   }

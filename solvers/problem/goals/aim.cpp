@@ -14,11 +14,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr GoalField fields[] = {
-    goal_fields::joint,
-    {"axis", "the axis of the joint that shall point at the target", GoalField::Meaning::AxisInJoint,
-     &Goal::axisInJoint, true},
-    goal_fields::target};
+constexpr GoalField fields[] = {goal_fields::joint,
+                                {"axis", "the axis of the joint that shall point at the target",
+                                 GoalField::Meaning::AxisInJoint, &Goal::axisInJoint, true},
+                                goal_fields::target};
 
 void residual(const Goal& goal, const GoalPlace& at, Eigen::Ref<VectorXd> r) {
   const Vector3d wanted = goal.target - at.frames[goal.joint].translation();
@@ -36,10 +35,9 @@ void jacobian(const Goal& goal, const GoalMotion& at, Eigen::Ref<MatrixXd> J) {
 }
 
 void carried(const Goal& goal, const Skeleton&, int sum, std::vector<Carried>& out) {
-  out.push_back(sum == 0 ? Carried{.joint = goal.joint}
-                         : Carried{.joint = goal.joint,
-                                   .inJoint = goal.axisInJoint.normalized(),
-                                   .direction = true});
+  out.push_back(
+      sum == 0 ? Carried{.joint = goal.joint}
+               : Carried{.joint = goal.joint, .inJoint = goal.axisInJoint.normalized(), .direction = true});
 }
 void model(const Goal& goal, std::span<const Vector3d> y, double arm, bool exact, DragModel& out) {
   out.clear(2);
@@ -85,8 +83,7 @@ void capture(Goal& goal, const GoalPlace& at) {
 }
 void mark(const Goal& goal, const GoalPlace& at, GoalMark& mark) {
   mark.points.push_back(goal.target);
-  mark.segments.push_back(
-      {at.frames[goal.joint].translation(), reached(goal, at), GoalMark::Stress::Faint});
+  mark.segments.push_back({at.frames[goal.joint].translation(), reached(goal, at), GoalMark::Stress::Main});
 }
 
 }  // namespace
@@ -96,6 +93,7 @@ const GoalType aimGoal{.kind = GoalKind::Aim,
                        .title = "Look at",
                        .asks = "An axis of a joint points at a place.",
                        .fields = fields,
+                       .handleAtTarget = true,
                        .rows = rows<3>,
                        .residual = residual,
                        .jacobian = jacobian,

@@ -37,8 +37,8 @@ void jacobian(const Goal& goal, const GoalMotion& at, Eigen::Ref<MatrixXd> J) {
   }
   centreOfMassJacobian(at.skeleton, *goal.masses, at.frames, at.twists, at.A);
   const Vector3d up = goal.direction.normalized(), n = nearest.outward;
-  const Matrix3d N = nearest.corner ? Matrix3d(Matrix3d::Identity() - up * up.transpose())
-                                    : Matrix3d(n * n.transpose());
+  const Matrix3d N =
+      nearest.corner ? Matrix3d(Matrix3d::Identity() - up * up.transpose()) : Matrix3d(n * n.transpose());
   J.noalias() = N * at.A;
 }
 void model(const Goal& goal, std::span<const Vector3d> y, double, bool, DragModel& out) {
@@ -62,8 +62,10 @@ void capture(Goal& goal, const GoalPlace& at) {
   for (const Eigen::Isometry3d& frame : at.frames) lowest = std::min(lowest, frame.translation().dot(up));
   centre += up * (lowest - centre.dot(up));
   const double half = goal.length + 2.0 * markSize(at.skeleton);
-  if (goal.polygon.empty()) goal.polygon = {x + z, x - z, -x - z, z - x};
-  else return;
+  if (goal.polygon.empty())
+    goal.polygon = {x + z, x - z, -x - z, z - x};
+  else
+    return;
   for (Vector3d& corner : goal.polygon) corner = centre + half * corner;
 }
 void mark(const Goal& goal, const GoalPlace& at, GoalMark& mark) {

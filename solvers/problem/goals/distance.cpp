@@ -1,9 +1,8 @@
 #include "solvers/problem/goal_type.h"
 
-// Two points of two joints are a length apart: r = length - |x - y|; metres, one row. J = e . (J_x - J_y) with
-// e = (x - y) / |x - y|; where the points meet e is any unit vector.
-// In the drag solver phi = 1/2 (length - |d|)^2 of d = x - y, exact curvature e e^T + (1 - length / |d|)
-// (I - e e^T).
+// Two points of two joints are a length apart: r = length - |x - y|; metres, one row. J = e . (J_x - J_y)
+// with e = (x - y) / |x - y|; where the points meet e is any unit vector. In the drag solver phi = 1/2
+// (length - |d|)^2 of d = x - y, exact curvature e e^T + (1 - length / |d|) (I - e e^T).
 namespace gelenk {
 namespace {
 
@@ -49,7 +48,8 @@ void model(const Goal& goal, std::span<const Vector3d> y, double, bool exact, Dr
   const double factor = -off / d;
   if (factor == 0.0) return;
   const Vector3d f = std::sqrt(std::abs(factor)) * e.unitOrthogonal();
-  for (const Vector3d& across : {f, Vector3d(e.cross(f))}) out.addRow(1, 0, across, factor > 0.0 ? 1.0 : -1.0);
+  for (const Vector3d& across : {f, Vector3d(e.cross(f))})
+    out.addRow(1, 0, across, factor > 0.0 ? 1.0 : -1.0);
 }
 std::string whyNot(const Goal& goal, const Skeleton&) {
   return goal.joint == goal.otherJoint ? "a distance needs two different joints" : "";

@@ -1,7 +1,8 @@
 #include "solvers/problem/goal_type.h"
 
 // A point x of a joint stays on one side of a plane, such as above the floor: r = max(0, (target - x) . n +
-// margin) with the outward direction n; metres, one row. J = n . J_x where r > 0. The curvature n n^T is exact.
+// margin) with the outward direction n; metres, one row. J = n . J_x where r > 0. The curvature n n^T is
+// exact.
 namespace gelenk {
 namespace {
 
@@ -69,6 +70,7 @@ const GoalType halfSpaceGoal{.kind = GoalKind::HalfSpace,
                              .asks = "A point of a joint stays on one side of a plane, such as the floor.",
                              .fields = fields,
                              .oneSided = true,
+                             .handleAtTarget = true,
                              .rows = rows<1>,
                              .residual = residual,
                              .jacobian = jacobian,

@@ -25,7 +25,8 @@ constexpr GoalField fields[] = {
 
 struct Inside {
   double depth = 0.0, distance = 0.0;
-  Vector3d out = Vector3d::Zero(), along = Vector3d::Zero();  ///< along: unit beside the segment, 0 at its ends
+  Vector3d out = Vector3d::Zero(),
+           along = Vector3d::Zero();  ///< along: unit beside the segment, 0 at its ends
 };
 
 Inside look(const Goal& goal, const Vector3d& x) {
@@ -103,6 +104,7 @@ const GoalType keepOutGoal{.kind = GoalKind::KeepOut,
                            .asks = "A point of a joint stays outside a sphere or a capsule.",
                            .fields = fields,
                            .oneSided = true,
+                           .handleAtTarget = true,
                            .rows = rows<1>,
                            .residual = residual,
                            .jacobian = jacobian,

@@ -1,7 +1,8 @@
+#include "solvers/problem/pole.h"
+
 #include <algorithm>
 
 #include "solvers/problem/goal_type.h"
-#include "solvers/problem/pole.h"
 
 // The joint (an elbow, a knee) lies on the side of the target. a, b, c: origins of the joint's parent, the
 // joint and its first child; u = (c - a) / |c - a|, s = target - a. r = N / D with N = u . ((b - a) x s) and
@@ -19,8 +20,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr GoalField fields[] = {
-    goal_fields::joint,
-    {"target", "a point on the wanted side", GoalField::Meaning::Target, &Goal::target}};
+    goal_fields::joint, {"target", "a point on the wanted side", GoalField::Meaning::Target, &Goal::target}};
 
 int childOf(const Goal& goal, const Skeleton& skeleton) { return skeleton.children(goal.joint).front(); }
 
@@ -78,7 +78,7 @@ Vector3d reached(const Goal& goal, const GoalPlace& at) {
 }
 void capture(Goal& goal, const GoalPlace& at) { goal.target = reached(goal, at); }
 void mark(const Goal& goal, const GoalPlace& at, GoalMark& mark) {
-  mark.segments.push_back({at.frames[goal.joint].translation(), goal.target, GoalMark::Stress::Faint});
+  mark.segments.push_back({at.frames[goal.joint].translation(), goal.target, GoalMark::Stress::Main});
 }
 
 }  // namespace
@@ -88,6 +88,8 @@ const GoalType poleGoal{.kind = GoalKind::Pole,
                         .title = "Pole",
                         .asks = "An elbow or a knee lies on the side of a point.",
                         .fields = fields,
+                        .movesWithPose = true,
+                        .preference = 0.1,
                         .rows = rows<1>,
                         .residual = residual,
                         .jacobian = jacobian,

@@ -24,9 +24,9 @@ constexpr GoalField fields[] = {
 
 void residual(const Goal& goal, const GoalPlace& at, Eigen::Ref<VectorXd> r) {
   relativePositionGoal.residual(goal, at, r.head<3>());
-  r.tail<3>() = rotationError(
-      Eigen::Quaterniond(at.frames[goal.otherJoint].linear()) * goal.orientation.normalized(),
-      at.frames[goal.joint]);
+  r.tail<3>() =
+      rotationError(Eigen::Quaterniond(at.frames[goal.otherJoint].linear()) * goal.orientation.normalized(),
+                    at.frames[goal.joint]);
 }
 void jacobian(const Goal& goal, const GoalMotion& at, Eigen::Ref<MatrixXd> J) {
   relativePositionGoal.jacobian(goal, at, J.topRows(3));
@@ -58,9 +58,9 @@ void model(const Goal&, std::span<const Vector3d> y, double arm, bool, DragModel
 }
 void capture(Goal& goal, const GoalPlace& at) {
   relativePositionGoal.capture(goal, at);
-  goal.orientation = Eigen::Quaterniond(at.frames[goal.otherJoint].linear().transpose() *
-                                        at.frames[goal.joint].linear())
-                         .normalized();
+  goal.orientation =
+      Eigen::Quaterniond(at.frames[goal.otherJoint].linear().transpose() * at.frames[goal.joint].linear())
+          .normalized();
 }
 void mark(const Goal& goal, const GoalPlace& at, GoalMark& mark) {
   relativePositionGoal.mark(goal, at, mark);

@@ -16,8 +16,7 @@ inline void carriedMass(const Goal& goal, const Skeleton& skeleton, int, std::ve
   const double total = goal.masses->total();
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (goal.masses->mass[i] > 0.0)
-      out.push_back(
-          {.joint = i, .inJoint = goal.masses->centre[i], .share = goal.masses->mass[i] / total});
+      out.push_back({.joint = i, .inJoint = goal.masses->centre[i], .share = goal.masses->mass[i] / total});
 }
 
 inline Eigen::Vector3d massReached(const Goal& goal, const GoalPlace& at) {

@@ -1,11 +1,10 @@
-#include "solvers/problem/goal_type.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "solvers/iteration/evaluator.h"
+#include "solvers/problem/goal_type.h"
 #include "solvers/problem/judge.h"
 #include "solvers/problem/support.h"
 #include "tests/solvers/problem/random_goal.h"
@@ -98,12 +97,18 @@ TEST_P(EveryGoalType, SaysWhatIsWrongWithIt) {
   for (const GoalField& field : type.fields) {
     Goal bad = good;
     using Meaning = GoalField::Meaning;
-    if (field.meaning == Meaning::Joint) bad.*std::get<int Goal::*>(field.member) = 99;
-    else if (field.meaning == Meaning::Length) bad.*std::get<double Goal::*>(field.member) = -1.0;
-    else if (field.meaning == Meaning::Polygon) bad.polygon.resize(2);
-    else if (field.meaning == Meaning::Posture) bad.posture.resize(2);
-    else if (field.meaning == Meaning::Rotation) bad.orientation.coeffs().setZero();
-    else (bad.*std::get<Vector3d Goal::*>(field.member))[1] = std::nan("");
+    if (field.meaning == Meaning::Joint)
+      bad.*std::get<int Goal::*>(field.member) = 99;
+    else if (field.meaning == Meaning::Length)
+      bad.*std::get<double Goal::*>(field.member) = -1.0;
+    else if (field.meaning == Meaning::Polygon)
+      bad.polygon.resize(2);
+    else if (field.meaning == Meaning::Posture)
+      bad.posture.resize(2);
+    else if (field.meaning == Meaning::Rotation)
+      bad.orientation.coeffs().setZero();
+    else
+      (bad.*std::get<Vector3d Goal::*>(field.member))[1] = std::nan("");
     EXPECT_THAT(whyInvalid(bad, skeleton), ::testing::HasSubstr(std::string(field.name))) << field.name;
   }
   if (type.needsMasses) {
@@ -156,8 +161,8 @@ TEST(GoalTypes, WhatMovesTwoJointsAlikeIsNothingBetweenThem) {
 
 TEST(SupportPolygon, HullInsetAndNearestOfASquareByHand) {
   const Vector3d up = Vector3d::UnitY();
-  const SupportPolygon square = SupportPolygon::hull(
-      {{0, 0, 0}, {2, 0.3, 0}, {2, 0, 2}, {0, 0, 2}, {1, 5, 1}, {1, 0, 0}}, up);
+  const SupportPolygon square =
+      SupportPolygon::hull({{0, 0, 0}, {2, 0.3, 0}, {2, 0, 2}, {0, 0, 2}, {1, 5, 1}, {1, 0, 0}}, up);
   ASSERT_EQ(square.corners.size(), 4u);
   EXPECT_TRUE(SupportPolygon::isConvex(square.corners, up));
   EXPECT_TRUE(square.nearest({1, 9, 1}).way.isZero(0.0));

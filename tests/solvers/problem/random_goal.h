@@ -15,9 +15,10 @@ inline std::shared_ptr<const Masses> randomMasses(const Skeleton& skeleton, std:
 }
 
 /// A goal of the kind on a skeleton of three joints or more, at q: not met but in its orientation, whose
-/// geometric Jacobian is the derivative only where it is met. Where `wholly`, orientations are not met either.
-inline Goal randomGoalOf(GoalKind kind, const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames,
-                         std::mt19937_64& random, bool wholly = false) {
+/// geometric Jacobian is the derivative only where it is met. Where `wholly`, orientations are not met
+/// either.
+inline Goal randomGoalOf(GoalKind kind, const Skeleton& skeleton, const Eigen::VectorXd& q,
+                         const Frames& frames, std::mt19937_64& random, bool wholly = false) {
   using Eigen::Vector3d;
   const int n = skeleton.jointCount();
   Goal goal{.kind = kind, .masses = randomMasses(skeleton, random)};
@@ -45,7 +46,8 @@ inline Goal randomGoalOf(GoalKind kind, const Skeleton& skeleton, const Eigen::V
   }
   if (kind == GoalKind::Aim) {
     const double distance = 0.5 + 2.0 * uniform01(random);
-    goal.target = frames[goal.joint].translation() + distance * (frames[goal.joint].linear() * goal.axisInJoint);
+    goal.target =
+        frames[goal.joint].translation() + distance * (frames[goal.joint].linear() * goal.axisInJoint);
     if (wholly) goal.target += distance * randomUnit(random);
   } else if (kind == GoalKind::KeepOut) {  // inside: beside the segment, or beyond its end
     const Vector3d out = randomUnit(random), along = out.unitOrthogonal();

@@ -140,7 +140,8 @@ TEST(DragRows, StepIsTheDenseNewtonStep) {
                           Vector3d(1e-4, 0, 0);
     if (i % 2 == 0) {
       goalType(problem.goal.kind)
-          .capture(problem.goal, {problem.skeleton, problem.q, forwardKinematics(problem.skeleton, problem.q)});
+          .capture(problem.goal,
+                   {problem.skeleton, problem.q, forwardKinematics(problem.skeleton, problem.q)});
       continue;
     }
     for (auto& correction : problem.descent.blocks()[0].correction) correction.setZero();
@@ -159,12 +160,13 @@ TEST(DragRows, StepIsTheDenseNewtonStep) {
     const double before = problem.descent.objective(settings);
     const StepOutcome outcome = problem.descent.step(settings);
     if (!outcome.moved) continue;
-    // Far from limits both are one step; at a limit the solver's may be another one: compare where it is equal
-    // in size.
+    // Far from limits both are one step; at a limit the solver's may be another one: compare where it is
+    // equal in size.
     if (std::abs(outcome.step - d.lpNorm<Eigen::Infinity>()) > 1e-9 * std::max(1e-6, outcome.step)) continue;
     ++compared;
     const double fall = before - problem.descent.objective(settings);
-    EXPECT_NEAR(fall, -0.5 * g.dot(d), 1e-3 * std::abs(g.dot(d)));  // a step of 1e-4: the model is the objective
+    EXPECT_NEAR(fall, -0.5 * g.dot(d),
+                1e-3 * std::abs(g.dot(d)));  // a step of 1e-4: the model is the objective
   }
   EXPECT_GE(compared, 15);
 }
@@ -206,11 +208,13 @@ TEST(DragLoops, AFourBarLinkageStaysClosedWhileItsCrankIsLedRound) {
     goals[0].target = 0.4 * Vector3d(std::cos(angle), std::sin(angle), 0);
     const VectorXd& at = solver.frame(goals).q;
     const Frames frames = forwardKinematics(linkage, at);
-    worst = std::max(worst, (frames[loop.joint].translation() - frames[loop.otherJoint].translation()).norm());
+    worst =
+        std::max(worst, (frames[loop.joint].translation() - frames[loop.otherJoint].translation()).norm());
     worstDrag = std::max(worstDrag, (frames[crank].translation() - goals[0].target).norm());
   }
   EXPECT_LE(worst, 3e-4);
-  EXPECT_LE(worstDrag, 5e-3);  // the posture's pull on a crank that was wound up by 7.5 rad, less the correction
+  EXPECT_LE(worstDrag,
+            5e-3);  // the posture's pull on a crank that was wound up by 7.5 rad, less the correction
   RecordProperty("worst_gap_mm", std::to_string(1e3 * worst));
 }
 
@@ -231,8 +235,8 @@ TEST(DragLoops, BothHandsHoldABarWhileItIsDragged) {
   double worstBar = 0.0, worstTurn = 0.0, worstFeet = 0.0;
   for (int frame = 0; frame < 1500; ++frame) {
     const double t = frame / 120.0;
-    goals.back().target = from + Vector3d(0.12 * std::sin(t), 0.18 * (1.0 - std::cos(0.7 * t)),
-                                          0.10 * std::sin(1.3 * t));
+    goals.back().target =
+        from + Vector3d(0.12 * std::sin(t), 0.18 * (1.0 - std::cos(0.7 * t)), 0.10 * std::sin(1.3 * t));
     const VectorXd& q = solver.frame(goals).q;
     const Frames frames = forwardKinematics(figure.skeleton, q);
     VectorXd r(6);
@@ -293,7 +297,8 @@ TEST(DragGoals, ColdSolveReachesEveryReachableGoalOfTheTable) {
       goal.masses = testing::randomMasses(skeleton, random);
       goal.length = type->kind == GoalKind::KeepOut ? 0.0 : 0.01;
       type->capture(goal, {skeleton, there, frames});
-      IkProblem problem{.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random), .goals = {goal}};
+      IkProblem problem{
+          .skeleton = &skeleton, .start = randomWithinLimits(skeleton, random), .goals = {goal}};
       if (!whyInvalid(goal, skeleton).empty()) continue;
       problem.positionTolerance = problem.orientationTolerance = 1e-5;
       ++asked;

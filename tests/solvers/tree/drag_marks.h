@@ -221,12 +221,12 @@ inline double quantile(std::vector<double> values, double share) {
 
 /// What a drag along a path showed.
 struct Shown {
-  std::vector<double> errors;   ///< metres, every dragged point and frame
-  std::vector<double> seconds;  ///< a frame
-  double worstPin = 0.0;        ///< metres
-  double worstRotation = 0.0;   ///< radians a joint and frame
-  double worstJump = 0.0;       ///< rotation over (target step / 0.5 m)
-  double worstViolation = 0.0;  ///< of limits
+  std::vector<double> errors;      ///< metres, every dragged point and frame
+  std::vector<double> seconds;     ///< a frame
+  double worstPin = 0.0;           ///< metres
+  double worstRotation = 0.0;      ///< radians a joint and frame
+  double worstJump = 0.0;          ///< rotation over (target step / 0.5 m)
+  double worstViolation = 0.0;     ///< of limits
   int notFinite = 0, outside = 0;  ///< frames with the centre of mass outside the soles
   double worstTipping = 0.0;       ///< metres outside
   long iterations = 0, factorisations = 0;

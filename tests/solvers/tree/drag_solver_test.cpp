@@ -176,9 +176,9 @@ TEST_F(Marks, ChangingTheDraggedPointChangesThePoseContinuously) {
     const int joint = figure.skeleton.jointIndex(name);
     const Frames frames = forwardKinematics(figure.skeleton, solver.q());
     goals[0] = {.name = "drag",
-                     .joint = joint,
-                     .pointInJoint = {0, 0, 0.02},
-                     .target = frames[joint] * Vector3d(0, 0, 0.02)};
+                .joint = joint,
+                .pointInJoint = {0, 0, 0.02},
+                .target = frames[joint] * Vector3d(0, 0, 0.02)};
     const VectorXd before = solver.q();
     solver.frame(goals);
     EXPECT_LE(figure.largestRotation(before, solver.q()), 0.06) << name;
@@ -215,14 +215,13 @@ TEST_F(Marks, PoseAimAndOrientationGoalsAreMet) {
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond(figure.startFrames[hand].linear()) * expRotation({0.3, 0.2, -0.4});
   goals[0] = {.kind = GoalKind::Pose,
-                   .joint = hand,
-                   .target = figure.startFrames[hand].translation() + Vector3d(0, 0.1, 0),
-                   .orientation = turned};
+              .joint = hand,
+              .target = figure.startFrames[hand].translation() + Vector3d(0, 0.1, 0),
+              .orientation = turned};
   goals[2] = {
       .kind = GoalKind::Aim, .joint = figure.head, .target = {0.5, 1.2, 2.0}, .axisInJoint = {0, -1, 0}};
   for (int i = 0; i < 200; ++i) solver.frame(goals);
-  IkProblem problem{
-      .skeleton = &figure.skeleton, .start = figure.start, .goals = {goals[0], goals[2]}};
+  IkProblem problem{.skeleton = &figure.skeleton, .start = figure.start, .goals = {goals[0], goals[2]}};
   const Judgement verdict = judge(problem, solver.q());
   EXPECT_LE(verdict.goals[0].position, 1e-4);
   EXPECT_LE(verdict.goals[0].orientation, 1e-3);
