@@ -5,7 +5,7 @@
 #include "solvers/methods/step_rules.h"
 #include "solvers/serial/pose_goals.h"
 #include "solvers/serial/serial_pose.h"
-#include "solvers/tree/hybrid_solver.h"
+#include "solvers/tree/drag_solver.h"
 
 namespace gelenk {
 namespace {
@@ -29,7 +29,7 @@ class Fitting final : public IkSolver {
     return *solvers_.back();
   }
 
-  std::array<std::unique_ptr<IkSolver>, 3> solvers_{mergingPoseGoals(makeSerialPose()), makeHybrid(),
+  std::array<std::unique_ptr<IkSolver>, 3> solvers_{mergingPoseGoals(makeSerialPose()), makeDrag(),
                                                     makeLmGainRatio()};
 };
 

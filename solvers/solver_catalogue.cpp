@@ -21,7 +21,7 @@
 #include "solvers/serial/pose_goals.h"
 #include "solvers/serial/serial_pose.h"
 #include "solvers/solutions/closed_form_solver.h"
-#include "solvers/tree/hybrid_solver.h"
+#include "solvers/tree/drag_solver.h"
 
 namespace gelenk {
 namespace {
@@ -65,8 +65,7 @@ constexpr std::array catalogue{
     row<&makeLmSugihara>("lm-sugihara", "Levenberg-Marquardt, robust damping", "Sugihara 2011"),
     row<&makeLmGainRatio>("lm-gain-ratio", "Levenberg-Marquardt, gain ratio", "Marquardt 1963; Nielsen 1999"),
     row<&makeExactHessian>("exact-hessian", "Newton with the exact Hessian", "Nocedal, Wright 2006, ch. 3"),
-    row<&makeHybrid>("hybrid", "Exact Hessian and Gauss-Newton on the tree",
-                     "this project; Featherstone 2008"),
+    row<&makeDrag>("drag", "Exact Hessian and Gauss-Newton on the tree", "this project; Featherstone 2008"),
     row<&makeHalley>("halley", "Halley's method (QuIK)", "Lloyd, Irani, Ahmadi 2022"),
     row<&makeGeodesic>("geodesic", "Levenberg-Marquardt, geodesic acceleration", "Transtrum, Sethna 2012"),
     row<&makeBfgs>("bfgs", "BFGS, projected", "Zhao, Badler 1994"),
@@ -116,7 +115,7 @@ constexpr std::array missingParts{
 };
 
 constexpr SolverEntry fitting =
-    row<&makeFitting>("default", "The solver that fits the problem", "serial-pose, else hybrid");
+    row<&makeFitting>("default", "The solver that fits the problem", "serial-pose, else drag");
 
 /// The name in front of a choice's brackets.
 std::string_view nameOf(std::string_view text) { return text.substr(0, text.find('[')); }
@@ -131,6 +130,10 @@ double valueOf(std::string_view text, std::string_view word) {
 
 }  // namespace
 
+std::string_view presentName(std::string_view name) {
+  return name == "hybrid" ? "drag" : name == "spherical-wrist" ? "closed-form" : name;
+}
+
 std::span<const SolverEntry> solverCatalogue() { return catalogue; }
 
 std::unique_ptr<IkSolver> SolverEntry::make(const ParameterValues& values) const {
@@ -139,8 +142,7 @@ std::unique_ptr<IkSolver> SolverEntry::make(const ParameterValues& values) const
 }
 
 const SolverEntry& solverEntry(std::string_view text) {
-  std::string_view name = nameOf(text);
-  if (name == "spherical-wrist") name = "closed-form";  // its name when it knew two classes of arms
+  const std::string_view name = presentName(nameOf(text));
   if (name == fitting.name) return fitting;
   std::string known;
   for (const SolverEntry& entry : catalogue) {
@@ -168,7 +170,7 @@ SolverSpec withParameter(SolverSpec choice, std::string_view parameter, double v
 }
 
 SolverSpec solverSpec(std::string_view text) {
-  SolverSpec choice{.name = std::string(nameOf(text)), .entry = &solverEntry(text)};
+  SolverSpec choice{.name = std::string(presentName(nameOf(text))), .entry = &solverEntry(text)};
   const std::size_t open = text.find('[');
   if (open == std::string_view::npos) return choice;
   if (text.back() != ']')

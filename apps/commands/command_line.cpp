@@ -16,6 +16,7 @@ Option& Option::positive() { return option_->check(CLI::PositiveNumber), *this; 
 Option& Option::nonNegative() { return option_->check(CLI::NonNegativeNumber), *this; }
 Option& Option::range(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
 Option& Option::count(int values) { return option_->expected(values), *this; }
+Option& Option::oneAtATime() { return option_->allow_extra_args(false), *this; }
 Option& Option::needs(const Option& other) { return option_->needs(other.option_), *this; }
 
 Command Command::command(const std::string& name, const std::string& help) {
@@ -35,6 +36,7 @@ template Option Command::option(const std::string&, std::vector<double>&, const 
 Option Command::flag(const std::string& names, bool& value, const std::string& help) {
   return Option(app_->add_flag(names, value, help));
 }
+void Command::notes(const std::string& text) { app_->footer(text); }
 void Command::run(std::function<void()> action) { app_->callback(std::move(action)); }
 bool Command::given() const { return app_->parsed(); }
 

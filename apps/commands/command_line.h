@@ -28,6 +28,7 @@ class Option {
   Option& nonNegative();
   Option& range(double low, double high);
   Option& count(int values);           ///< so many values, not more or fewer
+  Option& oneAtATime();                ///< of a list: every value wants the option's name before it
   Option& needs(const Option& other);  ///< refused where the other is not given
 
  private:
@@ -47,6 +48,7 @@ class Command {
   Option option(const std::string& names, Value& value, const std::string& help);
   Option flag(const std::string& names, bool& value, const std::string& help);
 
+  void notes(const std::string& text);     ///< below the options in the help text
   void run(std::function<void()> action);  ///< called where the command was given, after all options are set
   bool given() const;                      ///< after parsing
 

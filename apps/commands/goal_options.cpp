@@ -59,7 +59,7 @@ void putNumbers(TypedGoal& goal, const std::vector<double>& t, const std::string
   if (t.size() != 3) goal.orientation = unitQuaternion(&t[t.size() - 4], what);
 }
 
-TypedGoal parseGoal(std::string_view text, const Skeleton& skeleton) {
+TypedGoal parseJointGoal(std::string_view text, const Skeleton& skeleton) {
   const std::string what = "--goal " + std::string(text);
   const std::size_t equals = text.rfind('=');
   if (equals == std::string_view::npos || equals == 0)

@@ -29,7 +29,7 @@ struct TypedGoal {
 void putNumbers(TypedGoal& goal, const std::vector<double>& numbers, const std::string& what);
 
 /// "hand_r=0.1,1.2,0.3" with 3, 4 or 7 numbers; ":2" behind them is the weight. Throws likewise.
-TypedGoal parseGoal(std::string_view text, const Skeleton& skeleton);
+TypedGoal parseJointGoal(std::string_view text, const Skeleton& skeleton);
 
 /// A JSON file: a list of {"joint", "target": [x, y, z], "orientation": [w, x, y, z], "point", "axis",
 /// "direction", "weight", "orientation_weight"}. Throws ParseError or std::invalid_argument.

@@ -10,6 +10,7 @@
 #include "apps/document/model.h"
 #include "kinematics/configuration.h"
 #include "solvers/lab/sweep.h"
+#include "solvers/problem/goal_text.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
 
@@ -25,22 +26,37 @@ struct Request {
   std::vector<double> target, start, weights;
   double tolerance = 1e-6;
   Budget budget{.maxIterations = 200, .maxSeconds = 1e9, .restarts = 50};
-  bool trace = false, positionFirst = false;
+  bool trace = false, positionFirst = false, rods = false;
 
   bool degrees() const { return format == "degrees"; }
 };
 
-/// Everything that the options ask for.
+/// --goal takes two forms: "hand_r=0.1,1.2,0.3", and a kind of goal with its fields.
+bool isOpenGoal(std::string_view text) {
+  const std::string_view word = text.substr(0, text.find_first_of(" ="));
+  return word.size() == text.size() || text[word.size()] == ' ';
+}
+
+/// The goals that name their kind.
+std::vector<Goal> openGoals(const Request& request, const Model& model) {
+  const std::shared_ptr<const Masses> masses =
+      request.rods ? std::make_shared<const Masses>(rodMasses(model.skeleton)) : model.masses;
+  std::vector<Goal> goals;
+  for (const std::string& text : request.goals)
+    if (isOpenGoal(text)) goals.push_back(parseGoal(text, model.skeleton, masses));
+  return goals;
+}
+
+/// The places and orientations of joints that the options ask for.
 std::vector<TypedGoal> goalsAskedFor(const Request& request, const Model& model) {
   std::vector<TypedGoal> goals;
   if (!request.goalsFile.empty()) goals = readGoals(request.goalsFile, model.skeleton);
-  for (const std::string& text : request.goals) goals.push_back(parseGoal(text, model.skeleton));
+  for (const std::string& text : request.goals)
+    if (!isOpenGoal(text)) goals.push_back(parseJointGoal(text, model.skeleton));
   if (!request.target.empty()) {
     goals.push_back({.joint = effectorOf(model, request.joint)});
     putNumbers(goals.back(), request.target, "--target");
   }
-  if (goals.empty())
-    throw std::invalid_argument("nothing is asked for: give --target, --goal, --goals or --targets");
   if (!request.weights.empty()) {
     if (request.weights.size() != 2 || !(request.weights[0] > 0.0) || !(request.weights[1] > 0.0))
       throw std::invalid_argument("--weights wants two numbers above 0: of positions and of orientations");
@@ -149,9 +165,14 @@ bool solve(const Request& request) {
   const Skeleton& skeleton = model.skeleton;
   if (!request.targets.empty()) return batch(request, model, chosen);
   const std::vector<TypedGoal> typed = goalsAskedFor(request, model);
+  std::vector<Goal> goals = goalsOf(typed);
+  const std::vector<Goal> open = openGoals(request, model);
+  goals.insert(goals.end(), open.begin(), open.end());
+  if (goals.empty())
+    throw std::invalid_argument("nothing is asked for: give --target, --goal, --goals or --targets");
   const IkProblem problem{.skeleton = &skeleton,
                           .start = startOf(request, skeleton),
-                          .goals = goalsOf(typed),
+                          .goals = goals,
                           .positionTolerance = request.tolerance,
                           .orientationTolerance = request.tolerance};
   const std::string refusal = solver->whyUnsupported(problem);
@@ -182,12 +203,12 @@ bool solve(const Request& request) {
     double position = 0.0, orientation = 0.0;
     json goals = json::array();
     for (std::size_t g = 0; g < verdict.goals.size(); ++g) {
-      static constexpr const char* kinds[] = {"position", "orientation", "pose", "axis", "pole", "posture"};
       const GoalError& error = verdict.goals[g];
       position = std::max(position, error.position);
       orientation = std::max(orientation, error.orientation);
       goals.push_back({{"joint", skeleton.joint(problem.goals[g].joint).name},
-                       {"kind", kinds[static_cast<int>(problem.goals[g].kind)]},
+                       {"kind", goalType(problem.goals[g].kind).name},
+                       {"goal", writeGoal(problem.goals[g], skeleton)},
                        {"weight", problem.goals[g].weight},
                        {"position_error", error.position},
                        {"orientation_error", error.orientation}});
@@ -216,8 +237,16 @@ void addSolveCommand(Command& app) {
   command.option("--model", request->model, "Built-in model or file").showDefault();
   command.option("--target", request->target,
                  "X Y Z, QW QX QY QZ or X Y Z QW QX QY QZ: metres and a unit quaternion, world frame");
-  command.option("--goal", request->goals,
-                 "JOINT=X,Y,Z[,QW,QX,QY,QZ][:WEIGHT], or JOINT=QW,QX,QY,QZ (repeatable)");
+  command
+      .option(
+          "--goal", request->goals,
+          "JOINT=X,Y,Z[,QW,QX,QY,QZ][:WEIGHT], or JOINT=QW,QX,QY,QZ, or a goal of any kind such as "
+          "'distance joint=hand_l other=hand_r length=0.25', which also takes weight=, role= (drag, hold, "
+          "pin) and priority= (repeatable)")
+      .oneAtATime();
+  command.flag("--rod-masses", request->rods,
+               "Weigh every bone as a rod of the same mass a metre, for goals that need masses");
+  command.notes("Kinds of goals and their fields, optional ones in brackets:\n" + describeGoalTypes());
   command.option("--goals", request->goalsFile, "Goals from a JSON file, see docs/lab.md");
   command.option("--axis", request->axis,
                  "Of orientations only the direction of this axis of the joint counts: x, -z, or X,Y,Z");

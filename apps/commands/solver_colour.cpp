@@ -25,7 +25,7 @@ Eigen::Vector3f solverColour(std::string_view solver) {
       0x5b2a9d};
   std::size_t index = 0;
   for (const SolverEntry& entry : solverCatalogue()) {
-    if (entry.name == "hybrid") continue;
+    if (entry.name == "drag") continue;
     if (entry.name == solver.substr(0, solver.find('['))) return fromHex(palette[index % palette.size()]);
     ++index;
   }

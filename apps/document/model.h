@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kinematics/motion/motion_clip.h"
+#include "kinematics/notation/mannequin_masses.h"
 #include "kinematics/skeleton.h"
 #include "skinning/skin.h"
 
@@ -18,8 +20,10 @@ struct Model {
   bool planar = false;  ///< moves in the x-y plane: seen from above by default
   Eigen::Vector3d up =
       Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
-  std::optional<MotionClip> clip = {};    ///< a motion that came with it, for players; never clamped
-  std::vector<std::string> handles = {};  ///< joints that get a drag handle; empty: the end-effectors
+  std::optional<MotionClip> clip = {};        ///< a motion that came with it, for players; never clamped
+  std::shared_ptr<const Masses> masses = {};  ///< null: unknown
+  std::vector<FootPoint> soles = {};          ///< what it stands on, where it can keep its balance
+  std::vector<std::string> handles = {};      ///< joints that get a drag handle; empty: the end-effectors
   std::vector<std::string> pins = {};  ///< handles that are pinned when the model is opened, such as the feet
   std::vector<std::string> notes =
       {};  ///< facts worth telling, such as the weight lost by keeping four influences

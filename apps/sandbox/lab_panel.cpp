@@ -224,7 +224,7 @@ class LabPanel final : public Panel {
 
   static void solve(Runner& runner, IkProblem problem) {
     problem.start = runner.q;
-    if (!runner.solver.starts_with("hybrid"))
+    if (!runner.solver.starts_with("drag"))
       runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
     const auto before = std::chrono::steady_clock::now();
     runner.report = runner.method->frame(problem);

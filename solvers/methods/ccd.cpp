@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/iteration/attempt.h"
 
@@ -49,15 +50,7 @@ double bestAngle(const Wanted& wanted, const Effector& effector, const Vector3d&
 }
 
 /// New value of a rotation's angle within its range; whole turns are free where the range holds one.
-double turned(const AxisDof& dof, double q, double by) {
-  double angle = q + by;
-  const double turn = 2.0 * M_PI;
-  if (dof.isFullTurn()) {
-    if (angle < dof.lower) angle += turn * std::ceil((dof.lower - angle) / turn);
-    if (angle > dof.upper) angle -= turn * std::ceil((angle - dof.upper) / turn);
-  }
-  return std::clamp(angle, dof.lower, dof.upper);
-}
+double turned(const AxisDof& dof, double q, double by) { return intoRange(dof, q + by); }
 
 class Sweep {
  public:
@@ -88,7 +81,7 @@ class Sweep {
     const Vector3d v = twists_.col(iv).head<3>(), omega = twists_.col(iv).tail<3>();
     if (dof.kind == AxisDof::Kind::Translation) {
       if (!wanted_.position) return;
-      const double to = std::clamp(q_[iq] + v.dot(wanted_.point - effector_.point), dof.lower, dof.upper);
+      const double to = intoRange(dof, q_[iq] + v.dot(wanted_.point - effector_.point));
       effector_.point += v * (to - q_[iq]);
       q_[iq] = to;
       return;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/iteration/attempt.h"
 
@@ -189,13 +190,7 @@ class FabrikChain {
       cosine += from.dot(to) - dof.axis.dot(from) * dof.axis.dot(to);
     }
     if (std::hypot(sine, cosine) < 1e-14) return;
-    double angle = q[at + k] + std::atan2(sine, cosine);
-    const double turn = 2.0 * M_PI;
-    if (dof.isFullTurn()) {
-      if (angle < dof.lower) angle += turn * std::ceil((dof.lower - angle) / turn);
-      if (angle > dof.upper) angle -= turn * std::ceil((angle - dof.upper) / turn);
-    }
-    q[at + k] = std::clamp(angle, dof.lower, dof.upper);
+    q[at + k] = intoRange(dof, q[at + k] + std::atan2(sine, cosine));
   }
 
   const Skeleton& skeleton_;

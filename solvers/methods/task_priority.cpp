@@ -20,7 +20,7 @@ struct TaskPriority {
     int row = 0;
     for (const Goal& goal : problem.goals) {
       const int rows = residualRows(goal, *problem.skeleton);
-      const int priority = goal.kind == GoalKind::Posture ? std::numeric_limits<int>::max() : goal.priority;
+      const int priority = goalType(goal.kind).judged ? goal.servedAs() : std::numeric_limits<int>::max();
       auto level =
           std::find_if(levels.begin(), levels.end(), [&](const Level& l) { return l.priority == priority; });
       if (level == levels.end()) level = levels.insert(levels.end(), Level{.priority = priority});

@@ -46,9 +46,13 @@ struct SolverEntry {
 /// Every solver there is, an explicit table in solver_catalogue.cpp.
 std::span<const SolverEntry> solverCatalogue();
 
+/// The name that a solver has now: older files call the drag solver "hybrid" and the closed forms
+/// "spherical-wrist".
+std::string_view presentName(std::string_view name);
+
 // A solver is chosen by a text: its name, or its name and values of parameters in brackets, such as
 // "dls[lambda=0.1,largest-step=1]". "default" names the solver that fits the problem: the catalogue's first
-// on serial chains, the descent on the tree elsewhere; it has no parameters of its own.
+// on serial chains, the drag solver elsewhere; it has no parameters of its own.
 
 struct SolverSpec {
   std::string name;  ///< as chosen: the entry's, or "default"

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/serial/same_joints.h"
 
@@ -49,14 +50,13 @@ TipError tipError(const TipGoal& goal, const Isometry3d& worldFromTip) {
 /// |w|, for i <= j:
 ///   position: Jp_i . Jp_j - e . (z_i x Jp_j)
 ///   rotation: z_i . z_j - 1/2 w . (z_i x z_j) + c ((w.z_i)(w.z_j) - theta^2 z_i . z_j),
-///             c = 1/theta^2 - cot(theta/2) / (2 theta), the curvature of the rotation vector.
+///             c = (1 - (theta/2) cot(theta/2)) / theta^2, the curvature of the rotation vector.
 void exactHessian(const ChainJacobian& J, const TipError& error, bool position, bool rotation,
                   ChainMatrix& H) {
   const Eigen::Index n = J.cols();
   const Vector3d &e = error.position, &w = error.rotation;
   const double theta = w.norm();
-  const double c =
-      theta > 1e-3 ? 1.0 / (theta * theta) - 1.0 / (std::tan(0.5 * theta) * 2.0 * theta) : 1.0 / 12.0;
+  const double c = theta > 1e-3 ? (1.0 - squaredAngleAcross(theta)) / (theta * theta) : 1.0 / 12.0;
   for (Eigen::Index j = 0; j < n; ++j)
     for (Eigen::Index i = 0; i <= j; ++i) {
       const Vector3d pi = J.col(i).head<3>(), pj = J.col(j).head<3>(), zi = J.col(i).tail<3>(),
@@ -72,10 +72,8 @@ void exactHessian(const ChainJacobian& J, const TipError& error, bool position, 
 }
 
 double nearestWithin(double angle, double start, double lower, double upper) {
-  double turned = angle - 2.0 * M_PI * std::nearbyint((angle - start) / (2.0 * M_PI));
-  if (turned < lower) turned += 2.0 * M_PI * std::ceil((lower - turned) / (2.0 * M_PI));
-  if (turned > upper) turned -= 2.0 * M_PI * std::ceil((turned - upper) / (2.0 * M_PI));
-  return std::clamp(turned, lower, upper);
+  const double turned = angle - 2.0 * M_PI * std::nearbyint((angle - start) / (2.0 * M_PI));
+  return std::clamp(wrapInto(turned, lower, upper), lower, upper);
 }
 
 }  // namespace

@@ -201,7 +201,7 @@ class Monkey {
                                    "range.obj",  "empty.glb", "list.json", "notes.txt", "saved.json"};
     static const std::array tabs{"Solve",  "Model", "Skin",    "Binding", "Muscles",
                                  "Motion", "Lab",   "Lecture", "Plots"};
-    static const std::array solvers{"hybrid", "two-link", "fabrik", "ccd", "dls", "lm-gain-ratio", "newton"};
+    static const std::array solvers{"drag", "two-link", "fabrik", "ccd", "dls", "lm-gain-ratio", "newton"};
     static const std::array shown{"skin",   "wireframe", "skeleton", "weights", "frames",
                                   "limits", "handles",   "ground",   "shadow"};
     static const std::array motions{

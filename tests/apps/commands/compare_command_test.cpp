@@ -109,8 +109,8 @@ TEST(SolveCommand, AStraightArmBendsAndTheOtherArmStays) {
   const std::string cases = testing::dataFolder() + "/cases/";
   if (!fs::exists(cases + "two_arms.urdf")) GTEST_SKIP() << "no trial data";
   for (const char* solver :
-       {"default", "serial-pose", "hybrid", "lm-chan", "lm-gain-ratio", "exact-hessian", "dls", "ccd",
-        "fabrik", "evolution", "qp", "bfgs", "ceres-lm", "task-priority"}) {
+       {"default", "serial-pose", "drag", "lm-chan", "lm-gain-ratio", "exact-hessian", "dls", "ccd", "fabrik",
+        "evolution", "qp", "bfgs", "ceres-lm", "task-priority"}) {
     const Outcome straight =
         type({"solve", "--model", cases + "straight.urdf", "--target", "1.2", "0", "0", "--start", "0", "0",
               "--solver", solver, "--restarts", "0", "--max-iterations", "2000"});

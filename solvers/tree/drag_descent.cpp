@@ -1,9 +1,10 @@
-#include "solvers/tree/hybrid_descent.h"
+#include "solvers/tree/drag_descent.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "kinematics/rotation.h"
+#include "solvers/serial/simd.h"
 
 namespace gelenk {
 
@@ -28,23 +29,13 @@ Vector3d rotationVector(const double* a, const double* b) {
   return logRotation(Quaterniond(a[0], -a[1], -a[2], -a[3]) * Quaterniond(b[0], b[1], b[2], b[3]));
 }
 
-/// Hessian of 1/2 |log R|^2 for R <- R exp(d): n n^T + (angle/2) cot(angle/2) (I - n n^T). Positive below a
-/// half turn.
-Matrix3d squaredAngleHessian(const Vector3d& log) {
-  const double angle = log.norm();
-  const double across = angle < 1e-4 ? 1.0 - angle * angle / 12.0 : 0.5 * angle / std::tan(0.5 * angle);
-  if (angle < 1e-12) return Matrix3d::Identity();
-  const Vector3d n = log / angle;
-  return across * Matrix3d::Identity() + (1.0 - across) * n * n.transpose();
-}
-
 }  // namespace
 
-HybridDescent::HybridDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness,
-                             const VectorXd& rest)
+DragDescent::DragDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness,
+                         const VectorXd& rest)
     : tree_(skeleton, unit), stiffnessOfDof_(std::move(stiffness)), rest_(rest) {}
 
-void HybridDescent::build(std::span<const int> joints, const Vector3d& origin) {
+void DragDescent::build(std::span<const int> joints, const Vector3d& origin) {
   tree_.build(joints, origin);
   const int n = tree_.dofCount();
   H_.setStructure(tree_.dofParents());
@@ -59,28 +50,32 @@ void HybridDescent::build(std::span<const int> joints, const Vector3d& origin) {
     for (int k = 0; k < node.dofs(); ++k) s_[node.dof + k] = stiffnessOfDof_[v + k];
   }
   points_.clear();
+  blocks_.clear();
+  sums_.clear();
+  shares_.clear();
+  rows_ = 0;
   tree_.load(rest_, trial_);
   restCoordinates_ = trial_.coordinates;
   forget();
 }
 
-void HybridDescent::forget() {
+void DragDescent::forget() {
   muGaussNewton_ = muExact_ = 0.0;
   lastGaussNewtonGain_ = 1.0;
   forcedExact_ = 0;
 }
 
-void HybridDescent::load(const VectorXd& q) {
+void DragDescent::load(const VectorXd& q) {
   tree_.load(q, pose_);
   trial_ = pose_;
   anchor();
 }
 
-double HybridDescent::residual() const { return std::sqrt(2.0 * tree_.cost(pose_, points_)); }
+double DragDescent::residual() const { return std::sqrt(2.0 * goalCost(pose_)); }
 
-double HybridDescent::startingDamping() const { return std::max(1e-3, 0.1 * std::sqrt(cost_)); }
+double DragDescent::startingDamping() const { return std::max(1e-3, 0.1 * std::sqrt(cost_)); }
 
-double HybridDescent::regulariser(const Settings& settings, const TreePose& pose) const {
+double DragDescent::regulariser(const Settings& settings, const TreePose& pose) const {
   double posture = 0.0, change = 0.0;
   for (const TreeNode& node : tree_.nodes()) {
     const double* c = pose.coordinates.data() + node.coordinate;
@@ -99,11 +94,179 @@ double HybridDescent::regulariser(const Settings& settings, const TreePose& pose
   return 0.5 * (settings.lambda * posture + settings.kappa * change);
 }
 
-double HybridDescent::objective(const Settings& settings, const TreePose& pose) const {
-  return tree_.cost(pose, points_) + regulariser(settings, pose);
+double DragDescent::objective(const Settings& settings, const TreePose& pose) const {
+  return goalCost(pose) + regulariser(settings, pose);
 }
 
-void HybridDescent::addRegulariser(const Settings& settings) {
+// ---- blocks ----------------------------------------------------------------------------------------------
+
+void DragDescent::look(const TreeBlock& block, const TreePose& pose, bool corrected, bool exact,
+                       DragModel& model) const {
+  std::array<Vector3d, DragModel::mostVectors> y;
+  const int count = block.type->drag.sums;
+  for (int j = 0; j < count; ++j) {
+    const TreeSum& sum = sums_[block.firstSum + j];
+    y[j] = sum.scale * tree_.at(pose, sum, shares_) + sum.shift;
+    if (corrected) y[j] -= block.correction[j];
+  }
+  block.type->drag.model(*block.goal, {y.data(), static_cast<std::size_t>(count)}, arm_, exact, model);
+}
+
+double DragDescent::pullOf(const TreeBlock& block, const DragModel& model) {
+  const double squared = 2.0 * model.cost;
+  return squared <= block.cut * block.cut ? 1.0 : block.cut / std::sqrt(squared);
+}
+
+double DragDescent::costOfBlocks(const TreePose& pose) const {
+  double sum = 0.0;
+  for (const TreeBlock& block : blocks_) {
+    if (block.weight == 0.0) continue;
+    DragModel model;
+    look(block, pose, true, false, model);
+    const double length = std::sqrt(2.0 * model.cost);
+    sum += block.weight * (length <= block.cut ? model.cost : block.cut * (length - 0.5 * block.cut));
+  }
+  return sum / (tree_.unit() * tree_.unit());
+}
+
+void DragDescent::gather() {
+  if (blocks_.empty()) return tree_.gather(pose_, points_);
+  const double perUnit2 = 1.0 / (tree_.unit() * tree_.unit());
+  tree_.beginGather();
+  tree_.addPoints(pose_, points_);
+  for (const TreeBlock& block : blocks_) {
+    if (block.weight == 0.0) continue;
+    DragModel model;
+    look(block, pose_, true, false, model);
+    const double factor = block.weight * pullOf(block, model) * perUnit2;
+    for (int j = 0; j < block.type->drag.sums; ++j) {
+      const TreeSum& sum = sums_[block.firstSum + j];
+      if (!model.force[j].isZero(0.0))
+        tree_.addForce(pose_, sum, shares_, factor * sum.scale * model.force[j]);
+    }
+  }
+  tree_.endGather();
+}
+
+/// U: what the blocks' models add to the Hessian beside the tree. After gradientAndHessian.
+void DragDescent::collectRows(StepKind kind) {
+  rows_ = 0;
+  if (blocks_.empty()) return;
+  const int n = tree_.dofCount();
+  sign_.clear();
+  for (const double wanted : {1.0, -1.0})
+    for (const TreeBlock& block : blocks_) {
+      if (block.weight == 0.0) continue;
+      DragModel model;
+      look(block, pose_, true, kind == StepKind::ExactHessian, model);
+      if (model.rows == 0) continue;
+      const int sums = block.type->drag.sums;
+      bool sloped = false;
+      const double factor = std::sqrt(block.weight * pullOf(block, model)) / tree_.unit();
+      for (int r = 0; r < model.rows; ++r) {
+        if (model.row[r].sign != wanted) continue;
+        slopes_.resize(static_cast<std::size_t>(DragModel::mostVectors) * n);
+        for (int j = 0; !sloped && j < sums; ++j)
+          tree_.slopeOf(pose_, sums_[block.firstSum + j], shares_,
+                        slopes_.data() + static_cast<std::ptrdiff_t>(j) * n);
+        sloped = true;
+        if (rows_ % 4 == 0) {
+          U_.resize(static_cast<std::size_t>(rows_ + 4) * n);
+          std::fill(U_.end() - 4 * n, U_.end(), 0.0);
+        }
+        double* to = U_.data() + static_cast<std::ptrdiff_t>(rows_ / 4) * 4 * n + rows_ % 4;
+        for (int j = 0; j < sums; ++j) {
+          const Vector3d c = factor * sums_[block.firstSum + j].scale * model.row[r].c[j];
+          if (c.isZero(0.0)) continue;
+          const Vector3d* slope = slopes_.data() + static_cast<std::ptrdiff_t>(j) * n;
+          for (int k = 0; k < n; ++k) to[4 * k] += c.dot(slope[k]);
+        }
+        sign_.push_back(wanted);
+        ++rows_;
+      }
+    }
+}
+
+/// S <- factors of diag(sign) + V W^-1 V^T, strict lower and diagonal. False where a pivot has not the sign
+/// of its row: the matrix of the step is not positive definite.
+bool DragDescent::factorRows() {
+  const int n = tree_.dofCount(), packs = (rows_ + 3) / 4, m = 4 * packs;
+  Y_ = V_;
+  for (int p = 0; p < packs; ++p) W_.solveUpper(Y_.data() + static_cast<std::ptrdiff_t>(p) * 4 * n);
+  S_.assign(static_cast<std::size_t>(m) * m, 0.0);
+  for (int p = 0; p < packs; ++p)
+    for (int q = 0; q <= p; ++q) {
+      Double4 sum[4] = {};
+      const double* a = Y_.data() + static_cast<std::ptrdiff_t>(p) * 4 * n;
+      const double* b = Y_.data() + static_cast<std::ptrdiff_t>(q) * 4 * n;
+      for (int k = 0; k < n; ++k) {
+        const Double4 scaled = four(b + 4 * k) * (1.0 / W_.diagonal(k));
+        for (int i = 0; i < 4; ++i) sum[i] += a[4 * k + i] * scaled;
+      }
+      for (int i = 0; i < 4; ++i)
+        four(S_.data() + static_cast<std::ptrdiff_t>(4 * p + i) * m + 4 * q) = sum[i];
+    }
+  for (int i = 0; i < rows_; ++i) S_[static_cast<std::size_t>(i) * m + i] += sign_[i];
+  for (int i = 0; i < rows_; ++i) {  // L D L^T by rows
+    double* Si = S_.data() + static_cast<std::ptrdiff_t>(i) * m;
+    for (int j = 0; j < i; ++j) {
+      const double* Sj = S_.data() + static_cast<std::ptrdiff_t>(j) * m;
+      double entry = Si[j];
+      for (int k = 0; k < j; ++k) entry -= Si[k] * Sj[k];  // Si[k] still carries D_k
+      Si[j] = entry;
+    }
+    double pivot = Si[i];
+    for (int j = 0; j < i; ++j) {
+      const double l = Si[j] / S_[static_cast<std::size_t>(j) * m + j];
+      pivot -= l * Si[j];
+      Si[j] = l;
+    }
+    if (!(pivot * sign_[i] > 0.0)) return false;
+    Si[i] = pivot;
+  }
+  return true;
+}
+
+/// x <- (W + V^T S V)^-1 x.
+void DragDescent::solveSystem(double* x) {
+  W_.solve(x);
+  if (rows_ == 0) return;
+  const int n = tree_.dofCount(), packs = (rows_ + 3) / 4, m = 4 * packs;
+  std::array<double, 256> buffer;
+  double* t = buffer.data();
+  std::vector<double> larger;
+  if (m > 256) larger.resize(m), t = larger.data();
+  for (int p = 0; p < packs; ++p) {
+    const double* V = V_.data() + static_cast<std::ptrdiff_t>(p) * 4 * n;
+    Double4 sum = {};
+    for (int k = 0; k < n; ++k) sum += x[k] * four(V + 4 * k);
+    four(t + 4 * p) = sum;
+  }
+  for (int i = 0; i < rows_; ++i)
+    for (int j = 0; j < i; ++j) t[i] -= S_[static_cast<std::size_t>(i) * m + j] * t[j];
+  for (int i = 0; i < rows_; ++i) t[i] /= S_[static_cast<std::size_t>(i) * m + i];
+  for (int i = rows_ - 1; i >= 0; --i)
+    for (int j = i + 1; j < rows_; ++j) t[i] -= S_[static_cast<std::size_t>(j) * m + i] * t[j];
+  z_.assign(n, 0.0);
+  for (int p = 0; p < packs; ++p) {
+    const double* V = V_.data() + static_cast<std::ptrdiff_t>(p) * 4 * n;
+    for (int k = 0; k < n; ++k) {
+      const Double4 product = four(V + 4 * k) * four(t + 4 * p);
+      z_[k] += product[0] + product[1] + product[2] + product[3];
+    }
+  }
+  W_.solve(z_.data());
+  for (int k = 0; k < n; ++k) x[k] -= z_[k];
+}
+
+/// (H + U^T S U) d at dof k, d_ the step.
+double DragDescent::modelSlope(int k) const {
+  double sum = H_.rowTimes(k, d_.data());
+  for (int r = 0; r < rows_; ++r) sum += rowEntry(r, k) * Ud_[r];
+  return sum;
+}
+
+void DragDescent::addRegulariser(const Settings& settings) {
   const double lambda = settings.lambda, kappa = settings.kappa;
   for (const TreeNode& node : tree_.nodes()) {
     const double* c = pose_.coordinates.data() + node.coordinate;
@@ -127,13 +290,14 @@ void HybridDescent::addRegulariser(const Settings& settings) {
   }
 }
 
-void HybridDescent::assemble(const Settings& settings, StepKind kind) {
+void DragDescent::assemble(const Settings& settings, StepKind kind) {
   tree_.gradientAndHessian(pose_, kind == StepKind::ExactHessian ? 1.0 : 0.0, g_.data(), H_);
+  collectRows(kind);
   addRegulariser(settings);
 }
 
-void HybridDescent::derivatives(const Settings& settings, double beta, double* gradient, TreeMatrix& H) {
-  tree_.gather(pose_, points_);
+void DragDescent::derivatives(const Settings& settings, double beta, double* gradient, TreeMatrix& H) {
+  gather();
   assemble(settings, beta != 0.0 ? StepKind::ExactHessian : StepKind::GaussNewton);
   std::copy(g_.begin(), g_.end(), gradient);
   H.copyValues(H_);
@@ -144,14 +308,14 @@ void HybridDescent::derivatives(const Settings& settings, double beta, double* g
 
 /// Where the swing at c stands on its cone: the unit tangent of the ellipse and its length by the ellipse's
 /// angle.
-void HybridDescent::setConeTangent(const TreeNode& node, const double* c) {
+void DragDescent::setConeTangent(const TreeNode& node, const double* c) {
   const Vector2d scaled = (Vector2d(c[0], c[1]) - node.swingCentre).cwiseQuotient(node.swingRadii);
   const Vector2d e(-node.swingRadii.x() * scaled.y(), node.swingRadii.y() * scaled.x());
   tangentLength_[node.dof] = e.norm();
   tangent_[node.dof] = e / tangentLength_[node.dof];
 }
 
-void HybridDescent::chooseActiveSet() {
+void DragDescent::chooseActiveSet() {
   anyFixedMoves_ = false;
   for (const TreeNode& node : tree_.nodes()) {
     const double* c = pose_.coordinates.data() + node.coordinate;
@@ -183,7 +347,7 @@ void HybridDescent::chooseActiveSet() {
 
 /// Which dofs on their limits to leave there in the next step although its gradient may point inwards: those
 /// that the model at the end of this step still presses outwards (the sign of the limit's multiplier).
-void HybridDescent::rememberActiveSet() {
+void DragDescent::rememberActiveSet() {
   for (const TreeNode& node : tree_.nodes()) {
     if (node.motion == TreeMotion::FreeBall) continue;
     const double* c = pose_.coordinates.data() + node.coordinate;
@@ -192,7 +356,7 @@ void HybridDescent::rememberActiveSet() {
       stays_[k] = 0;
       if (state_[k] == DofState::AlongCone) {
         const Vector2d outward(tangent_[k].y(), -tangent_[k].x());
-        const Vector2d slope(g_[k] + H_.rowTimes(k, d_.data()), g_[k + 1] + H_.rowTimes(k + 1, d_.data()));
+        const Vector2d slope(g_[k] + modelSlope(k), g_[k + 1] + modelSlope(k + 1));
         stays_[k] = outward.dot(slope) < 0.0;
       } else if (state_[k] == DofState::Fixed) {
         stays_[k] = 1;  // the step ends on the cone
@@ -202,22 +366,31 @@ void HybridDescent::rememberActiveSet() {
     }
     stays_[k] = 0;
     if (state_[k] != DofState::Fixed) continue;
-    const double slope = g_[k] + H_.rowTimes(k, d_.data());
+    const double slope = g_[k] + modelSlope(k);
     stays_[k] = *c + value_[k] <= node.lower ? slope > 0.0 : slope < 0.0;
   }
 }
 
 /// W <- factors of H + mu I with the fixed dofs taken out and cone swings reduced to their tangent; x_ <-
 /// right side.
-bool HybridDescent::factorWithActiveSet(double mu) {
+bool DragDescent::factorWithActiveSet(double mu) {
   W_.copyValues(H_);
   for (int k = 0; k < W_.size(); ++k) {
     W_.diagonal(k) += mu;
     x_[k] = -g_[k];
   }
+  const int n = tree_.dofCount(), packs = (rows_ + 3) / 4;
+  if (rows_ > 0) V_.assign(U_.begin(), U_.begin() + static_cast<std::ptrdiff_t>(packs) * 4 * n);
   for (const TreeNode& node : tree_.nodes()) {
     const int k = node.dof;
     if (state_[k] != DofState::AlongCone) continue;
+    for (int p = 0; p < packs; ++p) {
+      double* V = V_.data() + static_cast<std::ptrdiff_t>(p) * 4 * n + 4 * k;
+      for (int i = 0; i < 4; ++i) {
+        V[i] = tangent_[k][0] * V[i] + tangent_[k][1] * V[i + 4];
+        V[i + 4] = 0.0;
+      }
+    }
     const Vector2d e = tangent_[k], g(g_[k], g_[k + 1]);
     double* first = W_.row(k);
     const double* second = W_.row(k + 1);
@@ -242,6 +415,21 @@ bool HybridDescent::factorWithActiveSet(double mu) {
   if (anyFixedMoves_)
     for (int k = 0; k < W_.size(); ++k)
       if (state_[k] == DofState::Fixed && value_[k] != 0.0) W_.subtractColumn(k, value_[k], x_.data());
+  for (int p = 0; p < packs; ++p) {
+    double* V = V_.data() + static_cast<std::ptrdiff_t>(p) * 4 * n;
+    if (anyFixedMoves_) {
+      Double4 moved = {};
+      for (int k = 0; k < n; ++k)
+        if (state_[k] == DofState::Fixed) moved += value_[k] * four(V + 4 * k);
+      for (int i = 0; i < 4 && 4 * p + i < rows_; ++i) moved[i] *= sign_[4 * p + i];
+      for (int k = 0; k < n; ++k) {
+        const Double4 product = four(V + 4 * k) * moved;
+        x_[k] -= product[0] + product[1] + product[2] + product[3];
+      }
+    }
+    for (int k = 0; k < n; ++k)
+      if (state_[k] == DofState::Fixed) four(V + 4 * k) = Double4{};
+  }
   for (int k = 0; k < W_.size(); ++k)
     if (state_[k] == DofState::Fixed) {
       W_.isolate(k);
@@ -249,12 +437,12 @@ bool HybridDescent::factorWithActiveSet(double mu) {
     } else if (state_[k] == DofState::ConePartner) {
       x_[k] = 0.0;
     }
-  return W_.factor(smallestPivot);
+  return W_.factor(smallestPivot) && (rows_ == 0 || factorRows());
 }
 
 /// Fixes the free dofs that the step, which will be cut to entries of size `reach`, carries across their
 /// limits on those limits. True where there were any.
-bool HybridDescent::fixCrossing(double reach) {
+bool DragDescent::fixCrossing(double reach) {
   constexpr double tolerance = 1e-12;
   double largest = 0.0;
   for (const double entry : x_) largest = std::max(largest, std::abs(entry));
@@ -301,13 +489,13 @@ bool HybridDescent::fixCrossing(double reach) {
 
 /// The step d_ within limits, and of the model along it: slope_ = g . d, curvature_ = d . (H + mu) d. False
 /// on a bad pivot.
-bool HybridDescent::solve(double mu, double reach, StepOutcome& outcome) {
+bool DragDescent::solve(double mu, double reach, StepOutcome& outcome) {
   constexpr int passes = 3;
   chooseActiveSet();
   for (int pass = 0;; ++pass) {
     ++outcome.factorisations;
     if (!factorWithActiveSet(mu)) return false;
-    W_.solve(x_.data());
+    solveSystem(x_.data());
     if (pass == passes || !fixCrossing(reach)) break;
   }
   const int n = tree_.dofCount();
@@ -318,6 +506,11 @@ bool HybridDescent::solve(double mu, double reach, StepOutcome& outcome) {
       d_[k] = x_[k] * tangent_[k][0];
       d_[k + 1] = x_[k] * tangent_[k][1];
     }
+  Ud_.assign(rows_, 0.0);
+  for (int r = 0; r < rows_; ++r) {
+    for (int k = 0; k < n; ++k) Ud_[r] += rowEntry(r, k) * d_[k];
+    Ud_[r] *= sign_[r];
+  }
   slope_ = 0.0;
   for (int k = 0; k < n; ++k) slope_ += g_[k] * d_[k];
   // On the free dofs (H + mu) d = -g, so d . (H + mu) d = -g . d but for those fixed at a value.
@@ -325,12 +518,12 @@ bool HybridDescent::solve(double mu, double reach, StepOutcome& outcome) {
   if (anyFixedMoves_)
     for (int k = 0; k < n; ++k)
       if (state_[k] == DofState::Fixed && value_[k] != 0.0)
-        curvature_ += d_[k] * (H_.rowTimes(k, d_.data()) + mu * d_[k] + g_[k]);
+        curvature_ += d_[k] * (modelSlope(k) + mu * d_[k] + g_[k]);
   return true;
 }
 
 /// trial_ <- pose_ moved by alpha d_, within limits.
-void HybridDescent::apply(double alpha) {
+void DragDescent::apply(double alpha) {
   for (const TreeNode& node : tree_.nodes()) {
     const double* from = pose_.coordinates.data() + node.coordinate;
     double* to = trial_.coordinates.data() + node.coordinate;
@@ -360,7 +553,7 @@ void HybridDescent::apply(double alpha) {
   tree_.place(trial_);
 }
 
-void HybridDescent::moveFreely(const double* d) {
+void DragDescent::moveFreely(const double* d) {
   chooseActiveSet();
   std::fill(state_.begin(), state_.end(), DofState::Free);
   for (const TreeNode& node : tree_.nodes()) {
@@ -379,7 +572,7 @@ void HybridDescent::moveFreely(const double* d) {
   tree_.place(pose_);
 }
 
-double HybridDescent::largestRotation(const TreePose& pose) const {
+double DragDescent::largestRotation(const TreePose& pose) const {
   double largest = 0.0, ofJoint = 0.0;
   int joint = -1;
   for (int i = 0; i < tree_.nodeCount(); ++i) {
@@ -410,7 +603,7 @@ double HybridDescent::largestRotation(const TreePose& pose) const {
 
 /// Solves and takes one step of the assembled model; raises mu until the objective falls. False on a bad
 /// pivot.
-bool HybridDescent::descend(const Settings& settings, double& mu, StepOutcome& outcome) {
+bool DragDescent::descend(const Settings& settings, double& mu, StepOutcome& outcome) {
   constexpr int retries = 3;
   // What the clamp and the budget will leave of a long step.
   const double reach =
@@ -464,12 +657,12 @@ bool HybridDescent::descend(const Settings& settings, double& mu, StepOutcome& o
   return true;
 }
 
-StepOutcome HybridDescent::step(const Settings& settings) {
+StepOutcome DragDescent::step(const Settings& settings) {
   StepOutcome outcome;
   if (tree_.dofCount() == 0) return outcome;
-  tree_.gather(pose_, points_);
-  const double goalCost = tree_.cost(pose_, points_);
-  cost_ = goalCost + regulariser(settings, pose_);
+  gather();
+  const double asked = goalCost(pose_);
+  cost_ = asked + regulariser(settings, pose_);
   if (settings.passing) {
     double mu = 1e-6;
     assemble(settings, StepKind::GaussNewton);
@@ -478,9 +671,9 @@ StepOutcome HybridDescent::step(const Settings& settings) {
   }
   if (muGaussNewton_ == 0.0 && muExact_ == 0.0) muGaussNewton_ = muExact_ = startingDamping();
 
-  const bool near = std::sqrt(2.0 * goalCost) < 0.03;
+  const bool near = std::sqrt(2.0 * asked) < settings.near;
   // A heavily damped Gauss-Newton step keeps its promise by being short, which is no merit.
-  const bool good = lastGaussNewtonGain_ > 0.75 && muGaussNewton_ < 0.01;
+  const bool good = lastGaussNewtonGain_ > settings.goodGain && muGaussNewton_ < settings.goodDamping;
   bool exact = settings.exact && !near && !good;
   if (forcedExact_ > 0) {
     --forcedExact_;
@@ -497,10 +690,15 @@ StepOutcome HybridDescent::step(const Settings& settings) {
   }
   outcome.kind = StepKind::GaussNewton;
   assemble(settings, StepKind::GaussNewton);
-  descend(settings, muGaussNewton_, outcome);
+  bool definite = descend(settings, muGaussNewton_, outcome);
+  // What blocks alone hold is no part of H: without posture it is damped until it is definite.
+  for (int raise = 0; !definite && !blocks_.empty() && raise < 5; ++raise) {
+    muGaussNewton_ = std::max(4.0 * muGaussNewton_, startingDamping());
+    definite = descend(settings, muGaussNewton_, outcome);
+  }
   if (!outcome.budgetSpent)
     lastGaussNewtonGain_ = outcome.moved ? gain_ : -1.0;  // a step cut short says nothing
-  if (exact && gain_ < 0.25) forcedExact_ = 8;
+  if (exact && gain_ < settings.poorGain) forcedExact_ = settings.raisedSteps;
   return outcome;
 }
 
