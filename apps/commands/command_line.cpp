@@ -16,6 +16,8 @@ Option& Option::positive() { return option_->check(CLI::PositiveNumber), *this; 
 Option& Option::nonNegative() { return option_->check(CLI::NonNegativeNumber), *this; }
 Option& Option::range(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
 Option& Option::count(int values) { return option_->expected(values), *this; }
+Option& Option::excludes(const Option& other) { return option_->excludes(other.option_), *this; }
+Option& Option::commas() { return option_->delimiter(','), *this; }
 Option& Option::oneAtATime() { return option_->allow_extra_args(false), *this; }
 Option& Option::needs(const Option& other) { return option_->needs(other.option_), *this; }
 
@@ -36,6 +38,7 @@ template Option Command::option(const std::string&, std::vector<double>&, const 
 Option Command::flag(const std::string& names, bool& value, const std::string& help) {
   return Option(app_->add_flag(names, value, help));
 }
+void Command::optionsAnywhere() { app_->fallthrough(); }
 void Command::notes(const std::string& text) { app_->footer(text); }
 void Command::run(std::function<void()> action) { app_->callback(std::move(action)); }
 bool Command::given() const { return app_->parsed(); }

@@ -56,7 +56,7 @@ Model withBody(Model model) {
     model.skin = cachedSkin(cacheFolder(), name, bodySkinKey(model.skeleton),
                             [&] { return bodySkin(model.skeleton); });
   } catch (const std::exception& error) {
-    model.notes.push_back(fmt::format("no body around the bones: {}", error.what()));
+    tell(model.notes, "no-body", fmt::format("no body around the bones: {}", error.what()));
   }
   return model;
 }

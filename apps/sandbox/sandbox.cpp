@@ -191,7 +191,7 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   s.bounds = fromFile ? boundsOfFrame(*this) : box;
   if (!fromFile) frameEverything(*this, false);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
-  for (const std::string& note : s.session->model().notes) say(note);
+  for (const Note& note : s.session->model().notes) say(note.line());
 }
 
 bool Sandbox::open(const ModelReference& reference) {

@@ -140,6 +140,8 @@ void addSandboxCommand(Command& app) {
   command.option("--asf", a.sandbox.files.asf,
                  "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
   command.option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
+  command.option("--clip", a.sandbox.files.clip,
+                 "Which motion of a file that names several; default: the first");
   command.option("--mapping", a.sandbox.files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");

@@ -117,7 +117,7 @@ class Reader {
     const std::string word = attribute(element, name);
     const auto words = splitWords(word);
     const auto value = words.size() == 1 ? parseNumber(words[0]) : std::nullopt;
-    if (!value) fail(element, std::string("a finite number as ") + name, "'" + word + "'");
+    if (!value) fail(element, std::string("a finite number as ") + name, badNumber(word));
     return *value;
   }
   Vector3d triple(const TiXmlElement* element, const char* name, const Vector3d& absent) const {
@@ -128,7 +128,8 @@ class Reader {
     for (int k = 0; k < 3; ++k) {
       const auto value = words.size() == 3 ? parseNumber(words[k]) : std::nullopt;
       if (!value)
-        fail(element, std::string("three finite numbers as ") + name, "'" + std::string(text) + "'");
+        fail(element, std::string("three finite numbers as ") + name,
+             words.size() == 3 ? badNumber(words[k]) : "'" + std::string(text) + "'");
       v[k] = *value;
     }
     return v;
@@ -242,16 +243,22 @@ class Reader {
                                       [&](const JointElement& joint) { return joint.name == name; });
       if (known == joints_.end()) fail(element, "a joint that exists", "'" + name + "'");
       UrdfMimic mimic{.joint = source.index, .source = known->index};
+      if (source.type == "fixed" || known->type == "fixed") {
+        tell(
+            robot_.notes, "mimic-ignored",
+            "joint '" + source.name + "' mimics '" + name + "', but a fixed joint has no value: passed over");
+        continue;
+      }
       for (const int joint : {mimic.joint, mimic.source})
         if (skeleton.joint(joint).axes.size() != 1)
           fail(element, "a mimic between joints of one degree of freedom",
                "'" + skeleton.joint(joint).name + "' of " + std::to_string(skeleton.vCount(joint)));
       if (element->Attribute("multiplier")) mimic.multiplier = number(element, "multiplier");
       if (element->Attribute("offset")) mimic.offset = number(element, "offset");
-      robot_.notes.push_back("joint '" + source.name + "' mimics '" + name + "' (" +
-                             exactNumber(mimic.multiplier) + " times its value plus " +
-                             exactNumber(mimic.offset) +
-                             "); the rest pose keeps this, in motion both are free");
+      tell(robot_.notes, "mimic",
+           "joint '" + source.name + "' mimics '" + name + "' (" + exactNumber(mimic.multiplier) +
+               " times its value plus " + exactNumber(mimic.offset) +
+               "); the rest pose keeps this, in motion both are free");
       open.push_back({mimic, element});
       following.insert(mimic.joint);
     }
@@ -299,6 +306,8 @@ class Reader {
       const TiXmlElement* limit = child(source.element, "limit");
       dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
       dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
+      if (dof.lower == 0.0 && dof.upper == 0.0)
+        tell(robot_.notes, "limits-zero", "joint '" + source.name + "' has limits 0 to 0: it cannot move");
       if (dof.lower > dof.upper)
         fail(limit, "lower <= upper", exactNumber(dof.lower) + " and " + exactNumber(dof.upper));
     } else if (type != "continuous") {
@@ -368,7 +377,9 @@ void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q) {
     q[skeleton.qIndex(mimic.joint)] = mimic.multiplier * q[skeleton.qIndex(mimic.source)] + mimic.offset;
 }
 
-UrdfRobot parseUrdf(std::string_view text, const std::string& file) { return Reader(text, file).read(); }
+UrdfRobot parseUrdf(std::string_view text, const std::string& file) {
+  return Reader(plainText(text, file), file).read();
+}
 
 UrdfRobot readUrdf(const std::string& path) { return parseUrdf(readFile(path), path); }
 

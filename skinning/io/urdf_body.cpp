@@ -146,8 +146,9 @@ UrdfModel openUrdf(const std::string& path) {
       }
     }
     for (const std::string& file : missing)
-      model.notes.push_back("mesh '" + file + "' was not found as STL or OBJ" +
-                            (substituted ? ": drawn with its collision geometry" : " and is left out"));
+      tell(model.notes, substituted ? "mesh-replaced" : "mesh-missing",
+           "mesh '" + file + "' was not found as STL or OBJ" +
+               (substituted ? ": drawn with its collision geometry" : " and is left out"));
   }
   if (!whole.triangles.empty()) model.skin = bindSkin(std::move(whole), rest, std::move(influences));
   return model;

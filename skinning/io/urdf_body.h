@@ -13,7 +13,7 @@ struct UrdfModel {
   Skeleton skeleton;
   std::optional<Skin> skin = {};
   std::optional<Masses> masses = {};
-  std::vector<std::string> notes = {};
+  std::vector<Note> notes = {};
 };
 
 /// Meshes are read from STL and OBJ; where a file is not there or is of another kind (Collada), one of the
