@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
@@ -258,38 +257,34 @@ void run(const Request& request) {
 
 }  // namespace
 
-void addConvertCommand(CLI::App& app) {
+void addConvertCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("convert", "Convert between skeletons, motions and skinned models");
-  command
-      ->add_option("in", request->in,
-                   "A file, a scene of the sandbox (.json) or the name of a built-in model")
-      ->required();
-  command->add_option("out", request->out, "The file to write; its extension is the format")->required();
+  Command command = app.command("convert", "Convert between skeletons, motions and skinned models");
+  command.option("in", request->in, "A file, a scene of the sandbox (.json) or the name of a built-in model")
+      .required();
+  command.option("out", request->out, "The file to write; its extension is the format").required();
   Companions& files = request->companions;
-  command->add_option("--skeleton", files.skeleton, "Skeleton of an OBJ");
-  command->add_option("--weights", files.weights, "Weights of an OBJ");
-  command->add_option("--asf", files.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
-  command->add_option("--amc", files.amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", files.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
-  command->add_option("--figure", files.figure, "Figure of a tutorial pose");
-  command->add_option("--unit-in", request->unitIn,
-                      "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command->add_option("--unit-out", request->unitOut, "Unit of OUT; default: m, for ASF CMU's (length 0.45)");
-  command->add_option("--up-in", request->upIn, "The axis that points up in IN")
-      ->check(CLI::IsMember({"y", "z"}));
-  command->add_option("--up-out", request->upOut, "The axis that shall point up in OUT")
-      ->check(CLI::IsMember({"y", "z"}));
+  command.option("--skeleton", files.skeleton, "Skeleton of an OBJ");
+  command.option("--weights", files.weights, "Weights of an OBJ");
+  command.option("--asf", files.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
+  command.option("--amc", files.amc, "Motion for the ASF skeleton");
+  command.option("--mapping", files.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
+  command.option("--figure", files.figure, "Figure of a tutorial pose");
+  command.option("--unit-in", request->unitIn,
+                 "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command.option("--unit-out", request->unitOut, "Unit of OUT; default: m, for ASF CMU's (length 0.45)");
+  command.option("--up-in", request->upIn, "The axis that points up in IN").oneOf({"y", "z"});
+  command.option("--up-out", request->upOut, "The axis that shall point up in OUT").oneOf({"y", "z"});
   command
-      ->add_option("--bvh-positions", request->bvhPositions,
-                   "What position channels mean: stand in place of OFFSET or are added to it")
-      ->check(CLI::IsMember({"auto", "replace", "add"}));
-  command->add_option("--fps", request->fps, "Frame rate of an AMC; default 120")->check(CLI::PositiveNumber);
-  command->add_option("--clip", files.clip,
-                      "Which motion of a file that names several; default: all to glTF, else the first");
-  command->add_option("--end", request->end, "Last joint of the chain that a DH table shall hold");
-  command->add_option("--frame", request->frame, "Write only this frame, from 1")->check(CLI::PositiveNumber);
-  command->callback([request] { run(*request); });
+      .option("--bvh-positions", request->bvhPositions,
+              "What position channels mean: stand in place of OFFSET or are added to it")
+      .oneOf({"auto", "replace", "add"});
+  command.option("--fps", request->fps, "Frame rate of an AMC; default 120").positive();
+  command.option("--clip", files.clip,
+                 "Which motion of a file that names several; default: all to glTF, else the first");
+  command.option("--end", request->end, "Last joint of the chain that a DH table shall hold");
+  command.option("--frame", request->frame, "Write only this frame, from 1").positive();
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
+#include "apps/commands/motion_table.h"
 #include "apps/document/model.h"
-#include "apps/document/motion_table.h"
 #include "apps/document/notes.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
@@ -123,18 +123,17 @@ void run(const Request& request) {
 
 }  // namespace
 
-void addFkCommand(CLI::App& app) {
+void addFkCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command =
-      app.add_subcommand("fk", "Forward kinematics: world position and orientation of every joint");
-  command->add_option("model", request->model, "Name of a built-in model, or a file")->required();
-  command->add_option(
+  Command command = app.command("fk", "Forward kinematics: world position and orientation of every joint");
+  command.option("model", request->model, "Name of a built-in model, or a file").required();
+  command.option(
       "--q", request->q,
       "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
-  command->add_flag("--degrees", request->degrees, "Angles after --q are in degrees");
-  command->add_flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
+  command.flag("--degrees", request->degrees, "Angles after --q are in degrees");
+  command.flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
   const auto motion = addMotionTableOptions(*command);
-  command->callback([request, motion] {
+  command.run([request, motion] {
     if (motion->wanted() && (!request->q.empty() || request->asJson))
       throw std::invalid_argument(
           "--q and --json are of one pose; they do not go with --csv, --amc, --asf, --frame and --unit");

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
@@ -168,24 +168,23 @@ void run(const Request& request) {
 
 }  // namespace
 
-void addInfoCommand(CLI::App& app) {
+void addInfoCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("info", "What is in a file or a built-in model");
-  command->add_option("file", request->file, "A file, or the name of a built-in model")->required();
-  command->add_option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
-  command->add_option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
-  command->add_option("--asf", request->companions.asf,
-                      "ASF skeleton of an AMC, or to lay a fitted skeleton on");
-  command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", request->companions.mapping,
-                      "Bones on joints, lines 'bone ... : joint joint ...'");
-  command->add_option("--figure", request->companions.figure, "Figure of a tutorial pose");
-  command->add_option("--unit", request->unit,
-                      "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command->add_option("--clip", request->companions.clip,
-                      "Which motion of a file that names several; default: the first");
-  command->add_flag("--json", request->asJson, "Print JSON");
-  command->callback([request] { run(*request); });
+  Command command = app.command("info", "What is in a file or a built-in model");
+  command.option("file", request->file, "A file, or the name of a built-in model").required();
+  command.option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
+  command.option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
+  command.option("--asf", request->companions.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
+  command.option("--amc", request->companions.amc, "Motion for the ASF skeleton");
+  command.option("--mapping", request->companions.mapping,
+                 "Bones on joints, lines 'bone ... : joint joint ...'");
+  command.option("--figure", request->companions.figure, "Figure of a tutorial pose");
+  command.option("--unit", request->unit,
+                 "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command.option("--clip", request->companions.clip,
+                 "Which motion of a file that names several; default: the first");
+  command.flag("--json", request->asJson, "Print JSON");
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

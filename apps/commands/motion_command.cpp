@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/notes.h"
 #include "apps/document/second_clip.h"
@@ -169,66 +169,59 @@ void run(const Request& request) {
 
 }  // namespace
 
-void addMotionCommand(CLI::App& app) {
+void addMotionCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.command(
       "motion", "Edit a motion: cross-fade, layer, smooth, plant the feet, resample, carry to another model");
-  command->add_option("in", request->in, "A file with a motion, or an ASF with --amc")->required();
-  command->add_option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
-  command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
-  command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC");
-  command->add_option("--clip", request->companions.clip,
-                      "Which motion of a file that names several; default: the first");
-  command->add_option("--then", request->then, "A second motion to fade into");
-  command->add_option("--fade", request->fade, "Seconds of the cross-fade")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  CLI::Option* layer = command->add_option(
+  command.option("in", request->in, "A file with a motion, or an ASF with --amc").required();
+  command.option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
+  command.option("--amc", request->companions.amc, "Motion for the ASF skeleton");
+  command.option("--asf", request->companions.asf, "ASF skeleton of an AMC");
+  command.option("--clip", request->companions.clip,
+                 "Which motion of a file that names several; default: the first");
+  command.option("--then", request->then, "A second motion to fade into");
+  command.option("--fade", request->fade, "Seconds of the cross-fade").positive().showDefault();
+  const Option layer = command.option(
       "--layer", request->layer, "A second motion to lay over the first; it repeats where it is shorter");
-  command->add_option("--weight", request->weight, "Share of the layer, 0 to 1 (more for an additive one)")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str()
-      ->needs(layer);
-  command->add_option("--bones", request->bones, "Joints that take part in the layer; default: all")
-      ->needs(layer);
-  command->add_option("--limbs", request->limbs, "Joints that take part with all below them")->needs(layer);
+  command.option("--weight", request->weight, "Share of the layer, 0 to 1 (more for an additive one)")
+      .nonNegative()
+      .showDefault()
+      .needs(layer);
+  command.option("--bones", request->bones, "Joints that take part in the layer; default: all").needs(layer);
+  command.option("--limbs", request->limbs, "Joints that take part with all below them").needs(layer);
   command
-      ->add_flag("--additive", request->additive,
-                 "The layer's departure from the rest pose goes on top of the first motion")
-      ->needs(layer);
-  command->add_option("--unit", request->unit,
-                      "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
-  CLI::Option* onto = command->add_option("--onto", request->onto,
-                                          "Carry the motion to this model, by joints of equal names: a "
-                                          "built-in name, or a file that holds a skeleton");
+      .flag("--additive", request->additive,
+            "The layer's departure from the rest pose goes on top of the first motion")
+      .needs(layer);
+  command.option("--unit", request->unit,
+                 "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
+  Option onto = command.option("--onto", request->onto,
+                               "Carry the motion to this model, by joints of equal names: a "
+                               "built-in name, or a file that holds a skeleton");
   command
-      ->add_option("--scale", request->scale,
-                   "Of the path when it is carried over; default: from the legs' bones")
-      ->check(CLI::PositiveNumber)
-      ->needs(onto);
+      .option("--scale", request->scale, "Of the path when it is carried over; default: from the legs' bones")
+      .positive()
+      .needs(onto);
+  command.option("--up-in", request->up, "The axis that points up in IN; auto: along which the body stands")
+      .oneOf({"auto", "y", "z"})
+      .showDefault()
+      .needs(onto);
+  command.option("--keep", request->keep, "Keep feet or hands where the motion has them, scaled")
+      .oneOf({"feet", "hands"})
+      .commas()
+      .needs(onto);
+  command.option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz").positive();
+  command.flag("--foot-plant", request->footPlant,
+               "Hold planted feet still and above the floor; prints before and after");
+  command.option("--feet", request->feet, "Joints at the balls of the feet; default: ltoes, rtoes");
+  command.option("--floor", request->plant.floor, "Height of the floor (y), metres").showDefault();
   command
-      ->add_option("--up-in", request->up, "The axis that points up in IN; auto: along which the body stands")
-      ->check(CLI::IsMember({"auto", "y", "z"}))
-      ->capture_default_str()
-      ->needs(onto);
-  command->add_option("--keep", request->keep, "Keep feet or hands where the motion has them, scaled")
-      ->check(CLI::IsMember({"feet", "hands"}))
-      ->delimiter(',')
-      ->needs(onto);
-  command->add_option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--foot-plant", request->footPlant,
-                    "Hold planted feet still and above the floor; prints before and after");
-  command->add_option("--feet", request->feet, "Joints at the balls of the feet; default: ltoes, rtoes");
-  command->add_option("--floor", request->plant.floor, "Height of the floor (y), metres")
-      ->capture_default_str();
-  command
-      ->add_option("--planted-below", request->plant.plantedBelow,
-                   "A ball of the foot slower than this stands, m/s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--fps", request->rate, "Resample to this frame rate")->check(CLI::PositiveNumber);
-  command->callback([request] { run(*request); });
+      .option("--planted-below", request->plant.plantedBelow,
+              "A ball of the foot slower than this stands, m/s")
+      .positive()
+      .showDefault();
+  command.option("--fps", request->rate, "Resample to this frame rate").positive();
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

@@ -27,6 +27,8 @@ Model figureModel() {
   Model model{.name = "figure", .skeleton = mannequin()};
   model.skin = cachedSkin(cacheFolder(), "figure", mannequinSkinKey(model.skeleton),
                           [&] { return makeMannequinSkin(model.skeleton); });
+  model.masses = std::make_shared<const Masses>(mannequinMasses(model.skeleton));
+  model.soles = mannequinSoles(model.skeleton);
   model.handles = mannequinHandles();
   model.pins = {"foot_l", "foot_r"};
   return model;

@@ -361,6 +361,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       UrdfModel urdf = openUrdf(path);
       model.skeleton = std::move(urdf.skeleton);
       model.skin = std::move(urdf.skin);
+      if (urdf.masses) model.masses = std::make_shared<const Masses>(*std::move(urdf.masses));
       model.notes = urdf.notes;
       model.up = Eigen::Vector3d::UnitZ();
       break;

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "apps/commands/command_line.h"
 
 namespace gelenk {
 namespace {
@@ -21,10 +22,10 @@ Voice& voice() {
 
 }  // namespace
 
-void addNoteOptions(CLI::App& app) {
-  app.fallthrough();  // also after the command's name
-  CLI::Option* quiet = app.add_flag("--quiet", voice().quiet, "Notes about files are not told");
-  app.add_flag("--strict", voice().strict, "Every note about a file is an error")->excludes(quiet);
+void addNoteOptions(Command& program) {
+  program.optionsAnywhere();
+  const Option quiet = program.flag("--quiet", voice().quiet, "Notes about files are not told");
+  program.flag("--strict", voice().strict, "Every note about a file is an error").excludes(quiet);
 }
 
 void demandNoNotes(const std::string& file, const std::vector<Note>& notes) {

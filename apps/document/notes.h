@@ -6,14 +6,12 @@
 
 #include "kinematics/io/note.h"
 
-namespace CLI {
-class App;
-}
-
 namespace gelenk {
 
+class Command;
+
 /// --quiet and --strict, which every command understands. Before the commands are added.
-void addNoteOptions(CLI::App& app);
+void addNoteOptions(Command& program);
 
 /// "note: ..." on standard error, one line a kind; nothing with --quiet. With --strict the first note that is
 /// no mere fact is thrown as std::runtime_error. Commands call this before they write anything.

@@ -663,7 +663,7 @@ class MotionPanel final : public Panel {
     if (!solver_ || solverName_ != session.solver()) {
       solverName_ = session.solver();
       solver_ =
-          makeFrameSolver(solverName_ == "hybrid" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
+          makeFrameSolver(solverName_ == "drag" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
     }
     const IkReport report = solver_->frame(problem);
     if (report.q.size() == q_.size() && report.q.allFinite()) q_ = report.q;

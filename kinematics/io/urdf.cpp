@@ -59,6 +59,7 @@ void checkUtf8(std::string_view text, const std::string& file) {
 struct Link {
   int line = 0;
   std::vector<const TiXmlElement*> visuals;
+  const TiXmlElement* inertial = nullptr;
   int parentJoint = -1;
 };
 
@@ -149,7 +150,8 @@ class Reader {
   void collect(const TiXmlElement* robot) {
     for (const TiXmlElement* e = robot->FirstChildElement("link"); e; e = e->NextSiblingElement("link")) {
       const std::string name = attribute(e, "name");
-      const auto [at, isNew] = links_.emplace(name, Link{.line = e->Row(), .visuals = {}});
+      const auto [at, isNew] = links_.emplace(
+          name, Link{.line = e->Row(), .visuals = {}, .inertial = e->FirstChildElement("inertial")});
       if (!isNew) fail(e, "a link name that is used once", "'" + name + "' again");
       linkOrder_.push_back(name);
       for (const char* kind : {"visual", "collision"})
@@ -194,6 +196,7 @@ class Reader {
     std::vector<double> rest;
     std::set<std::string> names{root};
     addVisuals(links_[root], 0);
+    addMass(links_[root]);
     std::vector<std::pair<std::string, int>> open{{root, 0}};
     for (std::size_t k = 0; k < open.size(); ++k) {
       const auto [link, parent] = open[k];
@@ -206,6 +209,7 @@ class Reader {
         list.push_back(makeJoint(source, name, parent, rest));
         source.index = static_cast<int>(list.size()) - 1;
         addVisuals(links_[source.child], source.index);
+        addMass(links_[source.child]);
         open.emplace_back(source.child, source.index);
       }
     }
@@ -219,6 +223,7 @@ class Reader {
     applyMimics(robot_, coupled);
     if (!coupled.allFinite()) throw ParseError(file_, 0, "mimics with a finite rest pose", "an overflow");
     robot_.skeleton = Skeleton(std::move(list), coupled);
+    if (masses_.total() > 0.0) robot_.masses = std::move(masses_);
   }
 
   /// Mimics in an order in which every source is set before what follows it.
@@ -314,6 +319,17 @@ class Reader {
     return joint;
   }
 
+  /// Links in the order of their joints.
+  void addMass(const Link& link) {
+    masses_.mass.push_back(0.0);
+    masses_.centre.push_back(Vector3d::Zero());
+    if (!link.inertial) return;
+    const TiXmlElement* mass = child(link.inertial, "mass");
+    masses_.mass.back() = number(mass, "value");
+    if (masses_.mass.back() < 0.0) fail(mass, "a mass of 0 or above", exactNumber(masses_.mass.back()));
+    masses_.centre.back() = origin(link.inertial).translation();
+  }
+
   void addVisuals(const Link& link, int joint) {
     for (const TiXmlElement* visual : link.visuals) {
       UrdfVisual result{.joint = joint,
@@ -349,6 +365,7 @@ class Reader {
   std::map<std::string, Link> links_;
   std::vector<std::string> linkOrder_;
   std::vector<JointElement> joints_;
+  Masses masses_;
   UrdfRobot robot_;
 };
 

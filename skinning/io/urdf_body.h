@@ -12,6 +12,7 @@ namespace gelenk {
 struct UrdfModel {
   Skeleton skeleton;
   std::optional<Skin> skin = {};
+  std::optional<Masses> masses = {};
   std::vector<Note> notes = {};
 };
 
