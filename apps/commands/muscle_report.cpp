@@ -200,42 +200,6 @@ class LimbMeasurement {
 
 }  // namespace
 
-std::vector<Limb> standardLimbs(const Skeleton& skeleton, const Frames& rest) {
-  struct KnownLimb {
-    const char *name, *first, *second, *tip;
-    double gap;
-  };
-  static constexpr KnownLimb known[] = {{"left arm", "upperarm_l", "lowerarm_l", "hand_l", elbowGap},
-                                        {"right arm", "upperarm_r", "lowerarm_r", "hand_r", elbowGap},
-                                        {"left leg", "thigh_l", "calf_l", "foot_l", kneeGap},
-                                        {"right leg", "thigh_r", "calf_r", "foot_r", kneeGap}};
-  std::vector<Limb> limbs;
-  for (const auto& [name, a, b, c, gap] : known) {
-    const auto i = skeleton.findJoint(a), j = skeleton.findJoint(b), k = skeleton.findJoint(c);
-    if (!i || !j || !k) continue;
-    try {
-      limbs.push_back(makeLimb(skeleton, rest, name, {*i, *j, *k}));
-      setJointGap(limbs.back().shape, gap);
-    } catch (const std::invalid_argument&) {
-      // Right names on joints that make no limb: not consecutive, no length, or straight balls without a bend
-      // axis.
-    }
-  }
-  return limbs;
-}
-
-Limb limbByNames(const Skeleton& skeleton, const Frames& rest, const std::string& names) {
-  std::vector<int> joints;
-  for (std::size_t at = 0; at <= names.size();) {
-    const std::size_t comma = std::min(names.find(',', at), names.size());
-    joints.push_back(skeleton.jointIndex(names.substr(at, comma - at)));
-    at = comma + 1;
-  }
-  std::string name = names;  // a limb's name is a field of comma-separated tables
-  std::replace(name.begin(), name.end(), ',', '/');
-  return makeLimb(skeleton, rest, name, joints);
-}
-
 Frames bentTo(const Skeleton& skeleton, const Limb& limb, double bend) {
   Frames frames = restFrames(skeleton);
   const LimbFrames rest = limbFrames(limb, frames);

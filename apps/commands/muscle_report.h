@@ -4,18 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/document/model.h"
-#include "skinning/muscles/muscle_control.h"
+#include "apps/document/muscle_settings.h"
 
 namespace gelenk {
-
-/// The limbs of a model that carry muscles by default: arms and legs found by the names that common rigs use
-/// (upperarm_l, lowerarm_l, hand_l; thigh_l, calf_l, foot_l). Joints of such names that make no limb are
-/// passed over. Empty where none is found.
-std::vector<Limb> standardLimbs(const Skeleton& skeleton, const Frames& restFrames);
-
-/// A limb from joint names "shoulder,elbow,wrist". Throws std::invalid_argument naming what is wrong.
-Limb limbByNames(const Skeleton& skeleton, const Frames& restFrames, const std::string& commaSeparated);
 
 /// The rest pose with the limb's second link, and all that hangs on it, turned in the bend plane of the first
 /// to the total bend (radians, straight = 0 exactly): past the joint's limits, and off its hinge, where need

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/arm_request.h"
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model.h"
 #include "kinematics/forward_kinematics.h"
@@ -182,32 +182,29 @@ bool run(const Request& request) {
 
 }  // namespace
 
-void addSolutionsCommand(CLI::App& app) {
+void addSolutionsCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.command(
       "solutions", "Every joint configuration of an arm that reaches a pose; exit status 2 if there is none");
-  command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
+  command.option("--model", request->model, "Built-in model or file").showDefault();
   command
-      ->add_option(
-          "--target", request->target,
-          "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame; without the quaternion the "
-          "place alone")
-      ->required();
+      .option("--target", request->target,
+              "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame; without the quaternion the "
+              "place alone")
+      .required();
   command
-      ->add_option(
-          "--axis", request->axis,
-          "X Y Z of the tip: only this axis must point as the target's orientation says (five joints)")
-      ->expected(3);
-  command->add_option("--joint", request->joint,
-                      "Joint that shall reach the target; default: the model's only end");
-  command->add_option(
+      .option("--axis", request->axis,
+              "X Y Z of the tip: only this axis must point as the target's orientation says (five joints)")
+      .count(3);
+  command.option("--joint", request->joint,
+                 "Joint that shall reach the target; default: the model's only end");
+  command.option(
       "--near", request->near,
       "Configuration that solutions are ordered by, and that free joints keep; default: the rest pose");
-  command->add_flag("--limits,!--no-limits", request->limits,
-                    "Only solutions within the joint limits (default)");
-  command->add_flag("--json", request->asJson, "Print JSON");
-  command->callback([request] {
-    if (!run(*request)) throw CLI::RuntimeError(2);
+  command.flag("--limits,!--no-limits", request->limits, "Only solutions within the joint limits (default)");
+  command.flag("--json", request->asJson, "Print JSON");
+  command.run([request] {
+    if (!run(*request)) throw ExitStatus{2};
   });
 }
 

@@ -9,6 +9,7 @@
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/dh_text.h"
 #include "kinematics/io/text_file.h"
+#include "kinematics/notation/robots.h"
 #include "skinning/bodies/body_around.h"
 #include "skinning/io/skin_cache.h"
 
@@ -108,10 +109,23 @@ Model dhModel(const DhTable& table) {
   if (size > 0.0)
     model.skin = chainSkin(model.name, model.skeleton);
   else
-    model.notes.push_back("all frames stand at one point: there is nothing to put a body around");
-  model.notes.push_back(fmt::format("{} Denavit-Hartenberg convention, {} rows, {} parameters (4 n + 3)",
-                                    toString(table.convention), table.rows.size(), parameterCount(table)));
+    tell(model.notes, "no-body", "all frames stand at one point: there is nothing to put a body around");
+  tellFact(model.notes, "dh-convention",
+           fmt::format("{} Denavit-Hartenberg convention, {} rows, {} parameters (4 n + 3)",
+                       toString(table.convention), table.rows.size(), parameterCount(table)));
   return model;
+}
+
+namespace {
+constexpr std::string_view dhPrefix = "dh:";
+}
+std::string dhDescription(const DhTable& table) { return std::string(dhPrefix) + formatDhTable(table); }
+
+std::optional<DhTable> dhTableNamed(const std::string& name) {
+  if (name.starts_with(dhPrefix)) return parseDhTable(name.substr(dhPrefix.size()), "the DH table");
+  for (const Robot& robot : robots())
+    if (robot.name == name) return robot.table();
+  return std::nullopt;
 }
 
 Model openDhModel(const std::string& path) {

@@ -23,6 +23,11 @@ std::optional<Model> parseBallChain(const std::string& description);
 /// A robot from its DH table; z points up. Notes tell the convention and the parameters counted (4 n + 3,
 /// lecture 10.2).
 Model dhModel(const DhTable& table);
+/// "dh:" and the text of the table (docs/formats/dh.md): a robot that stands in no file.
+std::string dhDescription(const DhTable& table);
+/// The table of such a description or of a built-in robot's name; nullopt for another name. Throws
+/// ParseError.
+std::optional<DhTable> dhTableNamed(const std::string& name);
 /// The same from a file (docs/formats/dh.md). Throws ParseError.
 Model openDhModel(const std::string& path);
 

@@ -11,8 +11,6 @@
 namespace gelenk {
 namespace {
 
-constexpr std::size_t longestHistory = 20;  // whole clips: 5,000 frames of 62 values are 2.5 MB
-
 auto keyAt(std::vector<JointKey>& keys, int frame) {
   return std::lower_bound(keys.begin(), keys.end(), frame,
                           [](const JointKey& key, int f) { return key.frame < f; });
@@ -38,33 +36,44 @@ bool dropKey(std::vector<JointKey>& keys, int frame) {
 ClipEditor::ClipEditor(const Skeleton& skeleton, MotionClip original)
     : skeleton_(skeleton), original_(std::move(original)) {
   validate(skeleton_, original_);
-  now_.base = original_;
-  rebuild();
+  setEdits({});
 }
 
-void ClipEditor::rebuild() {
-  keyed_ = now_.base;
-  for (const auto& [joint, keys] : now_.keys) keyed_ = keyed(skeleton_, keyed_, joint, keys, now_.falloff);
+const ClipEdits& ClipEditor::edited() const {
+  static const ClipEdits none;
+  return now_ ? *now_ : none;
+}
+
+MotionClip ClipEditor::baseOf(const ClipEdits& edits) const {
+  MotionClip clip = edits.base ? *edits.base : original_;
+  if (edits.framesPerSecond > 0.0) clip.framesPerSecond = edits.framesPerSecond;
+  return clip;
+}
+
+void ClipEditor::setEdits(std::shared_ptr<const ClipEdits> edits) {
+  MotionClip clip = baseOf(edits ? *edits : ClipEdits{});
+  validate(skeleton_, clip);
+  if (edits)
+    for (const auto& [joint, keys] : edits->keys) clip = keyed(skeleton_, clip, joint, keys, edits->falloff);
+  keyed_ = std::move(clip);
+  now_ = std::move(edits);
   ++version_;
 }
 
-void ClipEditor::change(State next) {
+void ClipEditor::change(ClipEdits next) {
   std::erase_if(next.keys, [](const auto& entry) { return entry.second.empty(); });
-  past_.push_back(std::exchange(now_, std::move(next)));
-  if (past_.size() > longestHistory) past_.erase(past_.begin());
-  future_.clear();
-  rebuild();
+  setEdits(std::make_shared<const ClipEdits>(std::move(next)));
 }
 
 void ClipEditor::requireFrame(int frame) const {
-  if (frame < 0 || frame >= now_.base.frameCount())
-    throw std::invalid_argument("the clip has frames 1 to " + std::to_string(now_.base.frameCount()) +
-                                ", not " + std::to_string(frame + 1));
+  if (frame < 0 || frame >= keyed_.frameCount())
+    throw std::invalid_argument("the clip has frames 1 to " + std::to_string(keyed_.frameCount()) + ", not " +
+                                std::to_string(frame + 1));
 }
 
-void ClipEditor::replace(MotionClip edited) {
-  validate(skeleton_, edited);
-  change({.base = std::move(edited), .falloff = now_.falloff});
+void ClipEditor::replace(MotionClip clip) {
+  validate(skeleton_, clip);
+  change({.base = std::make_shared<const MotionClip>(std::move(clip)), .falloff = falloff()});
 }
 
 void ClipEditor::crossFade(const MotionClip& second, double seconds) {
@@ -76,22 +85,21 @@ void ClipEditor::lay(const Layer& layer) { replace(layered(skeleton_, keyed_, la
 void ClipEditor::setFrameRate(double framesPerSecond) {
   if (!(framesPerSecond > 0.0) || !std::isfinite(framesPerSecond))
     throw std::invalid_argument("a frame rate must be positive");
-  original_.framesPerSecond = now_.base.framesPerSecond = framesPerSecond;
-  for (auto* states : {&past_, &future_})
-    for (State& state : *states) state.base.framesPerSecond = framesPerSecond;
-  rebuild();
+  ClipEdits next = edited();
+  next.framesPerSecond = framesPerSecond;
+  change(std::move(next));
 }
 
 bool ClipEditor::hasKey(int joint, int frame) const {
-  const auto at = now_.keys.find(joint);
-  return at != now_.keys.end() && std::any_of(at->second.begin(), at->second.end(),
-                                              [&](const JointKey& key) { return key.frame == frame; });
+  const auto at = keys().find(joint);
+  return at != keys().end() && std::any_of(at->second.begin(), at->second.end(),
+                                           [&](const JointKey& key) { return key.frame == frame; });
 }
 
 std::vector<int> ClipEditor::keyFrames() const {
   std::set<int> frames;
-  for (const auto& [joint, keys] : now_.keys)
-    for (const JointKey& key : keys) frames.insert(key.frame);
+  for (const auto& [joint, list] : keys())
+    for (const JointKey& key : list) frames.insert(key.frame);
   return {frames.begin(), frames.end()};
 }
 
@@ -99,13 +107,13 @@ void ClipEditor::setKeys(const std::vector<int>& joints, int frame, const Eigen:
   requireFrame(frame);
   if (q.size() != skeleton_.nq() || !q.allFinite())
     throw std::invalid_argument("a key's pose does not fit the skeleton");
-  State next = now_;
+  ClipEdits next = edited();
   for (const int joint : joints) setKey(next.keys[joint], {frame, q});
   if (!joints.empty()) change(std::move(next));
 }
 
 void ClipEditor::removeKeys(int frame) {
-  State next = now_;
+  ClipEdits next = edited();
   bool any = false;
   for (auto& [joint, keys] : next.keys) any = dropKey(keys, frame) || any;
   if (any) change(std::move(next));
@@ -113,7 +121,7 @@ void ClipEditor::removeKeys(int frame) {
 
 void ClipEditor::removeKey(int joint, int frame) {
   if (!hasKey(joint, frame)) return;
-  State next = now_;
+  ClipEdits next = edited();
   dropKey(next.keys[joint], frame);
   change(std::move(next));
 }
@@ -121,7 +129,7 @@ void ClipEditor::removeKey(int joint, int frame) {
 void ClipEditor::moveKeys(int from, int to) {
   requireFrame(to);
   if (from == to) return;
-  State next = now_;
+  ClipEdits next = edited();
   bool any = false;
   for (auto& [joint, keys] : next.keys) {
     const auto at = keyAt(keys, from);
@@ -137,27 +145,10 @@ void ClipEditor::moveKeys(int from, int to) {
 void ClipEditor::setFalloff(double seconds) {
   if (!(seconds >= 0.0) || !std::isfinite(seconds))
     throw std::invalid_argument("the time in which a key fades cannot be negative");
-  now_.falloff = seconds;
-  rebuild();
+  ClipEdits next = edited();
+  next.falloff = seconds;
+  change(std::move(next));
 }
-
-bool ClipEditor::undo() {
-  if (past_.empty()) return false;
-  future_.push_back(std::exchange(now_, std::move(past_.back())));
-  past_.pop_back();
-  rebuild();
-  return true;
-}
-
-bool ClipEditor::redo() {
-  if (future_.empty()) return false;
-  past_.push_back(std::exchange(now_, std::move(future_.back())));
-  future_.pop_back();
-  rebuild();
-  return true;
-}
-
-void ClipEditor::backToOriginal() { replace(original_); }
 
 std::vector<int> movedJoints(const Skeleton& skeleton, const Eigen::VectorXd& from,
                              const Eigen::VectorXd& to) {

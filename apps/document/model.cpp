@@ -27,6 +27,8 @@ Model figureModel() {
   Model model{.name = "figure", .skeleton = mannequin()};
   model.skin = cachedSkin(cacheFolder(), "figure", mannequinSkinKey(model.skeleton),
                           [&] { return makeMannequinSkin(model.skeleton); });
+  model.masses = std::make_shared<const Masses>(mannequinMasses(model.skeleton));
+  model.soles = mannequinSoles(model.skeleton);
   model.handles = mannequinHandles();
   model.pins = {"foot_l", "foot_r"};
   return model;
@@ -54,7 +56,7 @@ Model withBody(Model model) {
     model.skin = cachedSkin(cacheFolder(), name, bodySkinKey(model.skeleton),
                             [&] { return bodySkin(model.skeleton); });
   } catch (const std::exception& error) {
-    model.notes.push_back(fmt::format("no body around the bones: {}", error.what()));
+    tell(model.notes, "no-body", fmt::format("no body around the bones: {}", error.what()));
   }
   return model;
 }
@@ -87,6 +89,7 @@ Model openModel(const std::string& nameOrFile) {
     if (entry.name == nameOrFile) return entry.make();
   if (const auto chain = parsePlanarChain(nameOrFile)) return planarModel(*chain);
   if (auto balls = parseBallChain(nameOrFile)) return *std::move(balls);
+  if (const auto table = dhTableNamed(nameOrFile)) return dhModel(*table);
   if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);
   std::string known;
   for (const std::string& name : builtInModels()) known += (known.empty() ? "" : ", ") + name;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apps/document/camera.h"
-#include "apps/document/scene.h"
+#include "apps/document/document.h"
 #include "skinning/muscles/muscle_layer.h"
 #include "skinning/skin.h"
 

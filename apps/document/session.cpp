@@ -5,25 +5,23 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "apps/document/limb.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 #include "kinematics/symmetry.h"
-#include "solvers/iteration/evaluator.h"
-#include "solvers/problem/judge.h"
+#include "solvers/problem/support.h"
 
 namespace gelenk {
 namespace {
 
-constexpr double heldWeight = 1.0;
 constexpr double pinWeight =
     300.0;  // on the squared error: a pin yields 300 times less than the hand that pulls
-constexpr double poleWeight = 0.1;
-constexpr std::size_t longestHistory = 200;
 
-bool hasOrientation(const Goal& goal) {
-  return goal.kind == GoalKind::Pose || goal.kind == GoalKind::Orientation;
+bool has(const Goal& goal, GoalField::Meaning meaning) {
+  return std::ranges::any_of(goalType(goal.kind).fields,
+                             [&](const GoalField& field) { return field.meaning == meaning; });
 }
 
 bool isEffective(const SceneGoal& goal) { return goal.state != GoalState::Free; }
@@ -63,35 +61,67 @@ std::vector<int> endEffectors(const Skeleton& skeleton) {
 
 }  // namespace
 
-Session::Session(Model model) : model_(std::make_shared<const Model>(std::move(model))) {
-  const std::vector<std::string> known = frameSolverNames();
-  solverName_ = known.front();
-  solver_ = makeFrameSolver(solverName_, skeleton());
-  makeHandles();
-  place(skeleton().rest());
+Session::Session(Model model) : Session(std::make_shared<const Model>(std::move(model)), ModelReference{}) {
+  document_.model.nameOrFile = model_->name;
+}
+
+Session::Session(std::shared_ptr<const Model> model, const ModelReference& reference)
+    : Session(model, newDocument(*model, reference)) {
   resetPose();
-  past_.clear();
+  history_.clear();
+}
+
+Session::Session(std::shared_ptr<const Model> model, Document document)
+    : model_(std::move(model)), document_(std::move(document)) {
+  if (model_->skin) {
+    skin_ = std::make_unique<Skin>(*model_->skin);
+    for (int v = 0; v < edits().weights.size(); ++v) skin_->influences[v] = edits().weights[v];
+  }
+  double reach = 1.0;
+  for (int i = 0; i < skeleton().jointCount(); ++i) reach = std::max(reach, chainLength(skeleton(), i));
+  reachedWithin_ = 1e-3 * reach;
+  setSolver(document_.solver.name);
+  for (const SceneGoal& goal : goals()) lastId_ = std::max(lastId_, static_cast<int>(goal.id));
+  if (goals().empty()) makeHandles();
+  place(Eigen::VectorXd(q()));
+  asOpened_ = true;
 }
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 
+// --- weights
+
+void Session::changeWeights(const WeightChange& change) {
+  for (const auto& [vertex, influences] : change)
+    if (vertex < 0 || vertex >= document_.edits.weights.size())
+      throw std::invalid_argument(fmt::format("weights of vertex {} for a skin of {} vertices", vertex,
+                                              document_.edits.weights.size()));
+  for (const auto& [vertex, influences] : change) {
+    document_.edits.weights.set(vertex, influences);
+    skin_->influences[vertex] = influences;
+  }
+  ++weightsVersion_;
+  asOpened_ = false;
+  anchorSurfaceGoals();
+}
+
 // --- pose
 
 void Session::place(const Eigen::VectorXd& q) {
-  q_ = q;
-  forwardKinematics(skeleton(), q_, frames_);
+  asOpened_ = false;
+  document_.edits.q = q;
+  forwardKinematics(skeleton(), document_.edits.q, frames_);
+  anchorSurfaceGoals();
 }
+
+/// The goal asks for what is now.
+void Session::holdHere(SceneGoal& goal) const { goalType(goal.goal.kind).capture(goal.goal, here()); }
 
 /// After the pose was set directly: targets, orientations and anchors become what they are now.
 void Session::followPose() {
-  anchorSurfaceGoals();
-  for (int i = 0; i < static_cast<int>(goals_.size()); ++i) {
-    Goal& goal = goals_[i].goal;
-    if (goal.kind == GoalKind::Posture) goal.posture = q_;
-    if (goal.kind == GoalKind::Aim) continue;
-    goal.target = reached(i);
-    goal.orientation = Eigen::Quaterniond(frames_[goal.joint].linear()).normalized();
+  for (SceneGoal& goal : document_.edits.goals) {
+    if (goalType(goal.goal.kind).movesWithPose) holdHere(goal);
   }
   solver_->reset();
 }
@@ -106,22 +136,23 @@ void Session::setPose(const Eigen::VectorXd& q) {
 }
 
 void Session::resetPose() {
+  endDrag();
   remember();
-  dragged_.reset();
-  std::erase_if(goals_, [](const SceneGoal& goal) { return !goal.handle; });
-  for (SceneGoal& goal : goals_) {
+  std::erase_if(document_.edits.goals, [](const SceneGoal& goal) { return !goal.handle; });
+  for (SceneGoal& goal : document_.edits.goals) {
     goal.state = GoalState::Free;
     if (goal.goal.kind == GoalKind::Pose) goal.goal.kind = GoalKind::Position;
   }
   place(skeleton().rest());
   followPose();
-  for (int i = 0; i < static_cast<int>(goals_.size()); ++i)
-    if (std::ranges::count(model_->pins, goals_[i].goal.name) > 0) setState(i, GoalState::Pinned);
+  for (const SceneGoal& goal : document_.edits.goals)
+    if (std::ranges::count(model_->pins, goal.goal.name) > 0) setState(goal.id, GoalState::Pinned);
   lastSolve_ = {};
 }
 
 void Session::mirrorPose() {
-  const Eigen::VectorXd mirrored = gelenk::mirrorPose(skeleton(), q_);
+  const Eigen::VectorXd mirrored = gelenk::mirrorPose(skeleton(), q());
+  endDrag();
   remember();
   place(projectToLimits(skeleton(), mirrored));
   followPose();
@@ -129,134 +160,180 @@ void Session::mirrorPose() {
 
 // --- goals
 
+GoalId Session::addSceneGoal(SceneGoal goal) {
+  asOpened_ = false;
+  goal.id = GoalId{++lastId_};
+  document_.edits.goals.push_back(std::move(goal));
+  return document_.edits.goals.back().id;
+}
+
 void Session::makeHandles() {
   std::vector<int> joints;
   for (const std::string& name : model_->handles) joints.push_back(skeleton().jointIndex(name));
   if (joints.empty()) joints = endEffectors(skeleton());
   for (const int joint : joints)
-    goals_.push_back({.goal = {.name = skeleton().joint(joint).name, .joint = joint}, .handle = true});
+    addSceneGoal({.goal = {.name = skeleton().joint(joint).name, .joint = joint}, .handle = true});
   for (const int joint : joints)
     if (const auto middle = limbMiddle(skeleton(), joint))
       if (const std::string name = skeleton().joint(*middle).name + "_pole"; !findGoal(name))
-        goals_.push_back({.goal = {.kind = GoalKind::Pole, .name = name, .joint = *middle}, .handle = true});
+        addSceneGoal({.goal = {.kind = GoalKind::Pole, .name = name, .joint = *middle}, .handle = true});
 }
 
-void Session::setInfluences(std::vector<Influences> influences) {
-  if (!model_->skin || influences.size() != model_->skin->influences.size())
-    throw std::invalid_argument(fmt::format("{} rows of weights for a skin of {} vertices", influences.size(),
-                                            model_->skin ? model_->skin->influences.size() : 0));
-  Model bound = *model_;
-  bound.skin->influences = std::move(influences);
-  model_ = std::make_shared<const Model>(std::move(bound));
-  anchorSurfaceGoals();
+bool Session::hasGoal(GoalId id) const {
+  return std::ranges::any_of(goals(), [&](const SceneGoal& goal) { return goal.id == id; });
 }
 
-std::optional<int> Session::findGoal(const std::string& name) const {
-  for (std::size_t i = 0; i < goals_.size(); ++i)
-    if (goals_[i].goal.name == name) return static_cast<int>(i);
+const SceneGoal& Session::goal(GoalId id) const {
+  const auto found = std::ranges::find(goals(), id, &SceneGoal::id);
+  if (found == goals().end())
+    throw std::invalid_argument(fmt::format("there is no goal {} any more", static_cast<int>(id)));
+  return *found;
+}
+SceneGoal& Session::at(GoalId id) {
+  asOpened_ = false;
+  return const_cast<SceneGoal&>(std::as_const(*this).goal(id));
+}
+
+std::optional<GoalId> Session::findGoal(const std::string& name) const {
+  for (const SceneGoal& goal : goals())
+    if (goal.goal.name == name) return goal.id;
   return std::nullopt;
 }
 
 Eigen::Vector3d Session::blendedPoint(const SurfacePoint& point) const {
-  const Skin& skin = *model_->skin;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   for (int corner = 0; corner < 3; ++corner) {
-    const int v = skin.mesh.triangles[point.triangle][corner];
-    const Influences& influences = skin.influences[v];
+    const int v = skin_->mesh.triangles[point.triangle][corner];
+    const Influences& influences = skin_->influences[v];
     for (int k = 0; k < 4; ++k)
       if (influences.weights[k] > 0.0)
         p += point.barycentric[corner] * influences.weights[k] *
              (frames_[influences.joints[k]] *
-              (skin.jointFromRestWorld[influences.joints[k]] * skin.mesh.positions[v]));
+              (skin_->jointFromRestWorld[influences.joints[k]] * skin_->mesh.positions[v]));
   }
   return p;
 }
 
-/// The blended point moves in its joint's frame as the pose changes; a solver needs it as a point fixed to
-/// that joint.
+/// The blended point moves in its joint's frame as the pose changes; solver and judge need it as a point
+/// fixed to that joint.
 void Session::anchorSurfaceGoals() {
-  for (SceneGoal& goal : goals_)
+  for (SceneGoal& goal : document_.edits.goals)
     if (goal.surface.triangle >= 0)
       goal.goal.pointInJoint = frames_[goal.goal.joint].inverse() * blendedPoint(goal.surface);
 }
 
-Eigen::Vector3d Session::reached(int index) const {
-  const SceneGoal& goal = goals_[index];
-  if (goal.goal.kind == GoalKind::Pole) return polePoint(skeleton(), frames_, goal.goal.joint);
+Eigen::Vector3d Session::reached(const SceneGoal& goal) const {
   if (goal.surface.triangle >= 0) return blendedPoint(goal.surface);
-  return frames_[goal.goal.joint] * goal.goal.pointInJoint;
+  const GoalType& type = goalType(goal.goal.kind);
+  return type.handleAtTarget ? goal.goal.target : type.reached(goal.goal, here());
+}
+Eigen::Vector3d Session::reached(GoalId id) const { return reached(goal(id)); }
+
+GoalError Session::judged(GoalId id) const {
+  const SceneGoal& goal = this->goal(id);
+  if (!isEffective(goal)) return {};
+  const IkProblem alone{.skeleton = &skeleton(), .start = q(), .goals = {goal.goal}};
+  const Judgement verdict = judge(alone, q());
+  return verdict.goals.empty() ? GoalError{} : verdict.goals.front();
 }
 
-double Session::error(int index) const {
-  const SceneGoal& goal = goals_[index];
-  if (goal.state == GoalState::Free || goal.goal.kind == GoalKind::Posture) return 0.0;
-  if (goal.goal.kind == GoalKind::Pole) {
-    Eigen::VectorXd r(1);
-    goalResidual(goal.goal, skeleton(), q_, frames_, r);
-    return std::abs(r[0]);
-  }
-  if (goal.goal.kind == GoalKind::Orientation || goal.goal.kind == GoalKind::Aim) return 0.0;
-  return (goal.goal.target - reached(index)).norm();
-}
-
-int Session::addGoal(Goal goal) {
+GoalId Session::addGoal(Goal goal) {
   const std::string base = goal.name.empty() ? skeleton().joint(goal.joint).name : goal.name;
   goal.name = base;
   for (int n = 2; findGoal(goal.name); ++n) goal.name = fmt::format("{} {}", base, n);
-  goals_.push_back({.goal = std::move(goal), .state = GoalState::Held});
-  return static_cast<int>(goals_.size()) - 1;
+  return addSceneGoal({.goal = std::move(goal), .state = GoalState::Held});
 }
 
-int Session::addJointGoal(int joint) {
-  for (int i = 0; i < static_cast<int>(goals_.size()); ++i)
-    if (goals_[i].goal.joint == joint && goals_[i].goal.pointInJoint.isZero() &&
-        goals_[i].goal.kind != GoalKind::Pole)
-      return i;
-  return addGoal({.joint = joint,
-                  .target = frames_[joint].translation(),
-                  .orientation = Eigen::Quaterniond(frames_[joint].linear()).normalized()});
+GoalId Session::addGoalOf(GoalKind kind, int joint, int otherJoint) {
+  const GoalType& type = goalType(kind);
+  Goal goal{.kind = kind,
+            .name = std::string(type.title),
+            .joint = joint,
+            .otherJoint = otherJoint,
+            .direction = model_->up,
+            .masses = model_->masses};
+  if (const std::string why = whyMisplaced(goal, skeleton()); !why.empty()) throw std::invalid_argument(why);
+  if (kind == GoalKind::Balance)
+    for (const FootPoint& sole : model_->soles) goal.polygon.push_back(frames_[sole.joint] * sole.inJoint);
+  goal.target = type.reached(goal, here());
+  type.capture(goal, here());
+  if (const std::string why = whyInvalid(goal, skeleton()); !why.empty()) throw std::invalid_argument(why);
+  return addGoal(std::move(goal));
 }
 
-int Session::addSurfaceGoal(const SurfacePoint& point) {
-  const Skin& skin = *model_->skin;
+void Session::changeGoal(GoalId id, const Goal& asked) {
+  SceneGoal& goal = at(id);
+  Goal changed = asked;
+  changed.kind = goal.goal.kind;
+  changed.name = goal.goal.name;
+  changed.masses = model_->masses;
+  if (const std::string why = whyInvalid(changed, skeleton()); !why.empty()) throw std::invalid_argument(why);
+  changed.axisInJoint.normalize();
+  changed.direction.normalize();
+  goal.goal = std::move(changed);
+  if (goal.state == GoalState::Free) goal.state = GoalState::Held;
+}
+
+GoalMark Session::mark(GoalId id) const {
+  GoalMark mark;
+  const Goal& goal = this->goal(id).goal;
+  goalType(goal.kind).mark(goal, here(), mark);
+  return mark;
+}
+
+GoalId Session::addJointGoal(int joint) {
+  for (const SceneGoal& goal : goals())
+    if (goal.goal.joint == joint && goal.goal.pointInJoint.isZero() &&
+        (goal.goal.kind == GoalKind::Position || goal.goal.kind == GoalKind::Pose))
+      return goal.id;
+  const GoalId id = addGoal({.joint = joint});
+  holdHere(at(id));
+  return id;
+}
+
+GoalId Session::addSurfaceGoal(const SurfacePoint& point) {
   std::vector<double> share(skeleton().jointCount(), 0.0);
   for (int corner = 0; corner < 3; ++corner) {
-    const Influences& influences = skin.influences[skin.mesh.triangles[point.triangle][corner]];
+    const Influences& influences = skin_->influences[skin_->mesh.triangles[point.triangle][corner]];
     for (int k = 0; k < 4; ++k)
       share[influences.joints[k]] += point.barycentric[corner] * influences.weights[k];
   }
   const int joint = static_cast<int>(std::ranges::max_element(share) - share.begin());
-  const int goal = addGoal({.name = skeleton().joint(joint).name + " skin", .joint = joint});
-  goals_[goal].surface = point;
+  const GoalId id = addGoal({.name = skeleton().joint(joint).name + " skin", .joint = joint});
+  at(id).surface = point;
   anchorSurfaceGoals();
-  goals_[goal].goal.target = reached(goal);
-  goals_[goal].goal.orientation = Eigen::Quaterniond(frames_[joint].linear()).normalized();
-  return goal;
+  holdHere(at(id));
+  return id;
 }
 
-void Session::setTarget(int goal, const Eigen::Vector3d& target) {
-  goals_[goal].goal.target = target;
-  if (goals_[goal].state == GoalState::Free) goals_[goal].state = GoalState::Held;
+GoalId Session::goalOf(const Grip& grip) {
+  if (const GoalId* id = std::get_if<GoalId>(&grip)) return goal(*id).id;
+  if (const JointGrip* joint = std::get_if<JointGrip>(&grip)) return addJointGoal(joint->joint);
+  return addSurfaceGoal(std::get<SurfacePoint>(grip));
 }
 
-void Session::setOrientation(int goal, const Eigen::Quaterniond& orientation) {
-  Goal& g = goals_[goal].goal;
-  if (g.kind == GoalKind::Position) g.kind = GoalKind::Pose;
-  g.orientation = orientation.normalized();
+void Session::setTarget(GoalId id, const Eigen::Vector3d& target) {
+  SceneGoal& goal = at(id);
+  goal.goal.target = target;
+  if (goal.state == GoalState::Free) goal.state = GoalState::Held;
 }
 
-void Session::clearOrientation(int goal) {
-  if (goals_[goal].goal.kind == GoalKind::Pose) goals_[goal].goal.kind = GoalKind::Position;
+void Session::setOrientation(GoalId id, const Eigen::Quaterniond& orientation) {
+  Goal& goal = at(id).goal;
+  if (goal.kind == GoalKind::Position) goal.kind = GoalKind::Pose;
+  goal.orientation = orientation.normalized();
 }
 
-void Session::setState(int goal, GoalState state) {
-  SceneGoal& g = goals_[goal];
+void Session::clearOrientation(GoalId id) {
+  Goal& goal = at(id).goal;
+  if (goal.kind == GoalKind::Pose) goal.kind = GoalKind::Position;
+}
+
+void Session::setState(GoalId id, GoalState state) {
+  SceneGoal& g = at(id);
   const bool wasFree = g.state == GoalState::Free;
   g.state = state;
-  if (wasFree && g.goal.kind != GoalKind::Aim) {
-    g.goal.target = reached(goal);
-    g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
-  }
+  if (wasFree && goalType(g.goal.kind).movesWithPose) holdHere(g);
   // A pinned foot keeps its sole on the ground: handles other than the root's are pinned with their
   // orientation, where there are joints enough for it.
   if (g.goal.kind == GoalKind::Position && state == GoalState::Pinned && g.handle &&
@@ -267,160 +344,242 @@ void Session::setState(int goal, GoalState state) {
   if (state == GoalState::Free && g.goal.kind == GoalKind::Pose) g.goal.kind = GoalKind::Position;
 }
 
-void Session::togglePin(int goal) {
-  if (dragged_ != goal) remember();
-  const bool pin =
-      goals_[goal].state != GoalState::Pinned && !(dragged_ == goal && afterDrag_ == GoalState::Pinned);
-  if (dragged_ == goal) {
-    dragMoved_ = true;
-    afterDrag_ = pin ? GoalState::Pinned : GoalState::Held;
-  } else if (pin) {
-    setState(goal, GoalState::Pinned);
-  } else {
-    removeGoal(goal);
+GoalId Session::togglePin(const Grip& grip) {
+  if (drag_ && std::get_if<GoalId>(&grip) && std::get<GoalId>(grip) == drag_->goal) {
+    drag_->moved = true;
+    drag_->after = drag_->after == GoalState::Pinned ? GoalState::Held : GoalState::Pinned;
+    return drag_->goal;
   }
+  remember();
+  const GoalId id = goalOf(grip);
+  if (goal(id).state != GoalState::Pinned)
+    setState(id, GoalState::Pinned);
+  else
+    removeGoal(id);
+  return id;
 }
 
-void Session::removeGoal(int goal) {
-  if (dragged_ == goal) dragged_.reset();
-  if (goals_[goal].handle) {
-    setState(goal, GoalState::Free);
-    goals_[goal].goal.target = reached(goal);
-    return;
+void Session::removeGoal(GoalId id) {
+  if (dragged() == id) drag_.reset();
+  SceneGoal& goal = at(id);
+  if (goal.handle) {
+    setState(id, GoalState::Free);
+    goal.goal.target = reached(goal);
+  } else {
+    std::erase_if(document_.edits.goals, [&](const SceneGoal& other) { return other.id == id; });
   }
-  goals_.erase(goals_.begin() + goal);
-  if (dragged_ && *dragged_ > goal) --*dragged_;
 }
 
 void Session::removeAllGoals() {
+  endDrag();
   remember();
-  for (int i = static_cast<int>(goals_.size()) - 1; i >= 0; --i) removeGoal(i);
+  std::erase_if(document_.edits.goals, [](const SceneGoal& goal) { return !goal.handle; });
+  for (const SceneGoal& goal : document_.edits.goals) removeGoal(goal.id);
 }
 
 // --- dragging
 
-void Session::beginDrag(int goal) {
-  if (dragged_) endDrag();
-  remember();
-  SceneGoal& g = goals_[goal];
+GoalId Session::beginDrag(const Grip& grip) {
+  endDrag();
+  Drag drag{.goal = {}, .before = document_.edits};
+  drag.goal = goalOf(grip);
+  if (const Goal& asked = goal(drag.goal).goal;
+      !has(asked, GoalField::Meaning::Target) && asked.kind != GoalKind::Orientation) {
+    // Nothing of it can be moved: take the point that it holds.
+    const bool whole = !has(asked, GoalField::Meaning::Joint);
+    drag.goal =
+        addGoal({.joint = whole ? 0 : asked.joint,
+                 .pointInJoint = whole ? frames_[0].inverse() * reached(drag.goal) : asked.pointInJoint});
+  }
+  SceneGoal& g = at(drag.goal);
   // Points made for this drag go with it; what was pinned stays pinned; handles stay where they are put.
-  afterDrag_ = g.state == GoalState::Pinned ? GoalState::Pinned
+  drag.after = g.state == GoalState::Pinned ? GoalState::Pinned
                : g.handle                   ? GoalState::Held
                                             : GoalState::Free;
-  if (g.state == GoalState::Free || g.goal.kind == GoalKind::Position || g.goal.kind == GoalKind::Pose)
-    g.goal.target = reached(goal);
+  if (g.state == GoalState::Free || (goalType(g.goal.kind).movesWithPose && g.goal.kind != GoalKind::Pole))
+    g.goal.target = reached(g);
   if (g.goal.kind == GoalKind::Pose)
     g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
   g.state = GoalState::Dragged;
-  dragged_ = goal;
-  dragMoved_ = false;
+  drag_ = std::move(drag);
+  return drag_->goal;
 }
 
 void Session::moveDrag(const Eigen::Vector3d& target) {
-  if (!dragged_ || !target.allFinite()) return;
+  if (!drag_ || !target.allFinite()) return;
+  Goal& goal = at(drag_->goal).goal;
   // A pixel's ray gives the start back only to rounding.
-  dragMoved_ = dragMoved_ || (target - goals_[*dragged_].goal.target).norm() > 1e-9 * (1.0 + target.norm());
-  goals_[*dragged_].goal.target = target;
+  drag_->moved = drag_->moved || (target - goal.target).norm() > 1e-9 * (1.0 + target.norm());
+  goal.target = target;
 }
 
 void Session::rotateDrag(const Eigen::Quaterniond& worldRotation) {
-  if (!dragged_ || goals_[*dragged_].goal.kind == GoalKind::Pole) return;
-  Goal& goal = goals_[*dragged_].goal;
-  dragMoved_ = true;
-  if (!hasOrientation(goal)) goal.orientation = Eigen::Quaterniond(frames_[goal.joint].linear()).normalized();
-  setOrientation(*dragged_, worldRotation * goal.orientation);
+  if (!drag_) return;
+  const Goal& asked = goal(drag_->goal).goal;
+  if (!has(asked, GoalField::Meaning::Rotation) && asked.kind != GoalKind::Position) return;
+  Goal& goal = at(drag_->goal).goal;
+  drag_->moved = true;
+  if (!has(goal, GoalField::Meaning::Rotation))
+    goal.orientation = Eigen::Quaterniond(frames_[goal.joint].linear()).normalized();
+  setOrientation(drag_->goal, worldRotation * goal.orientation);
 }
 
 void Session::endDrag() {
-  if (!dragged_) return;
-  const int goal = *dragged_;
-  dragged_.reset();
-  if (!dragMoved_ && goals_[goal].handle && !past_.empty()) {
-    goals_[goal] = past_.back().goals[goal];
-    past_.pop_back();
-    return;
-  }
-  if (afterDrag_ == GoalState::Free)
-    removeGoal(goal);
+  if (!drag_) return;
+  if (!drag_->moved) return cancelDrag();
+  Drag drag = std::move(*drag_);
+  drag_.reset();
+  history_.remember(std::move(drag.before));
+  if (drag.after == GoalState::Free)
+    removeGoal(drag.goal);
   else
-    setState(goal, afterDrag_);
+    setState(drag.goal, drag.after);
+}
+
+void Session::cancelDrag() {
+  if (!drag_) return;
+  const Drag drag = std::move(*drag_);
+  drag_.reset();
+  if (drag.moved)
+    apply(drag.before);
+  else
+    document_.edits.goals = drag.before.goals;  // the pose may have settled meanwhile
 }
 
 // --- history
 
-void Session::remember() {
-  past_.push_back({q_, goals_});
-  if (past_.size() > longestHistory) past_.erase(past_.begin());
-  future_.clear();
-}
-
-void Session::apply(const Snapshot& snapshot) {
-  dragged_.reset();
-  goals_ = snapshot.goals;
-  for (SceneGoal& goal : goals_)
+void Session::apply(const Edits& edits) {
+  drag_.reset();
+  if (skin_) {
+    bool changed = false;
+    edits.weights.forUnshared(document_.edits.weights, [&](int vertex, const Influences& influences) {
+      skin_->influences[vertex] = influences;
+      changed = true;
+    });
+    weightsVersion_ += changed;
+  }
+  document_.edits = edits;
+  for (SceneGoal& goal : document_.edits.goals) {
     if (goal.state == GoalState::Dragged) goal.state = GoalState::Held;
-  place(snapshot.q);
+    lastId_ = std::max(lastId_, static_cast<int>(goal.id));
+  }
+  place(Eigen::VectorXd(edits.q));
   solver_->reset();
   lastSolve_ = {};
+  ++jumps_;
 }
 
 bool Session::undo() {
-  if (past_.empty()) return false;
   endDrag();
-  future_.push_back({q_, goals_});
-  const Snapshot snapshot = std::move(past_.back());
-  past_.pop_back();
-  apply(snapshot);
-  return true;
+  const std::optional<Edits> before = history_.undo(document_.edits);
+  if (before) apply(*before);
+  return before.has_value();
 }
 
 bool Session::redo() {
-  if (future_.empty()) return false;
   endDrag();
-  past_.push_back({q_, goals_});
-  const Snapshot snapshot = std::move(future_.back());
-  future_.pop_back();
-  apply(snapshot);
-  return true;
+  const std::optional<Edits> after = history_.redo(document_.edits);
+  if (after) apply(*after);
+  return after.has_value();
 }
-
-bool Session::canUndo() const { return !past_.empty(); }
-bool Session::canRedo() const { return !future_.empty(); }
 
 // --- solver
 
-void Session::setSolver(const std::string& name) {
-  solver_ = makeFrameSolver(name, skeleton());
-  solverName_ = name;
+void Session::setSolver(const std::string& text) {
+  SolverSpec spec = solverSpec(text);
+  const std::string name = spec.name;
+  if (const auto kept = document_.solver.parameters.find(name); kept != document_.solver.parameters.end())
+    for (const auto& [parameter, value] : kept->second)
+      if (!spec.values.count(parameter)) spec = withParameter(spec, parameter, value);
+  solver_ = makeFrameSolver(toText(spec), sharedSkeleton());
+  asOpened_ = false;
+  document_.solver.name = name;
+  document_.solver.parameters.erase(name);
+  if (!spec.values.empty()) document_.solver.parameters[name] = spec.values;
+}
+
+ParameterValues Session::parameters() const {
+  const auto found = document_.solver.parameters.find(document_.solver.name);
+  return found == document_.solver.parameters.end() ? ParameterValues() : found->second;
+}
+
+void Session::setParameters(const ParameterValues& values) {
+  solverEntry(document_.solver.name).make(values);  // throws before anything is changed
+  document_.solver.parameters[document_.solver.name] = values;
+  setSolver(std::string(document_.solver.name));
 }
 
 void Session::nextSolver(int direction) {
   const std::vector<std::string> names = frameSolverNames();
   const int count = static_cast<int>(names.size());
-  const int at = static_cast<int>(std::ranges::find(names, solverName_) - names.begin());
+  const int at = static_cast<int>(std::ranges::find(names, document_.solver.name) - names.begin());
   setSolver(names[((at + direction) % count + count) % count]);
 }
 
 IkProblem Session::problem() const {
-  IkProblem problem{.skeleton = &skeleton(), .start = q_};
-  for (const SceneGoal& goal : goals_) {
+  IkProblem problem{.skeleton = &skeleton(), .start = q()};
+  for (const SceneGoal& goal : goals()) {
     if (!isEffective(goal)) continue;
     Goal g = goal.goal;
     const bool pinned = goal.state == GoalState::Pinned;
-    g.weight = pinned ? pinWeight : g.kind == GoalKind::Pole ? poleWeight : heldWeight;
-    g.priority = pinned ? 0 : 1;
+    g.weight = pinned ? pinWeight : goalType(g.kind).preference;
+    g.role = pinned ? Role::Pin : goal.state == GoalState::Dragged ? Role::Drag : Role::Hold;
     problem.goals.push_back(std::move(g));
   }
+  if (auto standing = balanceGoal()) problem.goals.push_back(*std::move(standing));
   return problem;
 }
 
+std::optional<Goal> Session::balanceGoal() const {
+  if (!balance() || support_.size() < 3) return std::nullopt;
+  return Goal{.kind = GoalKind::Balance,
+              .name = "balance",
+              .direction = model_->up,
+              .polygon = support_,
+              .masses = model_->masses,
+              .weight = pinWeight,
+              .role = Role::Pin};
+}
+
+void Session::setBalance(bool balance) {
+  asOpened_ = false;
+  document_.solver.balance = balance;
+}
+
+/// The hull of the soles that stand, 1 cm inwards. Feet that stay keep it, to the last bit.
+void Session::updateSupport() {
+  if (!balance()) return;
+  constexpr double margin = 0.01, standing = 0.03, still = 1e-4;  // metres, as DragOptions::balance has them
+  std::vector<Eigen::Vector3d> soles;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const FootPoint& sole : model_->soles) {
+    soles.push_back(frames_[sole.joint] * sole.inJoint);
+    lowest = std::min(lowest, soles.back().dot(model_->up));
+  }
+  std::erase_if(soles, [&](const Eigen::Vector3d& p) { return p.dot(model_->up) > lowest + standing; });
+  bool same = soles.size() == standing_.size();
+  for (std::size_t i = 0; same && i < soles.size(); ++i) same = (soles[i] - standing_[i]).norm() < still;
+  if (same) return;
+  standing_ = std::move(soles);
+  support_ = SupportPolygon::hull(standing_, model_->up).inset(margin).corners;
+}
+
 const FrameSolve& Session::step() {
+  const auto freeFollow = [this] {
+    for (SceneGoal& goal : document_.edits.goals)
+      if (goal.state == GoalState::Free) goal.goal.target = reached(goal);
+  };
   anchorSurfaceGoals();
-  for (int i = 0; i < static_cast<int>(goals_.size()); ++i)
-    if (goals_[i].state == GoalState::Free) goals_[i].goal.target = reached(i);
-  const IkProblem problem = this->problem();
+  freeFollow();
+  updateSupport();
   lastSolve_ = {};
+  const IkProblem problem = this->problem();
   if (problem.goals.empty()) return lastSolve_;
+  if (asOpened_) {
+    lastSolve_.ran = true;
+    judgeFrame();
+    return lastSolve_;
+  }
 
   const IkReport report = solver_->frame(problem);
   lastSolve_.ran = true;
@@ -430,21 +589,28 @@ const FrameSolve& Session::step() {
   for (const IterationRecord& record : report.trace) lastSolve_.residuals.push_back(record.residual);
   lastSolve_.residuals.push_back(report.residual);
   if (report.why == Stop::Unsupported) lastSolve_.unsupported = makeUnsupportedReason(problem);
-  if (report.q.size() == q_.size() && report.q.allFinite()) {
-    lastSolve_.jointMotion = largestMotion(skeleton(), q_, report.q);
+  if (report.q.size() == q().size() && report.q.allFinite()) {
+    lastSolve_.jointMotion = largestMotion(skeleton(), q(), report.q);
     place(report.q);
   } else {
     lastSolve_.why = Stop::Failure;
   }
-  for (int i = 0; i < static_cast<int>(goals_.size()); ++i) {
-    if (isEffective(goals_[i])) lastSolve_.error = std::max(lastSolve_.error, error(i));
-    if (goals_[i].state == GoalState::Free) goals_[i].goal.target = reached(i);
-  }
+  freeFollow();
+  judgeFrame();
   return lastSolve_;
 }
 
+void Session::judgeFrame() {
+  for (const GoalError& goal : judge(problem(), q()).goals) {
+    lastSolve_.error = std::max(lastSolve_.error, goal.position);
+    lastSolve_.orientationError = std::max(lastSolve_.orientationError, goal.orientation);
+  }
+  lastSolve_.reached = lastSolve_.error < reachedWithin_ && lastSolve_.orientationError < reachedAngle;
+}
+
 std::string Session::makeUnsupportedReason(const IkProblem& problem) const {
-  return solverName_ == "hybrid" ? std::string() : makeSolver(solverName_)->whyUnsupported(problem);
+  return document_.solver.name == "drag" ? std::string()
+                                         : makeSolver(document_.solver.name)->whyUnsupported(problem);
 }
 
 std::vector<bool> Session::jointsAtLimit() const {
@@ -452,30 +618,17 @@ std::vector<bool> Session::jointsAtLimit() const {
   for (int i = 0; i < skeleton().jointCount(); ++i) {
     const Joint& joint = skeleton().joint(i);
     for (std::size_t k = 0; k < joint.axes.size(); ++k)
-      at[i] = at[i] || axisAtLimit(joint.axes[k], q_[skeleton().qIndex(i) + static_cast<int>(k)]);
-    if (joint.ballLimit) at[i] = at[i] || ballAtLimit(*joint.ballLimit, ballRotation(skeleton(), q_, i));
+      at[i] = at[i] || axisAtLimit(joint.axes[k], q()[skeleton().qIndex(i) + static_cast<int>(k)]);
+    if (joint.ballLimit) at[i] = at[i] || ballAtLimit(*joint.ballLimit, ballRotation(skeleton(), q(), i));
   }
   return at;
 }
 
-// --- scene
-
-void Session::store(Scene& scene) const {
-  scene.q = q_;
-  scene.goals = goals_;
-  if (dragged_) scene.goals[*dragged_].state = afterDrag_ == GoalState::Free ? GoalState::Held : afterDrag_;
-  scene.solver = solverName_;
-}
-
-void Session::restore(const Scene& scene) {
-  for (const SceneGoal& goal : scene.goals)
-    if (goal.surface.triangle >= 0 &&
-        (!model_->skin || goal.surface.triangle >= static_cast<int>(model_->skin->mesh.triangles.size())))
-      throw std::invalid_argument(
-          fmt::format("goal {}: the model's skin has no triangle {}", goal.goal.name, goal.surface.triangle));
-  setSolver(scene.solver);
-  remember();
-  apply({scene.q, scene.goals});
+Document Session::saved() const {
+  Document document = document_;
+  for (SceneGoal& goal : document.edits.goals)
+    if (dragged() == goal.id) goal.state = drag_->after == GoalState::Free ? GoalState::Held : drag_->after;
+  return document;
 }
 
 }  // namespace gelenk

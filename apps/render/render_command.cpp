@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <numbers>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/muscle_report.h"
-#include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
-#include "apps/document/muscle_scene.h"
+#include "apps/document/notes.h"
+#include "apps/document/scene_file.h"
+#include "apps/document/session.h"
 #include "apps/render/model_view.h"
 #include "apps/render/muscle_sheet.h"
 #include "apps/render/signs.h"
@@ -30,7 +31,7 @@ constexpr double degrees = std::numbers::pi / 180.0;
 /// The command's arguments as they were given; empty or nullopt: not given.
 struct Request {
   std::string input, output;
-  std::string skeleton, weights, asf, amc, mapping;
+  Companions files;
   int frame = 0;
   bool bindPose = false;
   std::string size = "1280x800", theme, view, focus, weightsOf;
@@ -60,24 +61,6 @@ Viewport parseSize(const Request& request) {
   viewport.width = static_cast<int>(std::lround(viewport.width * request.scale));
   viewport.height = static_cast<int>(std::lround(viewport.height * request.scale));
   return viewport;
-}
-
-Model openInput(const Request& request, const ModelReference& reference) {
-  const std::string& skeleton = request.skeleton.empty() ? reference.skeletonFile : request.skeleton;
-  const std::string& weights = request.weights.empty() ? reference.weightsFile : request.weights;
-  const std::string& asf = request.asf.empty() ? reference.asfFile : request.asf;
-  const std::string& amc = request.amc.empty() ? reference.amcFile : request.amc;
-  const std::string& mapping = request.mapping.empty() ? reference.mappingFile : request.mapping;
-  if (!asf.empty() || !amc.empty())
-    return withBody(importFiles(reference.nameOrFile, {.skeleton = skeleton,
-                                                       .weights = weights,
-                                                       .asf = asf,
-                                                       .amc = amc,
-                                                       .mapping = mapping,
-                                                       .figure = {}})
-                        .model);
-  if (skeleton.empty()) return withBody(openModel(reference.nameOrFile));
-  return openBody(reference.nameOrFile, skeleton, weights.empty() ? std::nullopt : std::optional(weights));
 }
 
 /// --q: values in the configuration's order, angles in radians as `gelenk fk --q` takes them.
@@ -157,10 +140,10 @@ Camera cameraOf(const Request& request, const ModelView& view, const Frames& fra
   return camera;
 }
 
-void addGoals(RenderScene& picture, const std::vector<SceneGoal>& goals, const Frames& frames, double size) {
-  for (const SceneGoal& goal : goals) {
+void addGoals(RenderScene& picture, const Session& session, double size) {
+  for (const SceneGoal& goal : session.goals()) {
     const bool pinned = goal.state == GoalState::Pinned;
-    const Eigen::Vector3d reached = frames[goal.goal.joint] * goal.goal.pointInJoint;
+    const Eigen::Vector3d reached = session.reached(goal.id);
     const Eigen::Vector3d target = goal.state == GoalState::Free ? reached : goal.goal.target;
     addReach(picture.overlayOnTop, reached, target, size, pinned ? pinColour : handleColour,
              pinned ? Overlay::Shape::Square : Overlay::Shape::Disc);
@@ -171,33 +154,34 @@ void addGoals(RenderScene& picture, const std::vector<SceneGoal>& goals, const F
 class Studio {
  public:
   explicit Studio(const Request& request)
-      : request_(request),
-        viewport_(parseSize(request)),
-        isScene_(endsWith(request.input, ".json")),
-        model_(openRequested()) {
-    readScene();
-    applyBinding(scene_, model_);
-    q_ = configurationOf(request, model_.skeleton, scene_.q);
-    for (const std::string& turn : request.turns) q_ = turned(model_.skeleton, q_, turn);
-    if (!request.weightsOf.empty()) selected_ = model_.skeleton.jointIndex(request.weightsOf);
+      : request_(request), viewport_(parseSize(request)), session_(openRequested()) {
+    const Model& model = session_.model();
+    sayNotes(request.input, model.notes);
+    q_ = configurationOf(request, model.skeleton, isScene_ ? session_.q() : poseOfFrame());
+    for (const std::string& turn : request.turns) q_ = turned(model.skeleton, q_, turn);
+    selected_ = session_.selectedJoint();
+    if (!request.weightsOf.empty()) selected_ = model.skeleton.jointIndex(request.weightsOf);
+    shown_ = model;
+    if (session_.skin()) shown_.skin = *session_.skin();
     context_.emplace();
-    view_.emplace(model_);
+    view_.emplace(shown_);
     addMuscles();
     renderer_.emplace();
     renderer_->setSupersampling(smoothing());
     target_.emplace(viewport_.width, viewport_.height);
-    frames_ = request.bindPose ? bindFrames(model_) : forwardKinematics(model_.skeleton, q_);
-    camera_ =
-        cameraOf(request, *view_, frames_, viewport_, isScene_ ? std::optional(scene_.camera) : std::nullopt);
+    frames_ = request.bindPose ? bindFrames(model) : forwardKinematics(model.skeleton, q_);
+    camera_ = cameraOf(request, *view_, frames_, viewport_,
+                       isScene_ ? std::optional(session_.document().view.camera) : std::nullopt);
   }
 
   const Viewport& viewport() const { return viewport_; }
-  const Model& model() const { return model_; }
+  const Model& model() const { return session_.model(); }
 
   /// The picture with the camera turned by so many radians about up.
   Image picture(double turn = 0.0) {
     RenderScene picture = view_->compose(frames_, options(), theme(), selected_);
-    if (scene_.options.handles || request_.handles) addGoals(picture, scene_.goals, frames_, view_->size());
+    if ((isScene_ && session_.document().view.show.handles) || request_.handles)
+      addGoals(picture, session_, view_->size());
     Camera camera = camera_;
     camera.azimuth += turn;
     renderer_->draw(picture, camera, viewport_, target_->framebuffer(), static_cast<float>(request_.scale));
@@ -205,69 +189,50 @@ class Studio {
   }
 
  private:
-  Model openRequested() {
-    const ModelReference reference =
-        isScene_ ? readModelReference(request_.input) : ModelReference{.nameOrFile = request_.input};
-    return openInput(request_, reference);
-  }
-
-  void readScene() {
-    if (isScene_)
-      scene_ = loadScene(request_.input, model_.skeleton);
-    else
-      scene_.q = poseOfFrame();
-    if (!scene_.selectedJoint.empty()) selected_ = model_.skeleton.jointIndex(scene_.selectedJoint);
+  Session openRequested() {
+    isScene_ = isScene(request_.input);
+    auto [model, document] = openDocument({.nameOrFile = request_.input, .files = request_.files});
+    return Session(std::move(model), std::move(document));
   }
 
   Eigen::VectorXd poseOfFrame() const {
-    if (request_.frame == 0) return model_.skeleton.rest();
-    const int count = model_.clip ? model_.clip->frameCount() : 0;
+    if (request_.frame == 0) return model().skeleton.rest();
+    const int count = model().clip ? model().clip->frameCount() : 0;
     if (request_.frame > count)
       throw std::invalid_argument(
           fmt::format("--frame: the motion has {} frames, {} was asked for", count, request_.frame));
-    return model_.clip->q.col(request_.frame - 1);
+    return model().clip->q.col(request_.frame - 1);
   }
 
   /// Muscle layers as the scene has them, or as --layers asks.
   void addMuscles() {
-    if (!model_.skin) return;
-    const Frames rest = bindFrames(model_);
-    std::vector<Limb> limbs;
-    MuscleSettings settings;
-    const auto saved = scene_.panels.find("Muscles");
-    if (saved != scene_.panels.end() || !request_.layers.empty())
-      limbs = standardLimbs(model_.skeleton, rest);
-    if (saved != scene_.panels.end()) settings = parseMuscleSettings(saved->second, limbs);
-    const bool wanted = request_.layers.empty() ? settings.enabled : request_.layers != "none";
+    if (!model().skin) return;
+    const auto& muscles = session_.edits().muscles;
+    const bool wanted = request_.layers.empty() ? muscles && muscles->enabled : request_.layers != "none";
     if (!wanted) {
       if (request_.lattice)
         throw std::invalid_argument(
             "--lattice: no muscle layers are on; add --layers ffd or --layers muscle");
       return;
     }
-    if (limbs.empty())
-      throw std::invalid_argument("--layers: model '" + model_.name +
+    if (!muscles)
+      throw std::invalid_argument("--layers: model '" + model().name +
                                   "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...)");
-    for (const auto& [name, limbSettings] : settings.limbs)
-      for (Limb& limb : limbs)
-        if (limb.name == name) applyProportions(limb, limbSettings);
-    auto rig = std::make_shared<MuscleRig>(bindMuscles(*model_.skin, limbs, rest), rest);
-    for (std::size_t l = 0; l < limbs.size(); ++l) {
-      for (const auto& [name, limbSettings] : settings.limbs)
-        if (limbs[l].name == name) rig->controls()[l] = limbSettings.control;
-      if (request_.layers == "ffd") rig->controls()[l] = noMuscleControl(limbs[l]);
-    }
-    const bool lattice = request_.lattice || (request_.layers.empty() && settings.lattice);
+    auto rig = std::make_shared<MuscleRig>(makeMuscleRig(model(), *session_.skin(), *muscles));
+    if (request_.layers == "ffd")
+      for (std::size_t l = 0; l < rig->controls().size(); ++l)
+        rig->controls()[l] = noMuscleControl(rig->body().limbs[l]);
+    const bool lattice = request_.lattice || (request_.layers.empty() && muscles->lattice);
     view_->setMuscles(std::move(rig), lattice);
   }
 
   Theme theme() const {
-    if (request_.theme.empty()) return scene_.theme;
+    if (request_.theme.empty()) return session_.document().theme;
     return request_.theme == "dark" ? Theme::Dark : Theme::Light;
   }
 
   ViewOptions options() const {
-    ViewOptions options = scene_.options;
+    ViewOptions options = session_.document().view.show;
     options.wireframe = options.wireframe || request_.wireframe;
     options.skeleton = options.skeleton || request_.bones;
     options.jointFrames = options.jointFrames || request_.jointFrames;
@@ -289,9 +254,9 @@ class Studio {
 
   const Request& request_;
   Viewport viewport_;
-  bool isScene_;
-  Model model_;
-  Scene scene_;
+  bool isScene_ = false;
+  Session session_;
+  Model shown_;  ///< with the weights as they were edited
   Eigen::VectorXd q_;
   Frames frames_;
   std::optional<int> selected_;
@@ -334,7 +299,7 @@ Limb limbOf(const Skeleton& skeleton, const std::string& name) {
 }
 
 void renderMuscleSheet(const Request& request) {
-  const Model model = openInput(request, {.nameOrFile = request.input});
+  const Model model = *openDocument({.nameOrFile = request.input, .files = request.files}).model;
   const Limb limb = limbOf(model.skeleton, request.muscleSheet);
   const OffscreenContext context;
   writePng(request.output, drawMuscleSheet(model, limb,
@@ -361,71 +326,64 @@ void render(const Request& request) {
 
 }  // namespace
 
-void addRenderCommand(CLI::App& app) {
+void addRenderCommand(Command& app) {
   const auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand(
-      "render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
-  command->add_option("input", request->input, "Built-in model, model file or scene (.json)")->required();
-  command->add_option("-o,--output", request->output, "Picture or video to write")->required();
-  command->add_option("--skeleton", request->skeleton, "Skeleton file that goes with an OBJ");
-  command->add_option("--weights", request->weights, "Weights file that goes with an OBJ and a skeleton");
-  command->add_option("--asf", request->asf,
-                      "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
-  command->add_option("--amc", request->amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", request->mapping,
-                      "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
-  command->add_option("--frame", request->frame, "Pose of this frame of the motion, from 1")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--bind-pose", request->bindPose,
-                    "The pose in which the skin is bound, where that is not the skeleton's rest pose");
-  command->add_option("--size", request->size, "Pixels at scale 1")->capture_default_str();
-  command->add_option("--scale", request->scale, "Enlarges the picture, and lines and marks with it")
-      ->check(CLI::Range(0.1, 8.0))
-      ->capture_default_str();
-  command->add_option("--theme", request->theme, "light or dark; otherwise the scene's")
-      ->check(CLI::IsMember({"light", "dark"}));
-  command->add_option("--view", request->view, "Standard direction")
-      ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}));
-  command->add_option("--azimuth", request->azimuth, "Degrees about the vertical, 0 from the front");
-  command->add_option("--elevation", request->elevation, "Degrees above the horizon")
-      ->check(CLI::Range(-90.0, 90.0));
-  command->add_option("--focus", request->focus, "Close-up of this joint");
-  command->add_option("--zoom", request->zoom, "Factor")->check(CLI::PositiveNumber);
-  command->add_flag("--orthographic", request->orthographic, "Without perspective");
-  command->add_option(
-      "--q", request->q,
-      "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
-  command->add_flag("--wireframe", request->wireframe, "Edges of the triangles");
-  command->add_flag("--bones", request->bones, "Skeleton through a translucent skin");
-  command->add_option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
-  command->add_flag("--joint-frames", request->jointFrames, "Axes of every joint");
+  Command command =
+      app.command("render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
+  command.option("input", request->input, "Built-in model, model file or scene (.json)").required();
+  command.option("-o,--output", request->output, "Picture or video to write").required();
+  command.option("--skeleton", request->files.skeleton, "Skeleton file that goes with an OBJ");
+  command.option("--weights", request->files.weights, "Weights file that goes with an OBJ and a skeleton");
+  command.option("--asf", request->files.asf,
+                 "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
+  command.option("--amc", request->files.amc, "Motion for the ASF skeleton");
+  command.option("--mapping", request->files.mapping,
+                 "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command.option("--clip", request->files.clip,
+                 "Which motion of a file that names several; default: the first");
+  command.option("--frame", request->frame, "Pose of this frame of the motion, from 1").positive();
+  command.flag("--bind-pose", request->bindPose,
+               "The pose in which the skin is bound, where that is not the skeleton's rest pose");
+  command.option("--size", request->size, "Pixels at scale 1").showDefault();
+  command.option("--scale", request->scale, "Enlarges the picture, and lines and marks with it")
+      .range(0.1, 8.0)
+      .showDefault();
+  command.option("--theme", request->theme, "light or dark; otherwise the scene's").oneOf({"light", "dark"});
+  command.option("--view", request->view, "Standard direction")
+      .oneOf({"front", "side", "top", "three-quarter"});
+  command.option("--azimuth", request->azimuth, "Degrees about the vertical, 0 from the front");
+  command.option("--elevation", request->elevation, "Degrees above the horizon").range(-90.0, 90.0);
+  command.option("--focus", request->focus, "Close-up of this joint");
+  command.option("--zoom", request->zoom, "Factor").positive();
+  command.flag("--orthographic", request->orthographic, "Without perspective");
+  command.option("--q", request->q,
+                 "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
+  command.flag("--wireframe", request->wireframe, "Edges of the triangles");
+  command.flag("--bones", request->bones, "Skeleton through a translucent skin");
+  command.option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
+  command.flag("--joint-frames", request->jointFrames, "Axes of every joint");
   command
-      ->add_option("--layers", request->layers,
-                   "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise "
-                   "the scene's")
-      ->check(CLI::IsMember({"none", "ffd", "muscle"}));
-  command->add_flag("--lattice", request->lattice, "Control planes of the muscle layers");
-  command->add_option("--muscle-sheet", request->muscleSheet,
-                      "Instead of one picture a sheet of this limb ('left arm', or joints "
-                      "shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
-  command->add_option("--turn", request->turns,
-                      "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an "
-                      "axis of its frame, from the pose; may be repeated");
-  command->add_flag("--no-ground", request->noGround, "Without the ground");
-  command->add_flag("--no-shadow", request->noShadow, "Without the shadow");
+      .option("--layers", request->layers,
+              "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise "
+              "the scene's")
+      .oneOf({"none", "ffd", "muscle"});
+  command.flag("--lattice", request->lattice, "Control planes of the muscle layers");
+  command.option("--muscle-sheet", request->muscleSheet,
+                 "Instead of one picture a sheet of this limb ('left arm', or joints "
+                 "shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
+  command.option("--turn", request->turns,
+                 "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an "
+                 "axis of its frame, from the pose; may be repeated");
+  command.flag("--no-ground", request->noGround, "Without the ground");
+  command.flag("--no-shadow", request->noShadow, "Without the shadow");
   command
-      ->add_option("--smoothing", request->smoothing,
-                   "Draw n x n pixels for one; otherwise what suits the renderer")
-      ->check(CLI::Range(1, 4));
-  command->add_option("--seconds", request->seconds, "Video: length of one turn")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--frames", request->frames, "Video: number of frames instead of --seconds")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--fps", request->framesPerSecond, "Video: frames a second")
-      ->check(CLI::Range(1, 240))
-      ->capture_default_str();
-  command->callback([request] { render(*request); });
+      .option("--smoothing", request->smoothing,
+              "Draw n x n pixels for one; otherwise what suits the renderer")
+      .range(1, 4);
+  command.option("--seconds", request->seconds, "Video: length of one turn").positive().showDefault();
+  command.option("--frames", request->frames, "Video: number of frames instead of --seconds").positive();
+  command.option("--fps", request->framesPerSecond, "Video: frames a second").range(1, 240).showDefault();
+  command.run([request] { render(*request); });
 }
 
 }  // namespace gelenk

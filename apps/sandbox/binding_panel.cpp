@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
-#include "apps/commands/muscle_report.h"
-#include "apps/document/binding_scene.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/io/text_file.h"
@@ -75,20 +74,16 @@ class BindingPanel final : public Panel {
   std::string name() const override { return "Binding"; }
   bool hasInspector() const override { return true; }
 
-  void modelChanged(Sandbox& sandbox) override {
-    editor_.reset();
+  void opened(Sandbox& sandbox, bool) override {
     layers_.clear();
     tool_ = Tool::Off;
     lasso_.clear();
     layer_ = -1;
     const Model& model = sandbox.session().model();
     if (!model.skin) return;
-    editor_.emplace(model.skin->influences);
-    skeleton_ = model.skeleton;
     neighbours_ = vertexNeighbours(model.skin->mesh);
-    const Frames rest = bindFrames(model);
-    bones_ = bonesOf(model.skeleton, rest);
-    for (const Limb& limb : standardLimbs(model.skeleton, rest))
+    bones_ = bonesOf(model.skeleton, bindFrames(model), model.skin->mesh);
+    for (const Limb& limb : limbsOf(model))
       layers_.emplace_back(limb.name, layerOf({limb.joints.begin(), limb.joints.end() - 1}));
     radius_ = 0.03 * sandbox.state().size;
   }
@@ -96,7 +91,7 @@ class BindingPanel final : public Panel {
   void drawInspector(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();
     shownAt_ = sandbox.frameNumber();
-    if (!editor_) {
+    if (!sandbox.session().skin()) {
       ImGui::TextWrapped("This model has no body to bind.");
       return;
     }
@@ -144,13 +139,13 @@ class BindingPanel final : public Panel {
   }
 
   bool takesMouse(const Sandbox& sandbox) const override {
-    return editor_ && tool_ != Tool::Off && inFront(sandbox);
+    return sandbox.session().skin() && tool_ != Tool::Off && inFront(sandbox);
   }
 
   bool pressed(Sandbox& sandbox, const Vector2d& pixel) override {
-    editor_->finishStep();
     lasso_.clear();
     lastStamp_.reset();
+    strokeBegun_ = false;
     if (tool_ == Tool::Lasso) {
       lasso_.push_back(pixel);
       return true;
@@ -171,24 +166,16 @@ class BindingPanel final : public Panel {
     if (tool_ == Tool::Lasso && lasso_.size() > 2) applyLasso(sandbox);
     lasso_.clear();
     lastStamp_.reset();
-    editor_->finishStep();
-    sandbox.setWeights(editor_->weights());
   }
 
   bool keyPressed(Sandbox& sandbox, int key, int modifiers) override {
-    if (!editor_ || !inFront(sandbox)) return false;
+    if (!sandbox.session().skin() || !inFront(sandbox)) return false;
     if (!(modifiers & GLFW_MOD_CONTROL) && (key == GLFW_KEY_B || key == GLFW_KEY_V)) {
       const Tool tool = key == GLFW_KEY_B ? Tool::Brush : Tool::Lasso;
       tool_ = tool_ == tool ? Tool::Off : tool;
       return true;
     }
-    if (!takesMouse(sandbox)) return false;
-    if (modifiers & GLFW_MOD_CONTROL) {
-      if (key != GLFW_KEY_Z && key != GLFW_KEY_Y) return false;
-      const bool redo = key == GLFW_KEY_Y || (modifiers & GLFW_MOD_SHIFT);
-      takeBack(sandbox, redo);
-      return true;
-    }
+    if (!takesMouse(sandbox) || (modifiers & GLFW_MOD_CONTROL)) return false;
     switch (key) {
       case GLFW_KEY_LEFT_BRACKET:
         radius_ = std::max(0.005 * sandbox.state().size, radius_ / 1.15);
@@ -202,39 +189,28 @@ class BindingPanel final : public Panel {
   }
 
   void overlay(Sandbox& sandbox) override {
-    if (!editor_ || sandbox.frameNumber() != shownAt_) return;
+    if (!sandbox.session().skin() || sandbox.frameNumber() != shownAt_) return;
     const PaintTarget target = targetOf(sandbox);
-    if (!target.joints.empty()) sandbox.showVertexScalars(weightsOn(editor_->weights(), target));
+    if (!target.joints.empty()) sandbox.showVertexScalars(weightsOn(weights(sandbox), target));
     if (!takesMouse(sandbox)) return;
     if (tool_ == Tool::Brush) drawBrush(sandbox);
     if (lasso_.size() > 1) drawLasso(sandbox);
   }
 
-  std::string save() const override {
-    return editor_
-               ? bindingText(editor_->difference(), static_cast<int>(editor_->weights().size()), skeleton_)
-               : "";
-  }
-  void load(Sandbox& sandbox, const std::string& json) override {
-    if (!editor_) return;
-    const WeightChange change =
-        parseBinding(json, static_cast<int>(editor_->weights().size()), sandbox.session().skeleton());
-    editor_->finishStep();
-    std::vector<Influences> weights = editor_->start();
-    for (const auto& [vertex, influences] : change) weights[vertex] = influences;
-    replaceAll(sandbox, weights);
-  }
-  void verify(const Model& model, const std::string& json) const override {
-    if (model.skin) parseBinding(json, static_cast<int>(model.skin->influences.size()), model.skeleton);
-  }
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
-    if (!editor_) throw std::invalid_argument("the model has no skin");
-    if (words.size() != 2 || words[0] != "export")
-      throw std::invalid_argument("the Binding panel's command is: export FILE");
-    exportTo(sandbox, words[1]);
-  }
-  void reset(Sandbox& sandbox) override {
-    if (editor_) replaceAll(sandbox, editor_->start());
+    if (!sandbox.session().skin()) throw std::invalid_argument("the model has no skin");
+    const std::string command = words.empty() ? "" : words[0];
+    if (command == "export" && words.size() == 2)
+      exportTo(sandbox, words[1]);
+    else if (command == "smooth-all" && words.size() == 1)
+      smoothAll(sandbox);
+    else if (command == "heat-weights" && words.size() == 1)
+      heatWeights(sandbox);
+    else if (command == "mirror" && words.size() == 2 && (words[1] == "+x" || words[1] == "-x"))
+      mirror(sandbox, words[1] == "+x" ? MirrorFrom::PositiveX : MirrorFrom::NegativeX);
+    else
+      throw std::invalid_argument(
+          "the panel Binding knows export FILE, smooth-all, heat-weights and mirror +x|-x");
   }
 
  private:
@@ -297,26 +273,17 @@ class BindingPanel final : public Panel {
   void facts(Sandbox& sandbox) const {
     const PaintTarget target = targetOf(sandbox);
     if (target.joints.empty()) return;
-    const std::vector<float> weights = weightsOn(editor_->weights(), target);
-    const auto carried = std::count_if(weights.begin(), weights.end(), [](float w) { return w > 0.0f; });
-    ImGui::Text("%ld of %zu vertices", static_cast<long>(carried), weights.size());
+    const std::vector<float> shares = weightsOn(weights(sandbox), target);
+    const auto carried = std::count_if(shares.begin(), shares.end(), [](float w) { return w > 0.0f; });
+    ImGui::Text("%ld of %zu vertices", static_cast<long>(carried), shares.size());
     tooltip("Vertices with a weight on the target.");
   }
 
   void wholeBody(Sandbox& sandbox) {
-    const Model& model = sandbox.session().model();
-    if (ImGui::Button("Smooth all"))
-      change(sandbox, smoothed(editor_->weights(), everyVertex(strength_), neighbours_));
+    if (ImGui::Button("Smooth all")) smoothAll(sandbox);
     tooltip("Smooths every vertex once, with the strength above.");
     ImGui::SameLine();
-    if (ImGui::Button("Heat weights")) {
-      try {
-        replaceAll(sandbox,
-                   fourLargest(boneHeatWeights(model.skin->mesh, bones_), model.skeleton.jointCount()));
-      } catch (const std::exception& error) {
-        sandbox.say(error.what(), true);
-      }
-    }
+    if (ImGui::Button("Heat weights")) heatWeights(sandbox);
     tooltip("Weights by heat diffusion on the surface (Baran and Popovic 2007), as a start. Can be undone.");
     if (ImGui::Button("Mirror +x to -x")) mirror(sandbox, MirrorFrom::PositiveX);
     tooltip(
@@ -327,19 +294,32 @@ class BindingPanel final : public Panel {
     tooltip("The other way.");
   }
 
+  void smoothAll(Sandbox& sandbox) {
+    change(sandbox, smoothed(weights(sandbox), everyVertex(sandbox, strength_), neighbours_));
+  }
+  void heatWeights(Sandbox& sandbox) {
+    const Model& model = sandbox.session().model();
+    try {
+      replaceAll(sandbox,
+                 fourLargest(boneHeatWeights(model.skin->mesh, bones_), model.skeleton.jointCount()));
+    } catch (const std::exception& error) {
+      sandbox.say(error.what(), true);
+    }
+  }
+
   void history(Sandbox& sandbox) {
     const auto button = [&](const char* label, bool possible, bool redo, const char* explanation) {
       ImGui::BeginDisabled(!possible);
-      if (ImGui::Button(label)) takeBack(sandbox, redo);
+      if (ImGui::Button(label)) undoOrRedo(sandbox, redo);
       ImGui::EndDisabled();
       tooltip(explanation);
     };
-    button("Undo", editor_->canUndo(), false,
-           "Takes the last stroke back, exactly. Ctrl+Z while a tool is on.");
+    button("Undo", sandbox.session().canUndo(), false,
+           "Ctrl+Z. Takes the last edit back, exactly: a stroke, a drag, a goal.");
     ImGui::SameLine();
-    button("Redo", editor_->canRedo(), true, "Ctrl+Shift+Z or Ctrl+Y while a tool is on.");
+    button("Redo", sandbox.session().canRedo(), true, "Ctrl+Shift+Z or Ctrl+Y.");
     ImGui::SameLine();
-    if (ImGui::Button("Original")) replaceAll(sandbox, editor_->start());
+    if (ImGui::Button("Original")) replaceAll(sandbox, sandbox.session().model().skin->influences);
     tooltip("The model's own weights. Can be undone.");
     ImGui::TextColored(sandbox.state().colours().textDim, "Saved with the scene, to the last bit.");
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
@@ -353,11 +333,12 @@ class BindingPanel final : public Panel {
   }
 
   void exportTo(Sandbox& sandbox, const std::string& path) {
+    const Skeleton& skeleton = sandbox.session().skeleton();
     try {
-      writeFile(path, formatPinocchioWeights(boneWeights(editor_->weights(), skeleton_)));
-      const auto onTip = std::ranges::count_if(editor_->weights(), [&](const Influences& in) {
+      writeFile(path, formatPinocchioWeights(boneWeights(weights(sandbox), skeleton)));
+      const auto onTip = std::ranges::count_if(weights(sandbox), [&](const Influences& in) {
         for (int k = 0; k < 4; ++k)
-          if (in.weights[k] > 0.0 && skeleton_.children(in.joints[k]).empty()) return true;
+          if (in.weights[k] > 0.0 && skeleton.children(in.joints[k]).empty()) return true;
         return false;
       });
       sandbox.say(
@@ -371,31 +352,23 @@ class BindingPanel final : public Panel {
     }
   }
 
-  VertexSelection everyVertex(double share) const {
+  static const std::vector<Influences>& weights(const Sandbox& sandbox) {
+    return sandbox.session().skin()->influences;
+  }
+  static VertexSelection everyVertex(const Sandbox& sandbox, double share) {
     VertexSelection all;
-    for (int v = 0; v < static_cast<int>(editor_->weights().size()); ++v) all.push_back({v, share});
+    for (int v = 0; v < static_cast<int>(weights(sandbox).size()); ++v) all.push_back({v, share});
     return all;
   }
 
-  /// One step: in the editor, the session and on the GPU.
-  void change(Sandbox& sandbox, const WeightChange& change) {
+  /// One edit.
+  static void change(Sandbox& sandbox, const WeightChange& change) {
     if (change.empty()) return;
-    editor_->finishStep();
-    editor_->apply(change);
-    editor_->finishStep();
-    sandbox.setWeights(editor_->weights());
+    sandbox.session().remember();
+    sandbox.session().changeWeights(change);
   }
-  void replaceAll(Sandbox& sandbox, const std::vector<Influences>& weights) {
-    WeightChange all;
-    for (int v = 0; v < static_cast<int>(weights.size()); ++v)
-      if (!(weights[v] == editor_->weights()[v])) all.emplace_back(v, weights[v]);
-    change(sandbox, all);
-  }
-  void takeBack(Sandbox& sandbox, bool redo) {
-    if (redo ? editor_->redo() : editor_->undo())
-      sandbox.setWeights(editor_->weights());
-    else
-      sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+  static void replaceAll(Sandbox& sandbox, const std::vector<Influences>& next) {
+    change(sandbox, difference(weights(sandbox), next));
   }
 
   void mirror(Sandbox& sandbox, MirrorFrom from) {
@@ -405,7 +378,7 @@ class BindingPanel final : public Panel {
       const std::vector<int> vertices =
           mirrorVertices(model.skin->mesh.positions, 1e-3 * sandbox.state().size);
       const auto alone = std::count(vertices.begin(), vertices.end(), -1);
-      change(sandbox, mirrored(editor_->weights(), model.skin->mesh.positions, vertices, joints, from));
+      change(sandbox, mirrored(weights(sandbox), model.skin->mesh.positions, vertices, joints, from));
       sandbox.say(alone > 0 ? fmt::format("Mirrored; {} vertices have no mirror image and stay", alone)
                             : "Mirrored");
     } catch (const std::exception& error) {
@@ -417,9 +390,9 @@ class BindingPanel final : public Panel {
                          const PaintTarget& target) const {
     switch (mode_) {
       case Mode::Bind:
-        return painted(editor_->weights(), selection, target, sandbox.session().model().skin->mesh.positions);
-      case Mode::Erase: return erased(editor_->weights(), selection, target);
-      case Mode::Smooth: return smoothed(editor_->weights(), selection, neighbours_);
+        return painted(weights(sandbox), selection, target, sandbox.session().model().skin->mesh.positions);
+      case Mode::Erase: return erased(weights(sandbox), selection, target);
+      case Mode::Smooth: return smoothed(weights(sandbox), selection, neighbours_);
     }
     return {};
   }
@@ -434,7 +407,7 @@ class BindingPanel final : public Panel {
     const Sandbox::State& s = sandbox.state();
     const Skin& skin = *sandbox.session().model().skin;
     return pickSurface(skin.mesh.triangles, sandbox.surface().positions,
-                       rayThroughPixel(s.camera, s.viewport(), s.toView(pixel)));
+                       rayThroughPixel(s.camera(), s.viewport(), s.toView(pixel)));
   }
 
   /// One stamp of the brush, and no other until the mouse has moved on by a quarter of the radius: a stroke
@@ -453,8 +426,8 @@ class BindingPanel final : public Panel {
                              sandbox.surface().positions, neighbours_),
                   target);
     if (stamp.empty()) return;
-    editor_->apply(stamp);
-    sandbox.setWeights(editor_->weights(), false);
+    if (!std::exchange(strokeBegun_, true)) sandbox.session().remember();
+    sandbox.session().changeWeights(stamp);
   }
 
   void applyLasso(Sandbox& sandbox) {
@@ -462,9 +435,9 @@ class BindingPanel final : public Panel {
     if (!hasTarget(sandbox, target)) return;
     const Sandbox::State& s = sandbox.state();
     const SkinnedVertices& surface = sandbox.surface();
-    const Vector3d eye = s.camera.eye();
+    const Vector3d eye = s.camera().eye();
     std::vector<Projected> points;
-    for (const Vector3d& p : surface.positions) points.push_back(project(s.camera, s.viewport(), p));
+    for (const Vector3d& p : surface.positions) points.push_back(project(s.camera(), s.viewport(), p));
     const DepthMap depths(points, sandbox.session().model().skin->mesh.triangles, s.viewport());
     std::vector<Vector2d> outline;
     for (const Vector2d& pixel : lasso_) outline.push_back(s.toView(pixel));
@@ -474,7 +447,7 @@ class BindingPanel final : public Panel {
       const bool facing = surface.normals[v].dot(eye - surface.positions[v]) > 0.0;
       if (through_ || (facing && depths.shows(points[v], 0.02 * s.size))) selection.push_back({v, strength_});
     }
-    editor_->apply(operation(sandbox, selection, target));
+    change(sandbox, operation(sandbox, selection, target));
     sandbox.say(fmt::format("{} vertices in the lasso", selection.size()));
   }
 
@@ -516,11 +489,9 @@ class BindingPanel final : public Panel {
     draw->PopClipRect();
   }
 
-  std::optional<WeightEditor> editor_;
   VertexNeighbours neighbours_;
   std::vector<Bone> bones_;
   std::vector<std::pair<std::string, PaintTarget>> layers_;
-  Skeleton skeleton_;
 
   Tool tool_ = Tool::Off;
   Mode mode_ = Mode::Bind;
@@ -530,6 +501,7 @@ class BindingPanel final : public Panel {
   int shownAt_ = -1000;  ///< frame in which the tab was last in front
 
   std::optional<Vector3d> lastStamp_;
+  bool strokeBegun_ = false;  ///< the edit that the stroke is has been remembered
   std::vector<Vector2d> lasso_;
   char attachmentPath_[512] = "weights.attachment";
 };

@@ -12,6 +12,7 @@
 #include "apps/commands/reproductions.h"
 #include "apps/commands/solver_colour.h"
 #include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
@@ -38,18 +39,21 @@ struct Runner {
 /// Up to four solvers side by side as ghosts on one set of goals.
 class LabPanel final : public Panel {
  public:
-  static constexpr std::size_t mostSolvers = 4, history = 240;
+  static constexpr std::size_t mostSolvers = LabSettings::mostSolvers, history = 240;
 
   std::string name() const override { return "Lab"; }
   bool hasInspector() const override { return true; }
   bool hasBottomStrip() const override { return true; }
 
-  void modelChanged(Sandbox&) override { runners_.clear(); }
+  void opened(Sandbox& sandbox, bool) override {
+    runners_.clear();
+    lab_ = &sandbox.session().lab();
+  }
 
   void overlay(Sandbox& sandbox) override {
-    if (!on_) return;
+    if (!lab_->compare) return;
     const IkProblem problem = sandbox.session().problem();
-    if (runners_.size() != chosen_.size()) build(sandbox);
+    if (runners_.size() != lab_->solvers.size()) build(sandbox);
     if (problem.goals.empty()) return follow(sandbox);
     for (Runner& runner : runners_) solve(runner, problem);
     for (std::size_t i = 0; i < runners_.size(); ++i) drawGhost(sandbox, runners_[i], i);
@@ -63,7 +67,7 @@ class LabPanel final : public Panel {
 
   void drawMenu(Sandbox& sandbox) override {
     if (ImGui::BeginMenu("Lab")) {
-      if (ImGui::MenuItem("Compare solvers", "L", on_)) toggle(sandbox);
+      if (ImGui::MenuItem("Compare solvers", "L", lab_->compare)) toggle(sandbox);
       ImGui::Separator();
       preset(sandbox, "Damping: pseudo-inverse, DLS, SDLS, Sugihara",
              {"pseudo-inverse", "dls", "sdls", "lm-sugihara"});
@@ -85,46 +89,54 @@ class LabPanel final : public Panel {
 
   void drawInspector(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();
-    bool on = on_;
+    bool on = lab_->compare;
     if (ImGui::Checkbox("Compare on the same goals", &on)) {
-      on_ = on;
+      lab_->compare = on;
       runners_.clear();
     }
     tooltip(
         "Every chosen solver follows the goals with a pose of its own, 20 iterations a frame from where it "
         "ended; it shows as a tinted ghost.");
-    ImGui::Checkbox("Stand side by side", &apart_);
+    ImGui::Checkbox("Stand side by side", &lab_->sideBySide);
     tooltip("Every solver's pose beside the model instead of through it.");
     std::optional<std::size_t> removed;
-    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    for (std::size_t i = 0; i < lab_->solvers.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
       chip(toImVec4(colourOf(i)), s.scale);
       ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 30 * s.scale);
-      if (ImGui::BeginCombo("##solver", chosen_[i].c_str(), ImGuiComboFlags_HeightLarge)) {
+      if (ImGui::BeginCombo("##solver", lab_->solvers[i].c_str(), ImGuiComboFlags_HeightLarge)) {
         for (const std::string& solver : frameSolverNames())
-          if (ImGui::Selectable(solver.c_str(), solver == chosen_[i])) {
-            chosen_[i] = solver;
+          if (ImGui::Selectable(solver.c_str(), solver == solverSpec(lab_->solvers[i]).name)) {
+            lab_->solvers[i] = solver;
             runners_.clear();
           }
         ImGui::EndCombo();
       }
       ImGui::SameLine(0, 4 * s.scale);
-      if (ImGui::SmallButton("x") && chosen_.size() > 1) removed = i;
+      if (ImGui::SmallButton("x") && lab_->solvers.size() > 1) removed = i;
       tooltip("Leaves this solver out");
+      SolverSpec spec = solverSpec(lab_->solvers[i]);
+      if (!spec.entry->parameters.empty() && ImGui::TreeNode("Parameters")) {
+        if (parameterSliders("", spec.entry->parameters, spec.values)) {
+          lab_->solvers[i] = toText(spec);
+          runners_.clear();
+        }
+        ImGui::TreePop();
+      }
       ImGui::PopID();
     }
     if (removed) {
-      chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(*removed));
+      lab_->solvers.erase(lab_->solvers.begin() + static_cast<std::ptrdiff_t>(*removed));
       runners_.clear();
     }
-    if (chosen_.size() < mostSolvers && ImGui::Button("Add a solver")) {
-      chosen_.push_back("dls");
+    if (lab_->solvers.size() < mostSolvers && ImGui::Button("Add a solver")) {
+      lab_->solvers.push_back("dls");
       runners_.clear();
     }
-    if (chosen_.size() < mostSolvers) ImGui::SameLine();
+    if (lab_->solvers.size() < mostSolvers) ImGui::SameLine();
     if (ImGui::Button("Start again")) runners_.clear();
     tooltip("All solvers go back to the pose of the session; displacements count from there.");
-    if (on_) table(s);
+    if (lab_->compare) table(s);
   }
 
   void drawBottomStrip(Sandbox& sandbox) override {
@@ -164,30 +176,12 @@ class LabPanel final : public Panel {
     ImGui::Dummy(available);
   }
 
-  std::string save() const override {
-    return nlohmann::json{{"compare", on_}, {"side_by_side", apart_}, {"solvers", chosen_}}.dump();
-  }
-  void load(Sandbox&, const std::string& text) override {
-    const auto state = nlohmann::json::parse(text);
-    const auto solvers = state.at("solvers").get<std::vector<std::string>>();
-    const auto known = frameSolverNames();
-    for (const std::string& solver : solvers)
-      if (std::find(known.begin(), known.end(), solver) == known.end())
-        throw std::invalid_argument("no solver is called '" + solver + "'");
-    if (solvers.empty() || solvers.size() > mostSolvers)
-      throw std::invalid_argument("the lab compares one to four solvers");
-    on_ = state.at("compare").get<bool>();
-    apart_ = state.at("side_by_side").get<bool>();
-    chosen_ = solvers;
-    runners_.clear();
-  }
-
  private:
   /// The solver's own colour; a second solver of the same colour is darkened.
   Eigen::Vector3f colourOf(std::size_t i) const {
-    Eigen::Vector3f colour = solverColour(chosen_[i]);
+    Eigen::Vector3f colour = solverColour(lab_->solvers[i]);
     for (std::size_t k = 0; k < i; ++k)
-      if (solverColour(chosen_[k]) == solverColour(chosen_[i])) colour *= 0.6f;
+      if (solverColour(lab_->solvers[k]) == solverColour(lab_->solvers[i])) colour *= 0.6f;
     return colour;
   }
 
@@ -202,19 +196,19 @@ class LabPanel final : public Panel {
 
   void build(Sandbox& sandbox) {
     runners_.clear();
-    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    for (std::size_t i = 0; i < lab_->solvers.size(); ++i) {
       Runner& runner = runners_.emplace_back();
-      runner.solver = chosen_[i];
-      runner.method = makeFrameSolver(chosen_[i], sandbox.session().skeleton());
+      runner.solver = lab_->solvers[i];
+      runner.method = makeFrameSolver(lab_->solvers[i], sandbox.session().sharedSkeleton());
       runner.q = runner.begin = sandbox.session().q();
       runner.colour = colourOf(i);
     }
   }
 
   void toggle(Sandbox& sandbox) {
-    on_ = !on_;
+    lab_->compare = !lab_->compare;
     runners_.clear();
-    if (!on_) return;
+    if (!lab_->compare) return;
     sandbox.showInspector(name());
     sandbox.showBottomStrip(name());
   }
@@ -230,7 +224,8 @@ class LabPanel final : public Panel {
 
   static void solve(Runner& runner, IkProblem problem) {
     problem.start = runner.q;
-    if (runner.solver != "hybrid") runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
+    if (!runner.solver.starts_with("drag"))
+      runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
     const auto before = std::chrono::steady_clock::now();
     runner.report = runner.method->frame(problem);
     runner.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
@@ -251,12 +246,13 @@ class LabPanel final : public Panel {
   void drawGhost(Sandbox& sandbox, const Runner& runner, std::size_t number) const {
     const Session& session = sandbox.session();
     if (!runner.unsupported.empty()) return;
-    if (!apart_ && difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3)
+    if (!lab_->sideBySide &&
+        difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3)
       return;
     Frames frames = forwardKinematics(session.skeleton(), runner.q);
-    if (apart_) {
+    if (lab_->sideBySide) {
       const Sandbox::State& s = sandbox.state();
-      const Eigen::Vector3d right = s.camera.axes().col(0);
+      const Eigen::Vector3d right = s.camera().axes().col(0);
       const double side = number % 2 == 0 ? -1.0 : 1.0;
       const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.36 * s.size * right;
       for (Eigen::Isometry3d& frame : frames) frame.translation() += offset;
@@ -267,7 +263,7 @@ class LabPanel final : public Panel {
     }
     sandbox.ghosts().push_back({.worldFromJoint = std::move(frames),
                                 .tint = runner.colour,
-                                .opacity = apart_ ? 0.9f : 0.55f,
+                                .opacity = lab_->sideBySide ? 0.9f : 0.55f,
                                 .label = runner.solver});
   }
 
@@ -303,8 +299,8 @@ class LabPanel final : public Panel {
 
   void preset(Sandbox& sandbox, const char* label, const std::vector<std::string>& solvers) {
     if (!ImGui::MenuItem(label)) return;
-    chosen_ = solvers;
-    on_ = false;
+    lab_->solvers = solvers;
+    lab_->compare = false;
     toggle(sandbox);
   }
 
@@ -362,8 +358,7 @@ class LabPanel final : public Panel {
     ImGui::TextWrapped("What differs: %s.", findings.differs.c_str());
   }
 
-  bool on_ = false, apart_ = false;
-  std::vector<std::string> chosen_{"pseudo-inverse", "dls", "sdls", "exact-hessian"};
+  LabSettings* lab_ = nullptr;  ///< the document's
   std::vector<Runner> runners_;
   std::string experiment_;
   bool windowOpen_ = false;

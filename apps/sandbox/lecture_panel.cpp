@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -52,7 +50,7 @@ void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd
 void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box) {
   Sandbox::State& s = sandbox.state();
   s.cameraMove.reset();
-  s.camera = frameBox(s.camera, s.viewport(), box, 0.06);
+  s.camera() = frameBox(s.camera(), s.viewport(), box, 0.06);
 }
 
 void columnText(Sandbox& sandbox, const std::string& text) {
@@ -164,10 +162,11 @@ class LecturePanel final : public Panel {
     if (scene_) scene_->overlay(sandbox);
   }
 
-  void modelChanged(Sandbox&) override {
+  void opened(Sandbox& sandbox, bool fromFile) override {
     if (opening_ || (scene_ && scene_->changesModel())) return;
     scene_.reset();
     topic_ = nullptr;
+    if (fromFile && !sandbox.session().lecture().topic.empty()) takeUp(sandbox);
   }
 
   /// "lecture:two-link" on the command line, in a replay or in the open dialog.
@@ -178,20 +177,22 @@ class LecturePanel final : public Panel {
     return true;
   }
 
-  std::string save() const override {
-    return topic_ ? nlohmann::json{{"topic", topic_->id}, {"scene", scene_->save()}}.dump() : std::string();
-  }
-  void load(Sandbox& sandbox, const std::string& text) override {
-    const nlohmann::json state = nlohmann::json::parse(text);
-    const Eigen::VectorXd q = sandbox.session().q();
-    const Camera camera = sandbox.camera();
-    openTopic(sandbox, findLectureTopic(state.at("topic").get<std::string>()));
-    if (q.size() == sandbox.session().q().size()) sandbox.session().setPose(q);
-    sandbox.camera() = camera;
-    scene_->load(sandbox, state.value("scene", std::string()));
+  void store(const Sandbox&, Document& document) const override {
+    document.lecture = topic_ ? LectureState{.topic = topic_->id, .state = scene_->save()} : LectureState{};
   }
 
  private:
+  /// The example of a document that was read from a file: begun as always, then brought to where it was.
+  void takeUp(Sandbox& sandbox) {
+    const auto model = sandbox.session().sharedModel();
+    const Document document = sandbox.session().document();
+    openTopic(sandbox, findLectureTopic(document.lecture.topic));
+    opening_ = true;
+    sandbox.openDocument(model, document);
+    opening_ = false;
+    scene_->load(sandbox, document.lecture.state);
+  }
+
   void openTopic(Sandbox& sandbox, const LectureTopic& topic) {
     opening_ = true;
     struct Reset {

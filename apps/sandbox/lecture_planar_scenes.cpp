@@ -15,7 +15,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/notation/planar_chain.h"
 #include "solvers/methods/two_link.h"
-#include "solvers/serial/nearest_solution.h"
+#include "solvers/ceres/nearest_solution.h"
 
 namespace gelenk {
 namespace {
@@ -56,7 +56,7 @@ class PlanarScene : public LectureScene {
   explicit PlanarScene(PlanarChain chain) : chain_(std::move(chain)) {}
 
   void openArm(Sandbox& sandbox, const VectorXd& phi) {
-    sandbox.openModel(planarModel(chain_), {nameOf(chain_), {}, {}});
+    sandbox.openModel(planarModel(chain_), {.nameOrFile = nameOf(chain_)});
     sandbox.session().setPose(phi);
     sandbox.options().shadow = false;
     const double r = 1.04 * reachOf(chain_);
@@ -233,7 +233,7 @@ class TwoLinkScene final : public PlanarScene {
  private:
   Vector2d target(const Sandbox& sandbox) {
     if (const auto goal = sandbox.session().findGoal("end-effector")) {
-      const SceneGoal& g = sandbox.session().goals()[*goal];
+      const SceneGoal& g = sandbox.session().goal(*goal);
       if (g.state != GoalState::Free) target_ = g.goal.target.head<2>();
     }
     return target_;

@@ -39,7 +39,7 @@ class RotationsScene final : public LectureScene {
  public:
   void open(Sandbox& sandbox) override {
     const std::string name = "balls:1,0.8,0.5";
-    sandbox.openModel(*parseBallChain(name), {name, {}, {}});
+    sandbox.openModel(*parseBallChain(name), {.nameOrFile = name});
     setAngles(sandbox, 0, Vector3d(20, -30, 40) * degree);
     setAngles(sandbox, 1, Vector3d(-50, 60, 10) * degree);
     setAngles(sandbox, 2, Vector3d(70, -20, -80) * degree);
@@ -134,7 +134,10 @@ class RotationsScene final : public LectureScene {
 
 class DhScene final : public LectureScene {
  public:
-  void open(Sandbox& sandbox) override { load(sandbox, robotTable("panda")); }
+  void open(Sandbox& sandbox) override {
+    table_ = robotTable("panda");
+    rebuild(sandbox);
+  }
 
   void step(Sandbox& sandbox, double) override {
     if (!pending_) return;  // the window's own drawing must be over before the model changes
@@ -267,16 +270,12 @@ class DhScene final : public LectureScene {
   }
 
   bool changesModel() const override { return reopening_; }
-  std::string save() const override { return formatDhTable(table_); }
-  void load(Sandbox& sandbox, const std::string& text) override {
-    load(sandbox, parseDhTable(text, "scene"));
+  /// The table stands in the model's name.
+  void load(Sandbox& sandbox, const std::string&) override {
+    table_ = *dhTableNamed(sandbox.session().document().model.nameOrFile);
   }
 
  private:
-  void load(Sandbox& sandbox, const DhTable& table) {
-    table_ = table;
-    rebuild(sandbox);
-  }
   /// The model changes before the next frame's solve, not while it is being drawn.
   void change(const DhTable& table) {
     if (table.variableCount() == 0) return;
@@ -289,7 +288,7 @@ class DhScene final : public LectureScene {
     const bool keep = opened_;
     opened_ = true;
     reopening_ = true;  // the Lecture panel then keeps this scene
-    sandbox.openModel(dhModel(table_), {std::string(table_.name), {}, {}});
+    sandbox.openModel(dhModel(table_), {.nameOrFile = dhDescription(table_)});
     reopening_ = false;
     if (keep && q.size() == table_.variableCount()) sandbox.session().setPose(q);
     if (keep) sandbox.camera() = camera;
@@ -336,7 +335,6 @@ class LegScene final : public LectureScene {
       sandbox.ghosts().push_back({.worldFromJoint = forwardKinematics(figure, keyed_.q[frame()]),
                                   .tint = {0.85f, 0.35f, 0.25f},
                                   .opacity = 0.45f,
-                                  .skin = nullptr,
                                   .label = {}});
     for (int side = 0; side < 2; ++side) {
       const bool standing = shown.onGround[frame()][side];
@@ -437,9 +435,8 @@ class LegScene final : public LectureScene {
                       static_cast<int>(keyed_.q.size()) - 1);
   }
   void show(Sandbox& sandbox) {
-    for (std::size_t i = 0; i < sandbox.session().goals().size(); ++i)
-      if (sandbox.session().goals()[i].handle)
-        sandbox.session().setState(static_cast<int>(i), GoalState::Free);
+    for (const SceneGoal& goal : sandbox.session().goals())
+      if (goal.handle) sandbox.session().setState(goal.id, GoalState::Free);
     const double before = sandbox.session().q()[2];
     sandbox.session().setPose((usePins_ ? pinned_ : keyed_).q[frame()]);
     sandbox.camera().target.z() += sandbox.session().q()[2] - before;  // the camera walks along

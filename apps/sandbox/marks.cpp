@@ -100,14 +100,14 @@ void addLimit(Sandbox& sandbox, int joint, float glow) {
 void addLimits(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   const std::vector<bool> at = s.session->jointsAtLimit();
-  const std::optional<int> dragged = s.session->dragged();
+  const std::optional<GoalId> dragged = s.session->dragged();
   for (int i = 0; i < static_cast<int>(at.size()); ++i) {
     const bool pressed =
-        at[i] && dragged && s.session->skeleton().isAncestor(i, s.session->goals()[*dragged].goal.joint);
-    const bool examined = at[i] && s.selectedJoint == i && !dragged;
+        at[i] && dragged && s.session->skeleton().isAncestor(i, s.session->goal(*dragged).goal.joint);
+    const bool examined = at[i] && s.selectedJoint() == i && !dragged;
     double& glow = s.limitGlow[i];
     glow = pressed || examined ? 1.0 : std::max(0.0, glow - ImGui::GetIO().DeltaTime / 0.9);
-    if (glow > 0.0 && s.show.limits) addLimit(sandbox, i, static_cast<float>(glow));
+    if (glow > 0.0 && s.show().limits) addLimit(sandbox, i, static_cast<float>(glow));
   }
 }
 
@@ -131,24 +131,61 @@ void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& t
 
 const ImVec4& stateColour(const Palette& colours, const SceneGoal& goal) {
   if (goal.state == GoalState::Pinned) return colours.pinned;
-  if (goal.goal.kind == GoalKind::Pole) return colours.pole;
+  if (goalType(goal.goal.kind).preference < 1.0) return colours.pole;
   return goal.state == GoalState::Free ? colours.free : colours.held;
 }
 
-void drawGoal(const Pen& pen, Sandbox& sandbox, int index) {
+void drawLine(const Pen& pen, Sandbox::State& s, const Vector3d& from, const Vector3d& to, ImU32 ink) {
+  const Projected a = s.toWindow(from), b = s.toWindow(to);
+  if (a.depth > 0.0 && b.depth > 0.0)
+    pen.draw->AddLine(toImVec2(a.pixel), toImVec2(b.pixel), ink, 1.4f * pen.scale);
+}
+
+/// What the goal's type says it looks like. Faint lines where it is looked at alone.
+void drawMark(const Pen& pen, Sandbox& sandbox, const GoalMark& mark, const ImVec4& colour, bool looked) {
   Sandbox::State& s = sandbox.state();
-  const SceneGoal& goal = s.session->goals()[index];
-  const Vector3d reached = s.session->reached(index);
+  for (const GoalMark::Polygon& polygon : mark.polygons) {
+    std::vector<ImVec2> corners;
+    for (const Vector3d& corner : polygon.corners)
+      if (const Projected p = s.toWindow(corner); p.depth > 0.0) corners.push_back(toImVec2(p.pixel));
+    if (corners.size() < polygon.corners.size()) continue;
+    const int count = static_cast<int>(corners.size());
+    if (polygon.filled) pen.draw->AddConvexPolyFilled(corners.data(), count, colour32(colour, 0.16f));
+    pen.draw->AddPolyline(corners.data(), count, colour32(colour, 0.75f), ImDrawFlags_Closed,
+                          1.4f * pen.scale);
+  }
+  for (const GoalMark::Ring& ring : mark.rings) {
+    constexpr int sides = 48;
+    const Vector3d x = ring.radius * ring.normal.unitOrthogonal(), y = ring.normal.normalized().cross(x);
+    for (int k = 0; k < sides; ++k) {
+      const double a = 2.0 * M_PI * k / sides, b = 2.0 * M_PI * (k + 1) / sides;
+      drawLine(pen, s, ring.centre + std::cos(a) * x + std::sin(a) * y,
+               ring.centre + std::cos(b) * x + std::sin(b) * y, colour32(colour, 0.7f));
+    }
+  }
+  for (const GoalMark::Segment& segment : mark.segments)
+    if (looked || segment.stress == GoalMark::Stress::Main)
+      drawLine(pen, s, segment.from, segment.to,
+               colour32(colour, segment.stress == GoalMark::Stress::Main ? 0.6f : 0.45f));
+}
+
+void drawGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
+  Sandbox::State& s = sandbox.state();
+  const Vector3d reached = s.session->reached(goal.id);
   const Projected p = s.toWindow(reached);
   if (p.depth <= 0.0) return;
-  const bool hovered = s.hover.kind == Hover::Kind::Goal && s.hover.index == index;
-  const bool dragged = s.session->dragged() == index, selected = s.selectedGoal == index;
+  const bool hovered = s.hover.kind == Hover::Kind::Goal && s.hover.goal == goal.id;
+  const bool dragged = s.session->dragged() == goal.id, selected = s.selectedGoal == goal.id;
   const bool active = goal.state != GoalState::Free;
   const ImVec4& colour = stateColour(pen.colours, goal);
   const ImVec2 at = toImVec2(p.pixel);
 
-  const double error = s.session->error(index);
-  if (active && goal.goal.kind != GoalKind::Pole && error > 2e-4 * s.size) {
+  const GoalType& type = goalType(goal.goal.kind);
+  const bool wish = type.preference < 1.0;
+  if (active || wish)
+    drawMark(pen, sandbox, s.session->mark(goal.id), colour, hovered || dragged || selected);
+  const double error = s.session->error(goal.id);
+  if (active && !wish && type.movesWithPose && error > 2e-4 * s.size) {
     const Projected t = s.toWindow(goal.goal.target);
     const ImVec4 line = distanceColour(pen.colours, error / std::max(s.size, 1e-9) * 2.0);
     const ImVec2 end = toImVec2(t.pixel);
@@ -158,19 +195,14 @@ void drawGoal(const Pen& pen, Sandbox& sandbox, int index) {
       words(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale}, line,
             formatLength(error));
   }
-  if (goal.goal.kind == GoalKind::Pole) {
-    const Projected elbow = s.toWindow(sandbox.shownFrames()[goal.goal.joint].translation());
-    pen.draw->AddLine(toImVec2(elbow.pixel), at, colour32(colour, 0.45f), 1.2f * pen.scale);
-  }
   if (dragged) pen.draw->AddCircleFilled(at, 15 * pen.scale, colour32(colour, 0.22f), 32);
-  const float grow = hovered || dragged ? 1.35f : 1.0f,
-              r = (goal.goal.kind == GoalKind::Pole ? 5.0f : 6.5f) * grow * pen.scale;
+  const float grow = hovered || dragged ? 1.35f : 1.0f, r = (wish ? 5.0f : 6.5f) * grow * pen.scale;
   const ImU32 white = IM_COL32(255, 255, 255, 240), ink = colour32(colour);
   if (goal.state == GoalState::Pinned) {
     pen.draw->AddRectFilled({at.x - r, at.y - r}, {at.x + r, at.y + r}, white, 2 * pen.scale);
     pen.draw->AddRectFilled({at.x - r + 1.6f * pen.scale, at.y - r + 1.6f * pen.scale},
                             {at.x + r - 1.6f * pen.scale, at.y + r - 1.6f * pen.scale}, ink, 2 * pen.scale);
-  } else if (goal.goal.kind == GoalKind::Pole) {
+  } else if (wish) {
     pen.draw->AddQuadFilled({at.x, at.y - r - pen.scale}, {at.x + r + pen.scale, at.y},
                             {at.x, at.y + r + pen.scale}, {at.x - r - pen.scale, at.y}, white);
     const float q = r - 1.2f * pen.scale;
@@ -198,7 +230,7 @@ void drawHover(const Pen& pen, Sandbox& sandbox) {
 void drawConstraint(const Pen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.session->dragged() || s.gesture.kind != Gesture::Kind::Drag) return;
-  const Vector3d target = s.session->goals()[*s.session->dragged()].goal.target;
+  const Vector3d target = s.session->goal(*s.session->dragged()).goal.target;
   if (s.gesture.constraint >= DragConstraint::AxisX) {
     const int axis = static_cast<int>(s.gesture.constraint) - static_cast<int>(DragConstraint::AxisX);
     static const ImVec4 axisColours[] = {
@@ -266,11 +298,11 @@ void addWorkspace(Sandbox& sandbox) {
 
 void addSceneMarks(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
-  if (s.show.skeleton || !s.mesh)
+  if (s.show().skeleton || !s.mesh)
     addBones(sandbox.overlay(), s.session->skeleton(), sandbox.shownFrames(), s.size, boneColour,
-             s.selectedJoint.value_or(-1));
+             s.selectedJoint().value_or(-1));
   if (s.session->model().planar) addWorkspace(sandbox);
-  if (s.show.jointFrames) {
+  if (s.show().jointFrames) {
     addJointFrames(sandbox.overlay(), sandbox.shownFrames(), s.size);
     if (!s.shownFrames && s.session->skeleton().jointCount() <= 12)
       addJointAxes(sandbox.overlay(), s.session->skeleton(), s.session->q(), sandbox.shownFrames(), s.size,
@@ -296,9 +328,15 @@ void drawMarks(Sandbox& sandbox) {
           {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text);
   }
   drawConstraint(pen, sandbox);
-  if (s.show.handles && (!s.shownFrames || s.handlesOnShown))
-    for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i)
-      if (isGoalShown(sandbox, i)) drawGoal(pen, sandbox, i);
+  if (const auto balance = s.session->balanceGoal(); balance && s.show().handles && !s.shownFrames) {
+    GoalMark mark;
+    goalType(balance->kind)
+        .mark(*balance, {s.session->skeleton(), s.session->q(), s.session->frames()}, mark);
+    drawMark(pen, sandbox, mark, pen.colours.pinned, false);
+  }
+  if (s.show().handles && (!s.shownFrames || s.handlesOnShown))
+    for (const SceneGoal& goal : s.session->goals())
+      if (isGoalShown(sandbox, goal)) drawGoal(pen, sandbox, goal);
   drawHover(pen, sandbox);
   drawNotices(pen, sandbox);
   draw->PopClipRect();

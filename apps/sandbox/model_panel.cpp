@@ -48,16 +48,16 @@ class ModelPanel final : public Panel {
         "Every joint uniform within its limits; a free root stays where it is. Seed 1 at the start of the "
         "program.");
     ImGui::Separator();
-    const float sliders = s.selectedJoint ? slidersHeight(s) : 0.0f;
+    const float sliders = s.selectedJoint() ? slidersHeight(s) : 0.0f;
     ImGui::BeginChild("tree", {0, std::max(120 * s.scale, ImGui::GetContentRegionAvail().y - sliders)});
     tree(sandbox, 0);
     ImGui::EndChild();
-    if (s.selectedJoint) joint(sandbox, *s.selectedJoint);
+    if (s.selectedJoint()) joint(sandbox, *s.selectedJoint());
   }
 
  private:
   static float slidersHeight(const Sandbox::State& s) {
-    const int rows = s.session->skeleton().vCount(*s.selectedJoint);
+    const int rows = s.session->skeleton().vCount(*s.selectedJoint());
     const float row =
         ImGui::GetFrameHeightWithSpacing() + s.gui.fonts().small->FontSize + ImGui::GetStyle().ItemSpacing.y;
     return static_cast<float>(std::max(rows, 1)) * row + ImGui::GetTextLineHeightWithSpacing() + 22 * s.scale;
@@ -69,21 +69,21 @@ class ModelPanel final : public Panel {
     const auto& children = skeleton.children(joint);
     ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_OpenOnArrow | ImGuiTreeNodeFlags_SpanAvailWidth;
     if (children.empty()) flags |= ImGuiTreeNodeFlags_Leaf;
-    if (s.selectedJoint == joint) flags |= ImGuiTreeNodeFlags_Selected;
+    if (s.selectedJoint() == joint) flags |= ImGuiTreeNodeFlags_Selected;
     if (children.size() < 3 || joint == 0 || depthBelow(skeleton, joint) > 3)
       flags |= ImGuiTreeNodeFlags_DefaultOpen;
-    if (s.selectedJoint && *s.selectedJoint != lastSelected_ &&
-        skeleton.isAncestor(joint, *s.selectedJoint) && *s.selectedJoint != joint)
+    if (s.selectedJoint() && *s.selectedJoint() != lastSelected_ &&
+        skeleton.isAncestor(joint, *s.selectedJoint()) && *s.selectedJoint() != joint)
       ImGui::SetNextItemOpen(true);
     const bool atLimit = s.limitGlow[joint] > 0.3;
     if (atLimit) ImGui::PushStyleColor(ImGuiCol_Text, s.colours().bad);
     const bool open = ImGui::TreeNodeEx(skeleton.joint(joint).name.c_str(), flags);
     if (atLimit) ImGui::PopStyleColor();
-    if (s.selectedJoint == joint && lastSelected_ != joint) {
+    if (s.selectedJoint() == joint && lastSelected_ != joint) {
       ImGui::SetScrollHereY(0.4f);
       lastSelected_ = joint;
     }
-    if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) s.selectedJoint = lastSelected_ = joint;
+    if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) s.session->selectJoint(lastSelected_ = joint);
     tooltip(describe(skeleton, joint).c_str());
     if (!open) return;
     for (const int child : children) tree(sandbox, child);

@@ -69,53 +69,65 @@ class MotionPanel final : public Panel {
   bool hasInspector() const override { return true; }
   bool hasBottomStrip() const override { return true; }
 
-  void modelChanged(Sandbox& sandbox) override {
+  void opened(Sandbox& sandbox, bool fromFile) override {
+    play_ = &sandbox.session().playback();
+    head_ = &sandbox.session().playhead();
     solver_.reset();
-    seconds_ = 0.0;
     report_.clear();
     editor_.reset();
     leavePose();
     if (!sandbox.session().model().clip) return;
     editor_.emplace(sandbox.session().skeleton(), *sandbox.session().model().clip);
+    editor_->setEdits(sandbox.session().edits().clip);
+    jumps_ = sandbox.session().jumps();
     analyse(sandbox);
     sandbox.showInspector(name());
     sandbox.showBottomStrip(name());
-    sandbox.setPlaying(true);
+    sandbox.setPlaying(!fromFile);
     lastRoot_ = onGround(sandbox, sandbox.session().frames()[0].translation());
-    standOnClip(sandbox);
+    standOnClip(sandbox, !fromFile);
+    if (fromFile) takeUpPose(sandbox);
+  }
+
+  /// What is shown is what is kept: the clip's pose, where that is seen.
+  void store(const Sandbox& sandbox, Document& document) const override {
+    if (editor_ && play_->showing && !isPosed(sandbox) && q_.size() == document.edits.q.size())
+      document.edits.q = q_;
   }
 
   bool openFile(Sandbox& sandbox, const std::string& path) override {
     if (fileKind(path) != FileKind::Amc) return false;
-    const ModelReference& reference = sandbox.state().reference;
+    const ModelReference& reference = sandbox.state().session->document().model;
     const bool isAsf = fileKind(reference.nameOrFile) == FileKind::Asf;
-    const std::string asf = isAsf ? reference.nameOrFile : reference.asfFile;
-    if (asf.empty()) throw std::invalid_argument("open the ASF skeleton of this motion first");
+    if (!isAsf && reference.files.asf.empty())
+      throw std::invalid_argument("open the ASF skeleton of this motion first");
     ModelReference next = reference;
-    next.amcFile = path;
-    sandbox.open(next);
+    next.files.amc = path;
+    sandbox.openModel(readModel(next), next);
     return true;
   }
 
   void step(Sandbox& sandbox, double dt) override {
-    if (!editor_ || !showing_) return;
+    if (!editor_) return;
+    followEdits(sandbox);
+    if (!play_->showing) return;
     if (analysed_ != editor_->version()) analyse(sandbox);
-    if (sandbox.playing()) advance(sandbox, speed_ * dt);
+    if (sandbox.playing()) advance(sandbox, play_->speed * dt);
     placeHead(sandbox);
-    const bool resting = !sandbox.playing() && !goalsOnTop_;
+    const bool resting = !sandbox.playing() && !play_->goalsOnTop;
     resting ? restAt(sandbox) : leavePose();
     if (isPosed(sandbox)) return;  // the session's own pose is shown
     forwardKinematics(sandbox.session().skeleton(), q_, frames_);
-    if (follow_) followRoot(sandbox);
+    if (play_->follow) followRoot(sandbox);
     sandbox.showFrames(frames_, resting);
   }
 
   void overlay(Sandbox& sandbox) override {
-    if (!editor_ || !showing_) return;
+    if (!editor_ || !play_->showing) return;
     const Palette& colours = sandbox.state().colours();
     const int frame = currentFrame();
-    if (trails_) drawTrails(sandbox, frame);
-    if (contactMarks_)
+    if (play_->trails) drawTrails(sandbox, frame);
+    if (play_->contacts)
       for (const Contact& contact : contacts_) {
         const bool now = frame >= contact.first && frame <= contact.last;
         Vector3d at = tracks_[contact.foot][std::clamp(frame, contact.first, contact.last)];
@@ -125,7 +137,7 @@ class MotionPanel final : public Panel {
             at, Vector3d::UnitX(), Vector3d::UnitZ(), 0.6 * r, r,
             toColour(now ? colours.held : colours.textFaint, now ? 0.95f : 0.5f));
       }
-    if (limitMarks_)
+    if (play_->limits)
       for (const int joint : outside_[frame])
         sandbox.overlay().point(sandbox.shownFrames()[joint].translation(), toColour(colours.bad), 9.0f,
                                 Overlay::Shape::Ring);
@@ -155,10 +167,10 @@ class MotionPanel final : public Panel {
     } else if (command == "key-moved") {
       keyMoved(sandbox);
     } else if (command == "delete-key") {
-      editor_->removeKeys(currentFrame());
+      edit(sandbox, [&] { editor_->removeKeys(currentFrame()); });
     } else if (command == "move-key") {
-      const int from = w.integer() - 1;
-      editor_->moveKeys(from, w.integer() - 1);
+      const int from = w.integer() - 1, to = w.integer() - 1;
+      edit(sandbox, [&] { editor_->moveKeys(from, to); });
     } else if (command == "turn") {
       const double x = w.number(), y = w.number();
       turnSelected(sandbox, {x, y, w.number()});
@@ -176,11 +188,11 @@ class MotionPanel final : public Panel {
       lay(sandbox, file, weight, additive,
           w.atEnd() ? std::vector<int>{} : limbBelow(skeleton, w.joints(skeleton).front()));
     } else if (command == "undo") {
-      editor_->undo();
+      undoOrRedo(sandbox, false);
     } else if (command == "redo") {
-      editor_->redo();
+      undoOrRedo(sandbox, true);
     } else if (command == "goals") {
-      goalsOnTop_ = w.take("on");
+      play_->goalsOnTop = w.take("on");
     } else if (command == "write") {
       write(sandbox, w.word());
     } else {
@@ -205,26 +217,27 @@ class MotionPanel final : public Panel {
     if (ImGui::Button(sandbox.playing() ? "Pause" : "Play", {90 * sandbox.scale(), 0}))
       sandbox.setPlaying(!sandbox.playing());
     ImGui::SameLine();
-    ImGui::Checkbox("Loop", &loop_);
+    ImGui::Checkbox("Loop", &play_->loop);
     ImGui::SameLine();
-    ImGui::Checkbox("Follow", &follow_);
+    ImGui::Checkbox("Follow", &play_->follow);
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
-    ImGui::SliderFloat("Speed", &speed_, -2.0f, 4.0f, "%.2f x");
+    float speed = static_cast<float>(play_->speed);
+    if (ImGui::SliderFloat("Speed", &speed, -2.0f, 4.0f, "%.2f x")) play_->speed = speed;
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
     float rate = static_cast<float>(editor_->clip().framesPerSecond);
     if (ImGui::InputFloat("Frames/s", &rate, 0.0f, 0.0f, "%.3f", ImGuiInputTextFlags_EnterReturnsTrue) &&
         rate > 0.0f && std::isfinite(rate)) {
       const int frame = currentFrame();
-      editor_->setFrameRate(rate);
-      seconds_ = frame / editor_->clip().framesPerSecond;
+      edit(sandbox, [&] { editor_->setFrameRate(rate); });
+      (*head_) = frame / editor_->clip().framesPerSecond;
     }
-    ImGui::Checkbox("Show the motion", &showing_);
+    ImGui::Checkbox("Show the motion", &play_->showing);
     heading(sandbox.state(), "SEEING");
-    ImGui::Checkbox("Trails", &trails_);
+    ImGui::Checkbox("Trails", &play_->trails);
     ImGui::SameLine();
-    ImGui::Checkbox("Contacts", &contactMarks_);
+    ImGui::Checkbox("Contacts", &play_->contacts);
     ImGui::SameLine();
-    ImGui::Checkbox("Limits left", &limitMarks_);
+    ImGui::Checkbox("Limits left", &play_->limits);
     drawLimits(sandbox);
     heading(sandbox.state(), "EDIT");
     drawEdits(sandbox);
@@ -233,7 +246,7 @@ class MotionPanel final : public Panel {
     heading(sandbox.state(), "SECOND CLIP");
     drawSecondClip(sandbox);
     heading(sandbox.state(), "GOALS ON TOP");
-    ImGui::Checkbox("Hold pins and goals while it plays", &goalsOnTop_);
+    ImGui::Checkbox("Hold pins and goals while it plays", &play_->goalsOnTop);
     heading(sandbox.state(), "EXPORT");
     ImGui::SetNextItemWidth(-70 * sandbox.scale());
     ImGui::InputText("##export", exportPath_, sizeof exportPath_);
@@ -249,10 +262,11 @@ class MotionPanel final : public Panel {
     }
     const TimelineAction action = timeline_.draw(s, timelineContent(sandbox));
     if (action.scrubTo) {
-      seconds_ = *action.scrubTo;
+      (*head_) = *action.scrubTo;
       sandbox.setPlaying(false);
     }
-    if (action.moveKey) editor_->moveKeys(action.moveKey->first, action.moveKey->second);
+    if (action.moveKey)
+      edit(sandbox, [&] { editor_->moveKeys(action.moveKey->first, action.moveKey->second); });
   }
 
   std::string status() const override {
@@ -265,34 +279,18 @@ class MotionPanel final : public Panel {
     return nlohmann::json{{"frame", currentFrame() + 1}, {"frames", clip().frameCount()}, {"keys", keys}}
         .dump();
   }
-  std::string save() const override {
-    return nlohmann::json{{"seconds", seconds_},       {"loop", loop_},
-                          {"speed", speed_},           {"trails", trails_},
-                          {"contacts", contactMarks_}, {"limits", limitMarks_}}
-        .dump();
-  }
-  void load(Sandbox&, const std::string& text) override {
-    const auto saved = nlohmann::json::parse(text);
-    seconds_ = saved.value("seconds", 0.0);
-    loop_ = saved.value("loop", true);
-    speed_ = saved.value("speed", 1.0f);
-    trails_ = saved.value("trails", true);
-    contactMarks_ = saved.value("contacts", true);
-    limitMarks_ = saved.value("limits", true);
-    if (!std::isfinite(seconds_) || !std::isfinite(speed_)) seconds_ = 0.0, speed_ = 1.0f;
-  }
 
  private:
   const MotionClip& clip() const { return editor_->clip(); }
   int currentFrame() const {
-    return std::clamp(static_cast<int>(std::lround(seconds_ * clip().framesPerSecond)), 0,
+    return std::clamp(static_cast<int>(std::lround((*head_) * clip().framesPerSecond)), 0,
                       clip().frameCount() - 1);
   }
   /// Seconds after which it begins again.
   double length() const { return clip().frameCount() / clip().framesPerSecond; }
 
   bool goTo(Sandbox& sandbox, int frame) {
-    seconds_ = std::clamp(frame, 0, clip().frameCount() - 1) / clip().framesPerSecond;
+    (*head_) = std::clamp(frame, 0, clip().frameCount() - 1) / clip().framesPerSecond;
     sandbox.setPlaying(false);
     placeHead(sandbox);
     return true;
@@ -300,37 +298,39 @@ class MotionPanel final : public Panel {
 
   /// The pose at the playhead, which rests on whole frames only.
   void placeHead(Sandbox& sandbox) {
-    if (!sandbox.playing()) seconds_ = currentFrame() / clip().framesPerSecond;
-    seconds_ = std::min(seconds_, loop_ ? length() : clip().duration());
-    sample(sandbox.session().skeleton(), clip(), seconds_, loop_ ? BeyondEnd::Loop : BeyondEnd::Stay, q_);
-    if (goalsOnTop_) solveGoals(sandbox);
+    if (!sandbox.playing()) (*head_) = currentFrame() / clip().framesPerSecond;
+    (*head_) = std::min((*head_), play_->loop ? length() : clip().duration());
+    sample(sandbox.session().skeleton(), clip(), (*head_), play_->loop ? BeyondEnd::Loop : BeyondEnd::Stay,
+           q_);
+    if (play_->goalsOnTop) solveGoals(sandbox);
   }
 
   void advance(Sandbox& sandbox, double dt) {
-    seconds_ += dt;
-    if (loop_) {
-      seconds_ -= length() * std::floor(seconds_ / length());
-    } else if (const double end = clip().duration(); seconds_ < 0.0 || seconds_ > end) {
-      seconds_ = std::clamp(seconds_, 0.0, end);
+    (*head_) += dt;
+    if (play_->loop) {
+      (*head_) -= length() * std::floor((*head_) / length());
+    } else if (const double end = clip().duration(); (*head_) < 0.0 || (*head_) > end) {
+      (*head_) = std::clamp((*head_), 0.0, end);
       sandbox.setPlaying(false);
     }
   }
 
   /// The ground under the clip's first frame and everything in view, where the rest pose stands elsewhere (a
   /// BVH's hips often rest in the origin).
-  void standOnClip(Sandbox& sandbox) {
+  void standOnClip(Sandbox& sandbox, bool frame) {
     Sandbox::State& s = sandbox.state();
     const Model& model = sandbox.session().model();
     if (model.planar) return;
     const Frames frames = forwardKinematics(model.skeleton, clip().q.col(0));
     Eigen::AlignedBox3d box;
     if (s.posedBounds)
-      box = (*s.posedBounds)(poseSkin(*model.skin, frames));
+      box = (*s.posedBounds)(poseSkin(*sandbox.session().skin(), frames));
     else
       for (const auto& frame : frames) box.extend(frame.translation());
     const double height = std::min(model.up.dot(box.min()), model.up.dot(box.max()));
     if (std::abs(height - s.groundHeight) < 0.1 * s.size) return;
     s.groundHeight = height;
+    if (!frame) return;
     s.bounds = box;
     frameEverything(sandbox, false);
     lastRoot_ = onGround(sandbox, frames[0].translation());
@@ -342,16 +342,47 @@ class MotionPanel final : public Panel {
   /// limits, the clip need not.
   void restAt(Sandbox& sandbox) {
     const bool sameClip = restedVersion_ == editor_->version() || isPosed(sandbox);
-    if (restedSeconds_ == seconds_ && sameClip) return;
+    if (restedSeconds_ == (*head_) && sameClip) return;
     sandbox.session().setPose(q_);
-    restedSeconds_ = seconds_;
+    restedSeconds_ = (*head_);
     restedVersion_ = editor_->version();
     restedQ_ = sandbox.session().q();
   }
   void leavePose() { restedSeconds_.reset(); }
+
+  /// The session's pose as it stands, after a file or undo put it there: at rest in the clip's pose, or
+  /// posed.
+  void takeUpPose(Sandbox& sandbox) {
+    if (sandbox.playing() || play_->goalsOnTop) return leavePose();
+    placeHead(sandbox);
+    Session& session = sandbox.session();
+    restedSeconds_ = (*head_);
+    restedVersion_ = editor_->version();
+    restedQ_ = projectToLimits(session.skeleton(), q_);
+    if ((session.q() - q_).norm() > 1e-9 && (session.q() - restedQ_).norm() > 1e-9) return;
+    session.setPose(q_);
+    restedQ_ = session.q();
+  }
+
+  /// Undo and redo change the clip from outside.
+  void followEdits(Sandbox& sandbox) {
+    if (jumps_ == sandbox.session().jumps()) return;
+    jumps_ = sandbox.session().jumps();
+    if (editor_->edits() != sandbox.session().edits().clip) editor_->setEdits(sandbox.session().edits().clip);
+    takeUpPose(sandbox);
+  }
+
+  /// An edit of the clip that can be undone; nothing where it throws or changes nothing.
+  template <class Edit>
+  void edit(Sandbox& sandbox, Edit edit) {
+    edit();
+    if (editor_->edits() == sandbox.session().edits().clip) return;
+    sandbox.session().remember();
+    sandbox.session().setClip(editor_->edits());
+  }
   /// Whether something changed the session's pose since the playhead came to rest.
   bool isPosed(const Sandbox& sandbox) const {
-    return restedSeconds_ && *restedSeconds_ == seconds_ &&
+    return restedSeconds_ && *restedSeconds_ == (*head_) &&
            (sandbox.session().dragged() || sandbox.session().q() != restedQ_);
   }
   const Eigen::VectorXd& shownPose(const Sandbox& sandbox) const {
@@ -359,7 +390,7 @@ class MotionPanel final : public Panel {
   }
 
   void keyJoints(Sandbox& sandbox, const std::vector<int>& joints) {
-    editor_->setKeys(joints, currentFrame(), shownPose(sandbox));
+    edit(sandbox, [&] { editor_->setKeys(joints, currentFrame(), shownPose(sandbox)); });
     report_ = fmt::format("{} {} keyed in frame {}", joints.size(), joints.size() == 1 ? "joint" : "joints",
                           currentFrame() + 1);
   }
@@ -371,7 +402,7 @@ class MotionPanel final : public Panel {
   void keyMoved(Sandbox& sandbox) {
     const Skeleton& skeleton = sandbox.session().skeleton();
     const auto moved = isPosed(sandbox) ? movedJoints(skeleton, restedQ_, sandbox.session().q())
-                                        : movedJoints(skeleton, sample(skeleton, clip(), seconds_), q_);
+                                        : movedJoints(skeleton, sample(skeleton, clip(), (*head_)), q_);
     if (moved.empty())
       throw std::invalid_argument("no joint has left the clip's pose; drag or turn one first");
     keyJoints(sandbox, moved);
@@ -379,7 +410,7 @@ class MotionPanel final : public Panel {
   /// degrees: rotation vector in the joint's own frame.
   void turnSelected(Sandbox& sandbox, const Vector3d& degrees) {
     if (!sandbox.selectedJoint()) throw std::invalid_argument("select a joint to turn it");
-    if (sandbox.playing() || goalsOnTop_)
+    if (sandbox.playing() || play_->goalsOnTop)
       throw std::invalid_argument("a joint can be turned while the clip rests without goals on top");
     const Skeleton& skeleton = sandbox.session().skeleton();
     Eigen::VectorXd q = sandbox.session().q();
@@ -393,7 +424,7 @@ class MotionPanel final : public Panel {
   // --- edits of the whole clip
 
   void smooth(Sandbox& sandbox, double hertz) {
-    editor_->replace(lowPassed(sandbox.session().skeleton(), clip(), hertz));
+    edit(sandbox, [&] { editor_->replace(lowPassed(sandbox.session().skeleton(), clip(), hertz)); });
     report_ = fmt::format("zero-phase low-pass at {:.1f} Hz", hertz);
   }
 
@@ -402,37 +433,38 @@ class MotionPanel final : public Panel {
     const FootPlantOptions options{.floor = std::min(0.0, sandbox.state().groundHeight)};
     const auto contacts = footContacts(skeleton, clip(), feet_, options);
     const FootFacts before = footFacts(skeleton, clip(), feet_, contacts, options.floor);
-    editor_->replace(footPlanted(skeleton, clip(), feet_, contacts, options));
+    edit(sandbox, [&] { editor_->replace(footPlanted(skeleton, clip(), feet_, contacts, options)); });
     const FootFacts after = footFacts(skeleton, clip(), feet_, contacts, options.floor);
     report_ = fmt::format("slide {:.2f} → {:.4f} mm a frame, penetration {:.2f} → {:.2f} mm",
                           1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
                           1e3 * after.deepestPenetration);
   }
 
+  static Companions withoutMotion(Companions files) {
+    files.amc.clear();
+    return files;
+  }
   MotionClip secondClip(Sandbox& sandbox, const std::string& file) const {
-    const ModelReference& reference = sandbox.state().reference;
+    const ModelReference& reference = sandbox.state().session->document().model;
     FittedClip fitted = clipFor(sandbox.session().model(), clip().framesPerSecond, file, reference.nameOrFile,
-                                {.skeleton = reference.skeletonFile,
-                                 .weights = reference.weightsFile,
-                                 .asf = reference.asfFile,
-                                 .amc = {},
-                                 .mapping = reference.mappingFile,
-                                 .figure = {}});
-    for (const std::string& note : fitted.notes) sandbox.say(note);
+                                withoutMotion(reference.files));
+    for (const Note& note : fitted.notes) sandbox.say(note.line());
     return std::move(fitted.clip);
   }
   void fade(Sandbox& sandbox, const std::string& file, double seconds) {
-    editor_->crossFade(secondClip(sandbox, file), seconds);
+    edit(sandbox, [&] { editor_->crossFade(secondClip(sandbox, file), seconds); });
     report_ =
         fmt::format("fades into {} within {:.2f} s; {} frames", stem(file), seconds, clip().frameCount());
   }
   void lay(Sandbox& sandbox, const std::string& file, double weight, bool additive, std::vector<int> joints) {
     const std::string part =
         joints.empty() ? "" : " from " + sandbox.session().skeleton().joint(joints.front()).name + " on";
-    editor_->lay({.clip = secondClip(sandbox, file),
-                  .kind = additive ? Layer::Kind::Additive : Layer::Kind::Override,
-                  .weight = weight,
-                  .joints = std::move(joints)});
+    edit(sandbox, [&] {
+      editor_->lay({.clip = secondClip(sandbox, file),
+                    .kind = additive ? Layer::Kind::Additive : Layer::Kind::Override,
+                    .weight = weight,
+                    .joints = std::move(joints)});
+    });
     report_ = fmt::format("{:.0f} % of {} {}{}", 100.0 * weight, stem(file), additive ? "on top" : "in place",
                           part);
   }
@@ -468,7 +500,7 @@ class MotionPanel final : public Panel {
   TimelineContent timelineContent(const Sandbox& sandbox) const {
     TimelineContent content{.frameCount = clip().frameCount(),
                             .framesPerSecond = clip().framesPerSecond,
-                            .seconds = seconds_,
+                            .seconds = (*head_),
                             .rows = {},
                             .bars = {},
                             .keys = editor_->keyFrames(),
@@ -541,15 +573,15 @@ class MotionPanel final : public Panel {
     if (ImGui::Button("Plant feet")) tried(sandbox, [&] { plantFeet(sandbox); });
     ImGui::EndDisabled();
     ImGui::SameLine();
-    ImGui::BeginDisabled(!editor_->canUndo());
-    if (ImGui::Button("Undo")) editor_->undo();
+    ImGui::BeginDisabled(!sandbox.session().canUndo());
+    if (ImGui::Button("Undo")) undoOrRedo(sandbox, false);
     ImGui::EndDisabled();
     ImGui::SameLine();
-    ImGui::BeginDisabled(!editor_->canRedo());
-    if (ImGui::Button("Redo")) editor_->redo();
+    ImGui::BeginDisabled(!sandbox.session().canRedo());
+    if (ImGui::Button("Redo")) undoOrRedo(sandbox, true);
     ImGui::EndDisabled();
     ImGui::SameLine();
-    if (ImGui::Button("Original")) editor_->backToOriginal();
+    if (ImGui::Button("Original")) edit(sandbox, [&] { editor_->backToOriginal(); });
     tooltip("The clip as it was read, without edits and keys. Can be undone.");
     if (!report_.empty()) ImGui::TextWrapped("%s", report_.c_str());
   }
@@ -561,7 +593,7 @@ class MotionPanel final : public Panel {
     ImGui::TextColored(
         colours.textDim, "%s",
         joint ? skeleton.joint(*joint).name.c_str() : "Drag the body at rest, or select a joint.");
-    ImGui::BeginDisabled(!joint || sandbox.playing() || goalsOnTop_);
+    ImGui::BeginDisabled(!joint || sandbox.playing() || play_->goalsOnTop);
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
     ImGui::DragFloat3("##turn", turnDegrees_, 0.5f, -180.0f, 180.0f, "%.0f°");
     ImGui::SameLine();
@@ -578,14 +610,17 @@ class MotionPanel final : public Panel {
     tooltip("K. All joints that a drag, a turn or the goals on top brought out of the clip's pose.");
     ImGui::SameLine();
     ImGui::BeginDisabled(std::ranges::count(editor_->keyFrames(), currentFrame()) == 0);
-    if (ImGui::Button("Delete")) editor_->removeKeys(currentFrame());
+    if (ImGui::Button("Delete")) edit(sandbox, [&] { editor_->removeKeys(currentFrame()); });
     tooltip("The keys of this frame. Keys can be dragged along the timeline.");
     ImGui::EndDisabled();
     float falloff = static_cast<float>(editor_->falloff());
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
     if (ImGui::SliderFloat("Fade", &falloff, 0.0f, 2.0f, "%.2f s") && falloff >= 0.0f &&
-        std::isfinite(falloff))
+        std::isfinite(falloff)) {
       editor_->setFalloff(falloff);
+      sandbox.session().setClip(editor_->edits());
+    }
+    if (ImGui::IsItemActivated()) sandbox.session().remember();
     tooltip("Time in which a joint comes back to the clip before its first and after its last key.");
   }
 
@@ -627,7 +662,8 @@ class MotionPanel final : public Panel {
     problem.start = q_;
     if (!solver_ || solverName_ != session.solver()) {
       solverName_ = session.solver();
-      solver_ = makeFrameSolver(solverName_ == "hybrid" ? "lm-gain-ratio" : solverName_, session.skeleton());
+      solver_ =
+          makeFrameSolver(solverName_ == "drag" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
     }
     const IkReport report = solver_->frame(problem);
     if (report.q.size() == q_.size() && report.q.allFinite()) q_ = report.q;
@@ -652,19 +688,20 @@ class MotionPanel final : public Panel {
     else if (kind == FileKind::Amc)
       writeFile(path, formatAmc(model.skeleton, clip()));
     else if (kind == FileKind::Gltf)
-      writeGltf(path, model.skeleton, model.skin ? &*model.skin : nullptr, {{model.name, clip()}});
+      writeGltf(path, model.skeleton, sandbox.session().skin(), {{model.name, clip()}});
     else
       throw std::invalid_argument("a motion can be written as .bvh, .amc, .glb or .gltf");
     sandbox.say("Wrote " + path);
   }
 
   std::optional<ClipEditor> editor_;
-  int analysed_ = 0;  ///< the editor's version that the facts below belong to
-  double seconds_ = 0.0;
-  float speed_ = 1.0f, cutoff_ = 6.0f, fadeSeconds_ = 0.3f, layerWeight_ = 1.0f;
+  int analysed_ = 0;          ///< the editor's version that the facts below belong to
+  Playback* play_ = nullptr;  ///< the document's
+  double* head_ = nullptr;    ///< likewise, seconds
+  int jumps_ = 0;             ///< the session's that the editor has followed
+  float cutoff_ = 6.0f, fadeSeconds_ = 0.3f, layerWeight_ = 1.0f;
   float turnDegrees_[3] = {0, 0, 0};
-  bool loop_ = true, follow_ = true, showing_ = true, trails_ = true, contactMarks_ = true,
-       limitMarks_ = true, goalsOnTop_ = false, additive_ = false, onlyLimb_ = false;
+  bool additive_ = false, onlyLimb_ = false;
   char exportPath_[512] = "motion.glb", secondPath_[512] = "";
   std::string report_;
   Timeline timeline_;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
-#include "apps/commands/muscle_report.h"
-#include "apps/document/muscle_scene.h"
+#include "apps/document/muscle_settings.h"
 #include "apps/render/signs.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -18,14 +18,15 @@ using Eigen::Vector3d;
 
 constexpr double degree = M_PI / 180.0;
 
-/// A slider over a double; true when moved.
-bool slider(const char* label, double& value, double lower, double upper, const char* format,
-            const char* explanation) {
+/// A slider over a double, one edit a move; true when moved.
+bool slider(Sandbox& sandbox, const char* label, double& value, double lower, double upper,
+            const char* format, const char* explanation) {
   float shown = static_cast<float>(value);
   ImGui::SetNextItemWidth(0.55f * ImGui::GetContentRegionAvail().x);
   const bool moved =
       ImGui::SliderFloat(label, &shown, static_cast<float>(lower), static_cast<float>(upper), format);
   tooltip(explanation);
+  if (ImGui::IsItemActivated()) sandbox.session().remember();
   if (moved) value = shown;
   return moved;
 }
@@ -38,14 +39,11 @@ class MusclePanel final : public Panel {
   std::string name() const override { return "Muscles"; }
   bool hasInspector() const override { return true; }
 
-  void modelChanged(Sandbox& sandbox) override {
+  void opened(Sandbox& sandbox, bool) override {
     rig_.reset();
-    limbs_.clear();
+    limbs_ = limbsOf(sandbox.session().model());
+    shownSettings_.reset();
     settings_ = {};
-    const Model& model = sandbox.session().model();
-    if (!model.skin) return;
-    limbs_ = standardLimbs(model.skeleton, bindFrames(model));
-    for (const Limb& limb : limbs_) settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
     under_.reset();
     dragged_.reset();
     shownLimb_ = 0;
@@ -53,8 +51,20 @@ class MusclePanel final : public Panel {
     selectedLink_ = 0;
   }
 
-  void weightsChanged(Sandbox& sandbox) override {
-    if (settings_.enabled) rebind(sandbox);
+  /// Takes up what undo or a file changed. The layers stand on the weights as they are when a stroke is over.
+  void step(Sandbox& sandbox, double) override {
+    if (const auto& muscles = sandbox.session().edits().muscles; muscles && muscles != shownSettings_) {
+      const bool same =
+          rig_ && muscles->enabled && shownSettings_ && sameProportions(*muscles, *shownSettings_);
+      shownSettings_ = muscles;
+      settings_ = *muscles;
+      if (const int limb = indexOf(settings_.shownLimb); limb < static_cast<int>(limbs_.size()))
+        shownLimb_ = limb;
+      same ? applyControls(*rig_, settings_) : rebind(sandbox);
+    }
+    if (rig_ && boundVersion_ != sandbox.session().weightsVersion() &&
+        sandbox.state().gesture.kind != Gesture::Kind::Tool)
+      rebind(sandbox);
   }
 
   void drawInspector(Sandbox& sandbox) override {
@@ -67,7 +77,7 @@ class MusclePanel final : public Panel {
                     : "This model has no body to deform.");
       return;
     }
-    if (ImGui::Checkbox("Muscle layers", &settings_.enabled)) rebind(sandbox);
+    if (ImGui::Checkbox("Muscle layers", &settings_.enabled)) edit(sandbox);
     tooltip(
         "Free-form deformation volumes between skeleton and skin (Chadwick 1989). Each link carries two "
         "tri-cubic Bezier "
@@ -76,40 +86,40 @@ class MusclePanel final : public Panel {
       ImGui::TextColored(s.colours().textDim, "Off: plain linear blend skinning.");
       return;
     }
-    ImGui::Checkbox("Lattice", &settings_.lattice);
+    if (ImGui::Checkbox("Lattice", &settings_.lattice)) look(sandbox);
     tooltip(
         "The control planes of the chosen limb: seven a link, 4 x 4 points each. Teal: connecting planes, "
         "amber: inner planes. Click "
         "a plane to select it; drag one of planes 2 and 4 to scale it, with Shift to turn it about the "
         "bone.");
     ImGui::SameLine();
-    ImGui::Checkbox("LBS beside", &settings_.split);
+    if (ImGui::Checkbox("LBS beside", &settings_.split)) look(sandbox);
     tooltip("Split view: the same pose with linear blend skinning alone, to the left.");
 
     heading(s, "LIMB");
-    limbChoice();
+    limbChoice(sandbox);
     LimbSettings& limb = settings_.limbs[shownLimb_].second;
     measures(sandbox);
 
     heading(s, "MUSCLES");
-    bool changed = slider("Activation", limb.control.activation, 0.0, 1.0, "%.2f",
+    bool changed = slider(sandbox, "Activation", limb.control.activation, 0.0, 1.0, "%.2f",
                           "Contraction without motion, 0 to 1: swells flexor and extensor.");
-    if (ImGui::Checkbox("Keep volume", &limb.control.keepVolume)) changed = true;
+    if (ImGui::Checkbox("Keep volume", &limb.control.keepVolume)) edit(sandbox);
     tooltip(
         "Scales planes 2 and 4 by a common s so that the limb encloses its rest volume (quadratic in s).");
     linkChoice();
     MuscleCurve& curve = limb.control.curves[selectedLink_];
     changed |=
-        slider("Flexor", curve.flexor, -0.5, 1.0, "%.2f",
+        slider(sandbox, "Flexor", curve.flexor, -0.5, 1.0, "%.2f",
                "Bulge k of the inside at full bend, dimensionless: S = diag(1 + k, 1 + k/4), offset k r.");
-    changed |= slider("Extensor", curve.extensor, -0.5, 1.0, "%.2f",
+    changed |= slider(sandbox, "Extensor", curve.extensor, -0.5, 1.0, "%.2f",
                       "Bulge of the outside: grows with activation, slackens with the bend.");
-    changed |= slider("Near joint", curve.nearJoint, 0.0, 1.0, "%.2f",
+    changed |= slider(sandbox, "Near joint", curve.nearJoint, 0.0, 1.0, "%.2f",
                       "Share of the bulge at the plane nearer the joint: the belly sits away from it.");
-    changed |= slider("Tendon", curve.tendon, 0.0, 0.6, "%.2f",
+    changed |= slider(sandbox, "Tendon", curve.tendon, 0.0, 0.6, "%.2f",
                       "Share by which the plane nearer the joint thins at full bend.");
     double fullBend = curve.fullBend / degree;
-    if (slider("Full bend", fullBend, 30.0, 180.0, "%.0f°",
+    if (slider(sandbox, "Full bend", fullBend, 30.0, 180.0, "%.0f°",
                "Total bend (straight = 0) at which the muscle is fully contracted, degrees.")) {
       curve.fullBend = fullBend * degree;
       changed = true;
@@ -117,24 +127,23 @@ class MusclePanel final : public Panel {
     curvePlot(s, curve);
 
     heading(s, "PLANE");
-    changed |= planeEditor();
+    changed |= planeEditor(sandbox);
 
     heading(s, "JOINT");
-    bool proportions = slider("Gap", limb.jointGap, 0.05, 0.30, "%.2f L",
+    bool proportions = slider(sandbox, "Gap", limb.jointGap, 0.05, 0.30, "%.2f L",
                               "Distance of the connecting planes from the joint, of the shorter link. "
                               "Larger: rounder, like a hose.");
-    proportions |= slider("Wedge", limb.wedge, 0.0, 0.45, "%.2f",
+    proportions |= slider(sandbox, "Wedge", limb.wedge, 0.0, 0.45, "%.2f",
                           "Adaptation: the connecting planes turn by (1/2 - wedge) θ against their bones.");
-    if (proportions) rebind(sandbox);
     if (ImGui::Button("Reset limb")) {
       limb = defaultLimbSettings(limbs_[shownLimb_]);
-      rebind(sandbox);
+      edit(sandbox);
     }
     tooltip("Default proportions and muscles of this limb.");
     ImGui::SameLine();
     if (ImGui::Button("Mirror")) mirrorLimb(sandbox);
     tooltip("Copies this limb's settings to the same limb of the other side.");
-    if (changed) applyControls();
+    if (changed || proportions) look(sandbox);
   }
 
   void overlay(Sandbox& sandbox) override {
@@ -144,7 +153,7 @@ class MusclePanel final : public Panel {
     if (settings_.lattice && !dragged_ && sandbox.frameNumber() - shownAt_ <= 1) {
       const Sandbox::State& s = sandbox.state();
       if (s.layout.view.contains(s.mouse.x(), s.mouse.y()))
-        under_ = pickLattice(limbs[shownLimb_], s.camera, s.viewport(), s.toView(s.mouse), 8.0 * s.scale);
+        under_ = pickLattice(limbs[shownLimb_], s.camera(), s.viewport(), s.toView(s.mouse), 8.0 * s.scale);
     }
     if (settings_.lattice && shownLimb_ < static_cast<int>(limbs.size())) {
       const Palette& colours = sandbox.state().colours();
@@ -175,7 +184,7 @@ class MusclePanel final : public Panel {
     selectedLink_ = std::min(under_->plane / 6, links - 1);
     selectedPlane_ = under_->plane - 6 * selectedLink_;
     if (MusclePlane* plane = selectedMuscle())
-      dragged_ = {.before = *plane, .from = fromCentre(sandbox, pixel)};
+      dragged_ = {.before = *plane, .from = fromCentre(sandbox, pixel), .moved = false};
     return true;
   }
 
@@ -186,6 +195,7 @@ class MusclePanel final : public Panel {
     if (!dragged_ || !plane || !rig_) return;
     const Vector2d from = dragged_->from, to = fromCentre(sandbox, pixel);
     if (from.norm() < 2.0) return;
+    if (!std::exchange(dragged_->moved, true)) sandbox.session().remember();
     if (sandbox.state().shift) {
       const double angle = std::atan2(from.x() * to.y() - from.y() * to.x(),
                                       from.dot(to));  // clockwise on the screen: y points down
@@ -196,36 +206,17 @@ class MusclePanel final : public Panel {
     } else {
       plane->stretch = std::clamp(to.norm() / from.norm(), 0.3, 2.0) * dragged_->before.stretch;
     }
-    applyControls();
+    look(sandbox);
   }
 
   void released(Sandbox&) override { dragged_.reset(); }
-
-  std::string save() const override { return limbs_.empty() ? "" : muscleSettingsText(settings_); }
-  void load(Sandbox& sandbox, const std::string& json) override {
-    settings_ = parseMuscleSettings(json, limbs_);
-    for (const Limb& limb : limbs_)  // limbs that the scene does not mention keep their defaults
-      if (std::none_of(settings_.limbs.begin(), settings_.limbs.end(),
-                       [&](const auto& entry) { return entry.first == limb.name; }))
-        settings_.limbs.emplace_back(limb.name, defaultLimbSettings(limb));
-    std::sort(settings_.limbs.begin(), settings_.limbs.end(),
-              [&](const auto& a, const auto& b) { return indexOf(a.first) < indexOf(b.first); });
-    rebind(sandbox);
-  }
-
-  void verify(const Model& model, const std::string& json) const override {
-    if (model.skin) parseMuscleSettings(json, standardLimbs(model.skeleton, restFrames(model.skeleton)));
-  }
-  void reset(Sandbox& sandbox) override {
-    modelChanged(sandbox);
-    sandbox.setMuscles(nullptr);
-  }
 
  private:
   /// A plane under the mouse between press and release.
   struct DraggedPlane {
     MusclePlane before;
     Vector2d from;  ///< the press, seen from the plane's middle, pixels
+    bool moved = false;
   };
 
   /// The hand's edits of the selected plane; nullptr for planes that follow from others.
@@ -252,37 +243,42 @@ class MusclePanel final : public Panel {
         limbs_.begin());
   }
 
+  /// What was changed here goes into the document; step() takes it up from there.
+  void look(Sandbox& sandbox) {
+    sandbox.session().setMuscles(std::make_shared<const MuscleSettings>(settings_));
+  }
+  void edit(Sandbox& sandbox) {
+    sandbox.session().remember();
+    look(sandbox);
+  }
+
   /// Binds anew: after switching on, and whenever proportions change, because the rest lattice does.
   void rebind(Sandbox& sandbox) {
     rig_.reset();
     under_.reset();
     if (settings_.enabled) {
-      const Model& model = sandbox.session().model();
-      const Frames rest = bindFrames(model);
-      std::vector<Limb> limbs = limbs_;
       try {
-        for (std::size_t l = 0; l < limbs.size(); ++l) applyProportions(limbs[l], settings_.limbs[l].second);
-        rig_ = std::make_shared<MuscleRig>(bindMuscles(*model.skin, limbs, rest), rest);
+        rig_ = std::make_shared<MuscleRig>(
+            makeMuscleRig(sandbox.session().model(), *sandbox.session().skin(), settings_));
+        boundVersion_ = sandbox.session().weightsVersion();
       } catch (const std::invalid_argument& error) {
         sandbox.say(error.what(), true);
         settings_.enabled = false;
+        look(sandbox);
       }
-      applyControls();
     }
     sandbox.setMuscles(rig_);
   }
 
-  void applyControls() {
-    if (!rig_) return;
-    for (std::size_t l = 0; l < settings_.limbs.size(); ++l)
-      rig_->controls()[l] = settings_.limbs[l].second.control;
-  }
-
-  void limbChoice() {
+  void limbChoice(Sandbox& sandbox) {
     ImGui::SetNextItemWidth(-1);
     if (!ImGui::BeginCombo("##limb", limbs_[shownLimb_].name.c_str())) return;
     for (int l = 0; l < static_cast<int>(limbs_.size()); ++l)
-      if (ImGui::Selectable(limbs_[l].name.c_str(), l == shownLimb_)) shownLimb_ = l;
+      if (ImGui::Selectable(limbs_[l].name.c_str(), l == shownLimb_)) {
+        shownLimb_ = l;
+        settings_.shownLimb = limbs_[l].name;
+        look(sandbox);
+      }
     ImGui::EndCombo();
     selectedLink_ = std::min<int>(selectedLink_, static_cast<int>(limbs_[shownLimb_].shape.links.size()) - 1);
   }
@@ -343,7 +339,7 @@ class MusclePanel final : public Panel {
         "joint, grey the outside.");
   }
 
-  bool planeEditor() {
+  bool planeEditor(Sandbox& sandbox) {
     for (const int plane : {2, 4}) {
       if (plane == 4) ImGui::SameLine();
       if (ImGui::RadioButton(fmt::format("Plane {}", plane).c_str(), selectedPlane_ == plane))
@@ -364,12 +360,15 @@ class MusclePanel final : public Panel {
         Eigen::Rotation2Dd(-angle).toRotationMatrix() * plane.stretch;  // polar: rotation times symmetric
     double across = S(0, 0), sideways = S(1, 1), shear = 0.5 * (S(0, 1) + S(1, 0)), turned = angle / degree;
     double x = 1000.0 * plane.offset.x(), y = 1000.0 * plane.offset.y();
-    bool changed = slider("Scale x", across, 0.3, 2.0, "%.2f", "Stretch towards the inside of the bend.");
-    changed |= slider("Scale y", sideways, 0.3, 2.0, "%.2f", "Stretch along the bend axis.");
-    changed |= slider("Shear", shear, -0.5, 0.5, "%.2f", "Off-diagonal entry of the symmetric stretch.");
-    changed |= slider("Rotate", turned, -60.0, 60.0, "%.0f°", "Turn about the bone, degrees.");
-    changed |= slider("Offset x", x, -60.0, 60.0, "%.1f mm", "Shift towards the inside of the bend.");
-    changed |= slider("Offset y", y, -60.0, 60.0, "%.1f mm", "Shift along the bend axis.");
+    bool changed =
+        slider(sandbox, "Scale x", across, 0.3, 2.0, "%.2f", "Stretch towards the inside of the bend.");
+    changed |= slider(sandbox, "Scale y", sideways, 0.3, 2.0, "%.2f", "Stretch along the bend axis.");
+    changed |=
+        slider(sandbox, "Shear", shear, -0.5, 0.5, "%.2f", "Off-diagonal entry of the symmetric stretch.");
+    changed |= slider(sandbox, "Rotate", turned, -60.0, 60.0, "%.0f°", "Turn about the bone, degrees.");
+    changed |=
+        slider(sandbox, "Offset x", x, -60.0, 60.0, "%.1f mm", "Shift towards the inside of the bend.");
+    changed |= slider(sandbox, "Offset y", y, -60.0, 60.0, "%.1f mm", "Shift along the bend axis.");
     if (changed) {
       Eigen::Matrix2d stretch;
       stretch << across, shear, shear, sideways;
@@ -395,13 +394,15 @@ class MusclePanel final : public Panel {
         plane->offset.y() = -plane->offset.y();
       }
     settings_.limbs[target].second = copy;
-    rebind(sandbox);
+    edit(sandbox);
     sandbox.say("Copied to the " + other);
   }
 
   std::vector<Limb> limbs_;
-  MuscleSettings settings_;
+  std::shared_ptr<const MuscleSettings> shownSettings_;  ///< the document's that was taken up last
+  MuscleSettings settings_;                              ///< a copy to work on
   std::shared_ptr<MuscleRig> rig_;
+  int boundVersion_ = 0;               ///< the session's weightsVersion() that rig_ stands on
   std::optional<LatticePoint> under_;  ///< the mouse
   std::optional<DraggedPlane> dragged_;
   int shownAt_ = -10;  ///< frame in which the inspector was drawn last

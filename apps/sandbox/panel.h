@@ -9,20 +9,21 @@
 namespace gelenk {
 
 class Sandbox;
-struct Model;
+struct Document;
 
 /// One room of the sandbox: an inspector tab, a menu, a tab of the bottom strip, things drawn into the view,
 /// a share of every frame. Override what is needed. All calls come from the one thread, inside
 /// Sandbox::frame, in the order of panels.cpp.
 ///
-/// The rest of the program is reached through the Sandbox that is passed in (sandbox.h): its session (pose,
-/// goals, solver), openModel(), showFrames() to pose the figure for a frame, ghosts to draw further bodies,
-/// deformer to replace the skinning, select(), requestStatus().
+/// What the document holds (pose, goals, weights, muscles, motion, view) is read and changed through
+/// sandbox.session(), so that undo and scene files know of it; a panel keeps only how it is being looked at.
+/// The Sandbox that is passed in (sandbox.h) gives showFrames() to pose the figure for a frame, ghosts to
+/// draw further bodies, overlays and labels, open() and say().
 class Panel {
  public:
   virtual ~Panel() = default;
 
-  /// The tab's title and the panel's key in scene files.
+  /// The tab's title.
   virtual std::string name() const = 0;
 
   virtual bool hasInspector() const { return false; }
@@ -43,8 +44,11 @@ class Panel {
   /// label()).
   virtual void overlay(Sandbox&) {}
 
-  /// After another model was opened: drop everything that belonged to the old one.
-  virtual void modelChanged(Sandbox&) {}
+  /// After another document was opened, before anything else: drop everything that belonged to the old one
+  /// and take up what sandbox.session().document() says. fromFile: a scene; false: a model as it begins.
+  virtual void opened(Sandbox&, bool /*fromFile*/) {}
+  /// Puts into the document what the panel alone knows of it, before it is written.
+  virtual void store(const Sandbox&, Document&) const {}
 
   /// A key that the sandbox itself has no use for (GLFW key code); true when taken.
   virtual bool keyPressed(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
@@ -63,9 +67,6 @@ class Panel {
   virtual void moved(Sandbox&, const Eigen::Vector2d& /*pixel*/) {}
   virtual void released(Sandbox&) {}
 
-  /// After Sandbox::setWeights: the skin is bound anew, its mesh and skeleton are as they were.
-  virtual void weightsChanged(Sandbox&) {}
-
   /// A dropped or opened file that is no model and no scene (.bvh, .amc, ...); true when taken. May throw
   /// ParseError.
   virtual bool openFile(Sandbox&, const std::string& /*path*/) { return false; }
@@ -73,16 +74,6 @@ class Panel {
   /// The panel's entry under "panels" in the status file as a JSON text, "" for none. The same replay must
   /// give the same bytes.
   virtual std::string status() const { return {}; }
-
-  /// State for the scene file as a JSON text, "" for none; load gets what save returned. load may throw
-  /// std::exception.
-  virtual std::string save() const { return {}; }
-  virtual void load(Sandbox&, const std::string& /*json*/) {}
-  /// Throws what load would throw for this model and changes nothing: asked before a scene replaces what is
-  /// open.
-  virtual void verify(const Model&, const std::string& /*json*/) const {}
-  /// A scene of the model that is open has no part of this panel: back to how the model begins.
-  virtual void reset(Sandbox&) {}
 };
 
 /// Every panel there is, in the order of their tabs: an explicit table in panels.cpp.

@@ -81,8 +81,8 @@ class PlotsPanel final : public Panel {
     const Session& session = *s.session;
     const Skeleton& skeleton = session.skeleton();
     const std::vector<bool> atLimit = session.jointsAtLimit();
-    int end = s.selectedJoint.value_or(-1);
-    if (session.dragged()) end = session.goals()[*session.dragged()].goal.joint;
+    int end = s.selectedJoint().value_or(-1);
+    if (session.dragged()) end = session.goal(*session.dragged()).goal.joint;
     std::vector<RangeRow> rows;
     for (int i = skeleton.jointCount() - 1; i >= 0; --i) {
       if (end >= 0 && !skeleton.isAncestor(i, end)) continue;

@@ -103,10 +103,11 @@ void check(const std::string& file, const Replay::Command& command) {
   }
 }
 
-int goalIndex(const Sandbox& sandbox, const std::string& name) {
+/// The goal of that name; of a joint that has none, a new one.
+GoalId goalNamed(Sandbox& sandbox, const std::string& name) {
   if (const auto goal = sandbox.session().findGoal(name)) return *goal;
   if (const auto joint = sandbox.session().skeleton().findJoint(name))
-    return const_cast<Session&>(sandbox.session()).addJointGoal(*joint);
+    return sandbox.session().addJointGoal(*joint);
   std::string known;
   for (const SceneGoal& goal : sandbox.session().goals())
     known += (known.empty() ? "" : ", ") + goal.goal.name;
@@ -123,21 +124,12 @@ Panel& panelOf(Sandbox& sandbox, std::string_view name) {
 }
 
 bool ViewOptions::*option(const std::string& name) {
-  static const std::array<std::pair<const char*, bool ViewOptions::*>, 9> table{
-      {{"skin", &ViewOptions::skin},
-       {"wireframe", &ViewOptions::wireframe},
-       {"skeleton", &ViewOptions::skeleton},
-       {"weights", &ViewOptions::weights},
-       {"frames", &ViewOptions::jointFrames},
-       {"limits", &ViewOptions::limits},
-       {"handles", &ViewOptions::handles},
-       {"ground", &ViewOptions::ground},
-       {"shadow", &ViewOptions::shadow}}};
-  for (const auto& [known, member] : table)
-    if (name == known) return member;
-  throw std::invalid_argument("'" + name +
-                              "' cannot be shown; there are: skin, wireframe, skeleton, weights, frames, "
-                              "limits, handles, ground, shadow");
+  std::string known;
+  for (const auto& [member, word] : viewOptionNames()) {
+    if (name == word) return member;
+    known += (known.empty() ? "" : ", ") + std::string(word);
+  }
+  throw std::invalid_argument("'" + name + "' cannot be shown; there are: " + known);
 }
 
 double number(const Replay::Command& command, int i) { return *parseNumber(command.words[i]); }
@@ -162,17 +154,17 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
       queue.add({.kind = Kind::Character, .code = static_cast<unsigned char>(c)});
   if (verb == "drop") queue.add({.kind = Kind::Drop, .path = command.words[0]});
   if (verb == "grab") {
-    const Eigen::Vector2d pixel = s.toWindow(s.session->reached(goalIndex(sandbox, command.words[0]))).pixel;
+    const Eigen::Vector2d pixel = s.toWindow(s.session->reached(goalNamed(sandbox, command.words[0]))).pixel;
     queue.add({.kind = Kind::MouseMove, .x = pixel.x(), .y = pixel.y()});
     queue.add({.kind = Kind::MouseButton, .code = GLFW_MOUSE_BUTTON_LEFT, .down = true});
   }
   if (verb == "target") {
-    const int goal = goalIndex(sandbox, command.words[0]);
+    const GoalId goal = goalNamed(sandbox, command.words[0]);
     s.session->remember();
     s.session->setTarget(goal, {number(command, 1), number(command, 2), number(command, 3)});
   }
-  if (verb == "pin") s.session->setState(goalIndex(sandbox, command.words[0]), GoalState::Pinned);
-  if (verb == "free") s.session->removeGoal(goalIndex(sandbox, command.words[0]));
+  if (verb == "pin") s.session->setState(goalNamed(sandbox, command.words[0]), GoalState::Pinned);
+  if (verb == "free") s.session->removeGoal(goalNamed(sandbox, command.words[0]));
   if (verb == "solver") s.session->setSolver(command.words[0]);
   if (verb == "open" && !sandbox.open(command.words[0])) throw std::invalid_argument(s.notices.back().words);
   if (verb == "select") {
@@ -180,7 +172,7 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
     sandbox.select(joint);
     s.selectedGoal = s.session->findGoal(command.words[0]);
   }
-  if (verb == "show") s.show.*option(command.words[0]) = command.words[1] == "on";
+  if (verb == "show") s.show().*option(command.words[0]) = command.words[1] == "on";
   if (verb == "tab") {
     const Panel& panel = panelOf(sandbox, command.words[0]);
     panel.hasBottomStrip() && !panel.hasInspector() ? sandbox.showBottomStrip(command.words[0])
@@ -190,7 +182,7 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
     const auto words = splitWords(command.words[0]);
     panelOf(sandbox, words[0]).act(sandbox, {words.begin() + 1, words.end()});
   }
-  if (verb == "theme") s.theme = command.words[0] == "dark" ? Theme::Dark : Theme::Light;
+  if (verb == "theme") s.theme() = command.words[0] == "dark" ? Theme::Dark : Theme::Light;
 }
 
 /// drag = grab, shift-by, release; shift-by = one move a frame.

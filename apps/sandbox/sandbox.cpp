@@ -9,19 +9,17 @@
 
 #include "apps/commands/image.h"
 #include "apps/document/model_files.h"
+#include "apps/document/scene_file.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "solvers/lab/sweep.h"
 
 namespace gelenk {
 namespace {
 
 constexpr double noticeSeconds = 3.5, errorSeconds = 9.0;
 constexpr std::size_t errorHistory = 240, dragHistory = 3;
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 Eigen::AlignedBox3d boxOf(const Session& session, const Frames& frames, const SkinnedVertices& surface) {
   Eigen::AlignedBox3d box;
@@ -36,15 +34,15 @@ void glideCamera(Sandbox::State& s) {
   if (!s.cameraMove) return;
   const auto& [from, to, begin] = *s.cameraMove;
   const double t = std::clamp((s.time - begin) / 0.2, 0.0, 1.0), e = t * t * (3.0 - 2.0 * t);
-  s.camera = to;
+  s.camera() = to;
   if (t >= 1.0) {
     s.cameraMove.reset();
     return;
   }
-  s.camera.target = from.target + e * (to.target - from.target);
-  s.camera.distance = from.distance * std::pow(to.distance / from.distance, e);
-  s.camera.azimuth = from.azimuth + e * std::remainder(to.azimuth - from.azimuth, 2.0 * M_PI);
-  s.camera.elevation = from.elevation + e * (to.elevation - from.elevation);
+  s.camera().target = from.target + e * (to.target - from.target);
+  s.camera().distance = from.distance * std::pow(to.distance / from.distance, e);
+  s.camera().azimuth = from.azimuth + e * std::remainder(to.azimuth - from.azimuth, 2.0 * M_PI);
+  s.camera().elevation = from.elevation + e * (to.elevation - from.elevation);
 }
 
 void recordPlots(Sandbox::State& s) {
@@ -61,48 +59,40 @@ void recordPlots(Sandbox::State& s) {
   }
 }
 
-/// The model's mesh for this frame: skinned on the GPU, or, with a deformer, on the CPU. Sets the pose to
-/// draw it with.
+/// The body on the GPU with the weights as they are edited now.
+void followWeights(Sandbox::State& s) {
+  if (s.meshVersion == s.session->weightsVersion()) return;
+  s.mesh = std::make_unique<SkinnedMeshGl>(*s.session->skin());
+  s.posedBounds = std::make_unique<PosedBounds>(*s.session->skin());
+  s.meshVersion = s.session->weightsVersion();
+}
+
+/// The model's mesh for this frame. Sets the pose to draw it with.
 SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
-  if (!s.mesh || !(s.show.skin || s.show.wireframe)) return nullptr;
+  if (!s.mesh || !(s.show().skin || s.show().wireframe)) return nullptr;
   if (s.muscles) {
     poseSkin(s.muscles->body(), sandbox.shownFrames(), sandbox.limbPoses(), s.pose);
     s.layeredMesh->setSculpture(*s.muscles);
     return s.layeredMesh.get();
   }
-  if (!s.deformer) return s.mesh.get();
-  const Skin& skin = *s.session->model().skin;
-  if (!s.deformedMesh) s.deformedMesh = std::make_unique<SkinnedMeshGl>(skin);
-  s.deformedMesh->setShape(sandbox.surface());
-  s.pose = unposed(skin.jointCount());
-  return s.deformedMesh.get();
+  return s.mesh.get();
 }
 
 Eigen::AlignedBox3d boundsOfFrame(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.posedBounds) return boxOf(*s.session, sandbox.shownFrames(), {});
-  poseSkin(*s.session->model().skin, sandbox.shownFrames(), s.pose);
+  poseSkin(*s.session->skin(), sandbox.shownFrames(), s.pose);
   return (*s.posedBounds)(s.pose);
 }
 
 void addGhosts(Sandbox::State& s) {
+  if (!s.mesh) return;
   s.ghostPoses.resize(s.ghosts.size());
   for (std::size_t i = 0; i < s.ghosts.size(); ++i) {
     const Ghost& ghost = s.ghosts[i];
-    const Skin* skin = ghost.skin                ? ghost.skin
-                       : s.session->model().skin ? &*s.session->model().skin
-                                                 : nullptr;
-    if (!skin) continue;
-    const SkinnedMeshGl* mesh = s.mesh.get();
-    if (ghost.skin) {
-      auto it = std::ranges::find(s.ghostMeshes, skin, [](const auto& entry) { return entry.first; });
-      if (it == s.ghostMeshes.end())
-        it = s.ghostMeshes.emplace(s.ghostMeshes.end(), skin, std::make_unique<SkinnedMeshGl>(*skin));
-      mesh = it->second.get();
-    }
-    poseSkin(*skin, ghost.worldFromJoint, s.ghostPoses[i]);
-    s.scene.bodies.push_back({.mesh = mesh,
+    poseSkin(*s.session->skin(), ghost.worldFromJoint, s.ghostPoses[i]);
+    s.scene.bodies.push_back({.mesh = s.mesh.get(),
                               .pose = &s.ghostPoses[i],
                               .tint = {ghost.tint.x(), ghost.tint.y(), ghost.tint.z(), ghost.opacity}});
   }
@@ -111,18 +101,18 @@ void addGhosts(Sandbox::State& s) {
 void renderView(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   s.scene.bodies.clear();
-  s.scene.theme = s.theme;
-  s.scene.shadows = s.show.shadow;
-  s.scene.ground.visible = s.show.ground && !s.session->model().planar;
+  s.scene.theme = s.theme();
+  s.scene.shadows = s.show().shadow;
+  s.scene.ground.visible = s.show().ground && !s.session->model().planar;
   s.scene.ground.height = s.groundHeight;
-  s.scene.xray = s.show.skeleton;
+  s.scene.xray = s.show().skeleton;
   s.scene.bounds = s.bounds;
   s.scene.size = s.size;
   std::optional<std::vector<Eigen::Vector3f>> colours = std::exchange(s.vertexColours, std::nullopt);
   if (SkinnedMeshGl* mesh = meshOfFrame(sandbox)) {
-    BodyInstance body{.mesh = mesh, .pose = &s.pose, .wireframe = s.show.wireframe};
-    if (!colours && s.show.weights && s.selectedJoint)
-      colours = viridisColours(jointWeights(*s.session->model().skin, *s.selectedJoint));
+    BodyInstance body{.mesh = mesh, .pose = &s.pose, .wireframe = s.show().wireframe};
+    if (!colours && s.show().weights && s.selectedJoint())
+      colours = viridisColours(jointWeights(*s.session->skin(), *s.selectedJoint()));
     if (colours && static_cast<int>(colours->size()) == mesh->vertexCount()) {
       mesh->setColours(*colours);
       body.surface = SurfaceColour::Vertex;
@@ -132,7 +122,7 @@ void renderView(Sandbox& sandbox) {
   addGhosts(s);
   const Viewport viewport = s.viewport();
   s.picture.resize(viewport.width, viewport.height);
-  s.renderer.draw(s.scene, s.camera, viewport, s.picture.framebuffer(), s.scale);
+  s.renderer.draw(s.scene, s.camera(), viewport, s.picture.framebuffer(), s.scale);
 }
 
 }  // namespace
@@ -140,132 +130,82 @@ void renderView(Sandbox& sandbox) {
 Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.options = options;
-  s.theme = options.theme;
   s.scale = static_cast<float>(options.scale);
   s.panels = makePanels();
-  s.gui.setLook(s.theme, s.scale);
+  s.gui.setLook(options.theme, s.scale);
   s.layout = layOut(s, options.width, options.height);
-  if (options.skeletonFile.empty() && endsWith(options.model, ".json")) {
-    openScene(options.model);
+  const bool isLecture =
+      options.model.starts_with("lecture:");  // an example of the lecture opens its own model
+  const ModelReference reference{.nameOrFile = isLecture ? "planar" : options.model, .files = options.files};
+  auto [model, document] = gelenk::openDocument(reference);
+  if (isScene(options.model)) {
+    openDocument(std::move(model), std::move(document));
+    s.scenePath = options.model;
   } else {
-    const bool isLecture =
-        options.model.starts_with("lecture:");  // an example of the lecture opens its own model
-    const ModelReference reference{.nameOrFile = isLecture ? "planar" : options.model,
-                                   .skeletonFile = options.skeletonFile,
-                                   .weightsFile = options.weightsFile,
-                                   .asfFile = options.asfFile,
-                                   .amcFile = options.amcFile,
-                                   .mappingFile = options.mappingFile};
-    openModel(readModel(reference), reference);
-    s.session->setSolver(options.solver);
-    if (isLecture)
-      for (const auto& panel : s.panels) panel->openFile(*this, options.model);
+    adopt(std::make_unique<Session>(std::move(model), reference), false);
+    s.theme() = options.theme;
+    s.session->setSolver(withParameters({options.solver}, options.settings).front());
   }
+  if (isLecture)
+    for (const auto& panel : s.panels) panel->openFile(*this, options.model);
 }
 
 Sandbox::~Sandbox() = default;
 
 void Sandbox::openModel(Model model, const ModelReference& reference) {
+  adopt(std::make_unique<Session>(std::make_shared<const Model>(std::move(model)), reference), false);
+}
+
+void Sandbox::openDocument(std::shared_ptr<const Model> model, Document document) {
+  adopt(std::make_unique<Session>(std::move(model), std::move(document)), true);
+}
+
+void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   State& s = *state_;
-  const std::string solver = s.session ? s.session->solver() : std::string();
-  auto session = std::make_unique<Session>(std::move(model));
-  if (!solver.empty()) session->setSolver(solver);
-  auto mesh = session->model().skin ? std::make_unique<SkinnedMeshGl>(*session->model().skin) : nullptr;
+  auto mesh = session->skin() ? std::make_unique<SkinnedMeshGl>(*session->skin()) : nullptr;
+  if (s.session && !fromFile) session->theme() = s.theme();
   s.session = std::move(session);
   s.mesh = std::move(mesh);
-  s.posedBounds = s.mesh ? std::make_unique<PosedBounds>(*s.session->model().skin) : nullptr;
-  s.reference = reference;
-  s.deformer = {};
-  s.deformedMesh.reset();
+  s.meshVersion = s.session->weightsVersion();
+  s.posedBounds = s.mesh ? std::make_unique<PosedBounds>(*s.session->skin()) : nullptr;
   s.muscles.reset();
   s.layeredMesh.reset();
   s.ghosts.clear();
-  s.ghostMeshes.clear();
   s.shownFrames.reset();
   s.vertexColours.reset();
   s.gesture = {};
   s.hover = {};
-  s.selectedJoint.reset();
   s.selectedGoal.reset();
   s.plots = {};
+  s.playing = false;
+  s.scenePath.clear();
+  s.cameraMove.reset();
   s.limitGlow.assign(s.session->skeleton().jointCount(), 0.0);
   s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
-  s.bounds = boxOf(*s.session, shownFrames(), surface());
-  s.size = std::max(s.bounds.diagonal().norm(), 1e-9);
+  const Frames rest = restFrames(s.session->skeleton());
+  const Eigen::AlignedBox3d box = boxOf(
+      *s.session, rest, s.session->skin() ? linearBlendSkin(*s.session->skin(), rest) : SkinnedVertices{});
+  s.size = std::max(box.diagonal().norm(), 1e-9);
   const Eigen::Vector3d up = s.session->model().up;
-  s.groundHeight = std::min(up.dot(s.bounds.min()), up.dot(s.bounds.max()));
-  s.show.skeleton = !s.mesh;
-  frameEverything(*this, false);
-  for (const auto& panel : s.panels) panel->modelChanged(*this);
-  for (const std::string& note : s.session->model().notes) say(note);
-}
-
-namespace {
-
-/// What a panel objects to, with the file's name before it.
-void verifyPanels(const std::string& path, const Scene& scene,
-                  const std::vector<std::unique_ptr<Panel>>& panels, const Model& model) {
-  for (const auto& panel : panels) {
-    const auto it = scene.panels.find(panel->name());
-    if (it == scene.panels.end()) continue;
-    try {
-      panel->verify(model, it->second);
-    } catch (const std::exception& error) {
-      throw std::runtime_error(path + ": " + error.what());
-    }
-  }
-}
-
-}  // namespace
-
-void Sandbox::openScene(const std::string& path) {
-  State& s = *state_;
-  const ModelReference reference = readModelReference(path);
-  const bool sameModel = s.session && reference == s.reference;
-  Model model = sameModel ? s.session->model() : readModel(reference);
-  const Scene scene = loadScene(path, model.skeleton);
-  Session trial(model);  // a scene that does not fit must leave what is open as it is
-  trial.restore(scene);
-  verifyPanels(path, scene, s.panels, model);
-  if (!sameModel) openModel(std::move(model), reference);
-  s.session->restore(scene);
-  s.camera = scene.camera;
-  s.cameraMove.reset();
-  s.show = scene.options;
-  s.theme = scene.theme;
-  s.selectedJoint = s.session->skeleton().findJoint(scene.selectedJoint);
-  s.scenePath = path;
-  for (const auto& panel : s.panels)
-    if (const auto it = scene.panels.find(panel->name()); it != scene.panels.end())
-      panel->load(*this, it->second);
-    else if (sameModel)
-      panel->reset(*this);
-}
-
-bool Sandbox::open(const std::string& nameOrFile, const std::string& skeletonFile,
-                   const std::string& weightsFile) {
-  try {
-    if (endsWith(nameOrFile, ".json")) {
-      openScene(nameOrFile);
-    } else {
-      bool taken = false;
-      for (const auto& panel : state_->panels)
-        taken = taken || (skeletonFile.empty() && panel->openFile(*this, nameOrFile));
-      const ModelReference reference{
-          .nameOrFile = nameOrFile, .skeletonFile = skeletonFile, .weightsFile = weightsFile};
-      if (!taken) openModel(readModel(reference), reference);
-    }
-    say("Opened " + nameOrFile);
-    return true;
-  } catch (const std::exception& error) {
-    say(error.what(), true);
-    return false;
-  }
+  s.groundHeight = std::min(up.dot(box.min()), up.dot(box.max()));
+  s.bounds = fromFile ? boundsOfFrame(*this) : box;
+  if (!fromFile) frameEverything(*this, false);
+  for (const auto& panel : s.panels) panel->opened(*this, fromFile);
+  for (const Note& note : s.session->model().notes) say(note.line());
 }
 
 bool Sandbox::open(const ModelReference& reference) {
   try {
-    openModel(readModel(reference), reference);
+    bool taken = false;
+    if (reference.files == Companions{} && !isScene(reference.nameOrFile))
+      for (const auto& panel : state_->panels) taken = taken || panel->openFile(*this, reference.nameOrFile);
+    if (!taken && isScene(reference.nameOrFile)) {
+      auto [model, document] = gelenk::openDocument(reference);
+      openDocument(std::move(model), std::move(document));
+      state_->scenePath = reference.nameOrFile;
+    } else if (!taken) {
+      openModel(readModel(reference), reference);
+    }
     say("Opened " + reference.nameOrFile);
     return true;
   } catch (const std::exception& error) {
@@ -274,23 +214,17 @@ bool Sandbox::open(const ModelReference& reference) {
   }
 }
 
-Scene Sandbox::scene() const {
+Document Sandbox::document() const {
   const State& s = *state_;
-  Scene scene;
-  scene.model = s.reference;
-  scene.camera = s.cameraMove ? s.cameraMove->to : s.camera;
-  scene.options = s.show;
-  scene.theme = s.theme;
-  s.session->store(scene);
-  if (s.selectedJoint) scene.selectedJoint = s.session->skeleton().joint(*s.selectedJoint).name;
-  for (const auto& panel : s.panels)
-    if (std::string text = panel->save(); !text.empty()) scene.panels[panel->name()] = std::move(text);
-  return scene;
+  Document document = s.session->saved();
+  if (s.cameraMove) document.view.camera = s.cameraMove->to;
+  for (const auto& panel : s.panels) panel->store(*this, document);
+  return document;
 }
 
 bool Sandbox::saveSceneTo(const std::string& path) {
   try {
-    saveScene(path, scene(), session().skeleton());
+    writeScene(path, document(), session().model());
     state_->scenePath = path;
     say("Saved " + path);
     return true;
@@ -315,7 +249,7 @@ void Sandbox::frame(const Input& input, double dt) {
   s.shownFrames.reset();
   s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
 
-  s.gui.setLook(s.theme, s.scale);
+  s.gui.setLook(s.theme(), s.scale);
   s.gui.beginFrame(input, dt);
   s.layout = layOut(s, input.width, input.height);
   glideCamera(s);
@@ -323,6 +257,7 @@ void Sandbox::frame(const Input& input, double dt) {
   for (const auto& panel : s.panels) panel->step(*this, dt);
   if (!s.shownFrames) s.session->step();
   recordPlots(s);
+  followWeights(s);
   s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
   s.bounds = boundsOfFrame(*this);
 
@@ -355,9 +290,9 @@ void Sandbox::frame(const Input& input, double dt) {
 bool Sandbox::wantsToClose() const { return state_->closing; }
 Session& Sandbox::session() { return *state_->session; }
 const Session& Sandbox::session() const { return *state_->session; }
-Camera& Sandbox::camera() { return state_->camera; }
-ViewOptions& Sandbox::options() { return state_->show; }
-Theme Sandbox::theme() const { return state_->theme; }
+Camera& Sandbox::camera() { return state_->camera(); }
+ViewOptions& Sandbox::options() { return state_->show(); }
+Theme Sandbox::theme() const { return state_->theme(); }
 float Sandbox::scale() const { return state_->scale; }
 int Sandbox::frameNumber() const { return state_->frameNumber; }
 double Sandbox::time() const { return state_->time; }
@@ -373,13 +308,12 @@ const Frames& Sandbox::shownFrames() const {
 
 const SkinnedVertices& Sandbox::surface() const {
   State& s = *state_;
-  if (!s.surfaceIsCurrent && s.session->model().skin) {
+  if (!s.surfaceIsCurrent && s.session->skin()) {
     if (s.muscles)
       skinWithMuscles(s.muscles->body(), shownFrames(), limbPoses(), s.surface);
     else
-      linearBlendSkin(*s.session->model().skin, shownFrames(), s.surface);
-    if (s.deformer) s.deformer(shownFrames(), s.surface);
-  } else if (!s.session->model().skin) {
+      linearBlendSkin(*s.session->skin(), shownFrames(), s.surface);
+  } else if (!s.session->skin()) {
     s.surface = {};
   }
   s.surfaceIsCurrent = true;
@@ -387,10 +321,6 @@ const SkinnedVertices& Sandbox::surface() const {
 }
 
 std::vector<Ghost>& Sandbox::ghosts() { return state_->ghosts; }
-void Sandbox::setDeformer(SkinDeformer deformer) {
-  state_->deformer = std::move(deformer);
-  state_->surfaceIsCurrent = state_->limbPosesAreCurrent = false;
-}
 void Sandbox::setMuscles(std::shared_ptr<const MuscleRig> muscles) {
   State& s = *state_;
   s.layeredMesh = muscles ? std::make_unique<SkinnedMeshGl>(muscles->body()) : nullptr;
@@ -404,18 +334,6 @@ const std::vector<LimbPose>& Sandbox::limbPoses() const {
   s.limbPosesAreCurrent = true;
   return s.limbPoses;
 }
-void Sandbox::setWeights(std::vector<Influences> influences, bool settled) {
-  State& s = *state_;
-  s.session->setInfluences(std::move(influences));
-  const Skin& skin = *s.session->model().skin;
-  s.mesh = std::make_unique<SkinnedMeshGl>(skin);
-  s.posedBounds = std::make_unique<PosedBounds>(skin);
-  s.deformedMesh.reset();
-  s.ghostMeshes.clear();  // they may show the skin that was
-  s.surfaceIsCurrent = false;
-  if (!settled) return;
-  for (const auto& panel : s.panels) panel->weightsChanged(*this);
-}
 Overlay& Sandbox::overlay() { return state_->scene.overlayOnTop; }
 Overlay& Sandbox::overlayInScene() { return state_->scene.overlay; }
 void Sandbox::label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour) {
@@ -428,8 +346,8 @@ void Sandbox::showVertexColours(std::vector<Eigen::Vector3f> colours) {
   state_->vertexColours = std::move(colours);
 }
 
-std::optional<int> Sandbox::selectedJoint() const { return state_->selectedJoint; }
-void Sandbox::select(std::optional<int> joint) { state_->selectedJoint = joint; }
+std::optional<int> Sandbox::selectedJoint() const { return state_->selectedJoint(); }
+void Sandbox::select(std::optional<int> joint) { state_->session->selectJoint(joint); }
 
 void Sandbox::say(const std::string& sentence, bool isError) {
   State& s = *state_;

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/document/scene.h"
 #include "apps/document/session.h"
 #include "apps/render/renderer.h"
 #include "apps/sandbox/input.h"
@@ -20,26 +19,21 @@ namespace gelenk {
 /// A further body in the view: a comparison, a keyframe, a mocap source. Drawn in the frame in which it is
 /// added.
 struct Ghost {
-  Frames worldFromJoint;  ///< of the sandbox's own model, or of the skin's where one is given
+  Frames worldFromJoint;                      ///< of the sandbox's model
   Eigen::Vector3f tint = {0.3f, 0.5f, 0.9f};  ///< sRGB, 0..1
   float opacity = 0.4f;
-  const Skin* skin = nullptr;  ///< nullptr: the model's own; must live until the end of the frame
   std::string label = {};
 };
-
-/// Replaces the skinned surface of the model before it is drawn and picked, e.g. by muscle layers. Called
-/// every frame.
-using SkinDeformer = std::function<void(const Frames& worldFromJoint, SkinnedVertices& vertices)>;
 
 /// What the sandbox is started with.
 struct SandboxOptions {
   std::string model = "figure";
-  std::string skeletonFile = {}, weightsFile = {};
-  std::string asfFile = {}, amcFile = {}, mappingFile = {};
+  Companions files = {};
   int width = 1280, height = 800;  ///< pixels
   double scale = 1.0;              ///< of type and spacing
   Theme theme = Theme::Light;
-  std::string solver = "hybrid";
+  std::string solver = "drag";             ///< with or without values of parameters in brackets
+  std::vector<std::string> settings = {};  ///< values of its parameters, "dls.lambda=0.1"
 };
 
 /// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.
@@ -60,18 +54,17 @@ class Sandbox {
   Session& session();
   const Session& session() const;
   /// A built-in name, a model file, a scene (.json), or a file that a panel takes. Failures are shown on
-  /// screen and return false.
-  bool open(const std::string& nameOrFile, const std::string& skeletonFile = {},
-            const std::string& weightsFile = {});
+  /// screen and return false; what is open stays open.
+  bool open(const std::string& nameOrFile) { return open(ModelReference{.nameOrFile = nameOrFile}); }
   bool open(const ModelReference& reference);  ///< a model with all its files
-  /// A model that the program made itself.
+  /// A model that the program made itself. Nothing of the document before goes into the new one, but for the
+  /// user's preferences (theme).
   void openModel(Model model, const ModelReference& reference);
+  /// A document of that model.
+  void openDocument(std::shared_ptr<const Model> model, Document document);
   bool saveSceneTo(const std::string& path);
-  Scene scene() const;
-
-  /// Binds the model's skin anew, in the session and on the GPU. settled: an edit is complete, and panels
-  /// that build on the binding (muscle layers) follow; until then they keep the one before. One row a vertex.
-  void setWeights(std::vector<Influences> influences, bool settled = true);
+  /// What saveSceneTo writes: all that is needed to see this picture again.
+  Document document() const;
 
   // --- what panels use
   Camera& camera();
@@ -90,8 +83,7 @@ class Sandbox {
   /// The model's surface as it was drawn last (world, metres); empty without a skin.
   const SkinnedVertices& surface() const;
 
-  std::vector<Ghost>& ghosts();             ///< emptied at the beginning of every frame
-  void setDeformer(SkinDeformer deformer);  ///< empty: plain linear blend skinning on the GPU
+  std::vector<Ghost>& ghosts();  ///< emptied at the beginning of every frame
   /// Muscle layers on the model's limbs: the skin is drawn, in the vertex shader, and picked with them.
   /// nullptr: without. To be called again when the rig's binding has changed; controls may change at any
   /// time.
@@ -124,7 +116,7 @@ class Sandbox {
   State& state() { return *state_; }  ///< for the sandbox's own files
 
  private:
-  void openScene(const std::string& path);
+  void adopt(std::unique_ptr<Session> session, bool fromFile);
 
   std::unique_ptr<State> state_;
 };

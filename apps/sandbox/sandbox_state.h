@@ -26,9 +26,13 @@ struct Layout {
 struct Hover {
   enum class Kind { Nothing, Goal, Joint, Skin };
   Kind kind = Kind::Nothing;
-  int index = -1;  ///< goal or joint; Skin: the joint that carries most of the point
+  GoalId goal = {};
+  int joint = -1;  ///< Skin: the joint that carries most of the point
   SurfacePoint surface = {};
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Grip grip() const {
+    return kind == Kind::Goal ? Grip(goal) : kind == Kind::Joint ? Grip(JointGrip{joint}) : Grip(surface);
+  }
 };
 
 /// The mouse between press and release.
@@ -72,9 +76,9 @@ struct Sandbox::State {
   ViewPicture picture;
 
   // model
-  ModelReference reference;
   std::unique_ptr<Session> session;
   std::unique_ptr<SkinnedMeshGl> mesh;
+  int meshVersion = 0;  ///< the session's weightsVersion() that mesh and posedBounds show
   SkinPose pose;
   Eigen::AlignedBox3d bounds;  ///< of the pose shown
   double size = 1.0;           ///< diagonal of the rest pose, metres
@@ -86,8 +90,6 @@ struct Sandbox::State {
   bool handlesOnShown = false;  ///< the session stands as shown
   SkinnedVertices surface;
   bool surfaceIsCurrent = false;
-  SkinDeformer deformer;
-  std::unique_ptr<SkinnedMeshGl> deformedMesh;  ///< takes the shape that the deformer gives
   std::shared_ptr<const MuscleRig> muscles;
   std::unique_ptr<SkinnedMeshGl> layeredMesh;  ///< the body with its muscle layers
   std::vector<LimbPose> limbPoses;
@@ -96,14 +98,11 @@ struct Sandbox::State {
   std::optional<std::vector<Eigen::Vector3f>> vertexColours;
 
   // view
-  Camera camera;
   struct CameraMove {
     Camera from, to;
     double begin = 0.0;
   };
   std::optional<CameraMove> cameraMove;
-  ViewOptions show;
-  Theme theme = Theme::Light;
   float scale = 1.0f;
   Layout layout;
   RenderScene scene;
@@ -115,10 +114,8 @@ struct Sandbox::State {
   std::vector<Label> labels;
   std::vector<Ghost> ghosts;
   std::vector<SkinPose> ghostPoses;
-  std::vector<std::pair<const Skin*, std::unique_ptr<SkinnedMeshGl>>> ghostMeshes;
-  std::vector<double> limitGlow;  ///< a joint, 1 at its limit, fading
-  std::optional<int> selectedJoint;
-  std::optional<int> selectedGoal;
+  std::vector<double> limitGlow;       ///< a joint, 1 at its limit, fading
+  std::optional<GoalId> selectedGoal;  ///< may have gone meanwhile: goalSelected()
 
   // input
   Eigen::Vector2d mouse{-1.0, -1.0};
@@ -142,6 +139,15 @@ struct Sandbox::State {
   std::optional<std::chrono::steady_clock::time_point> lastBegin;
   double secondsPerFrame = 0.0;  ///< measured from frame to frame, running mean, shown only
 
+  // the document's
+  Camera& camera() const { return session->view().camera; }
+  ViewOptions& show() const { return session->view().show; }
+  Theme& theme() const { return session->theme(); }
+  std::optional<int> selectedJoint() const { return session->selectedJoint(); }
+
+  std::optional<GoalId> goalSelected() const {
+    return selectedGoal && session->hasGoal(*selectedGoal) ? selectedGoal : std::nullopt;
+  }
   Viewport viewport() const {
     return {std::max(1, static_cast<int>(layout.view.width)),
             std::max(1, static_cast<int>(layout.view.height))};
@@ -151,18 +157,19 @@ struct Sandbox::State {
   }
   /// Pixel in the window; a negative depth lies behind the viewer.
   Projected toWindow(const Eigen::Vector3d& point) const {
-    Projected p = project(camera, viewport(), point);
+    Projected p = project(camera(), viewport(), point);
     p.pixel += Eigen::Vector2d(layout.view.x, layout.view.y);
     return p;
   }
-  const Palette& colours() const { return palette(theme); }
+  const Palette& colours() const { return palette(theme()); }
 };
 
 // viewport.cpp: mouse and keys over the view
 void handleViewInput(Sandbox& sandbox, const Input& input);
 void frameEverything(Sandbox& sandbox, bool glide);
 /// Goals that can be seen and taken now; pole handles only where their limb is held.
-bool isGoalShown(const Sandbox& sandbox, int goal);
+bool isGoalShown(const Sandbox& sandbox, const SceneGoal& goal);
+void undoOrRedo(Sandbox& sandbox, bool redo);  ///< says so where there is nothing
 
 // marks.cpp: what is drawn over and in the view
 void addSceneMarks(Sandbox& sandbox);
@@ -178,6 +185,8 @@ void heading(const Sandbox::State& state, const char* words);
 void colourBar(const Sandbox::State& state);
 /// A tooltip over the item before it: what a quantity is, its unit and formula.
 void tooltip(const char* words);
+/// The largest errors of the goals: 0.42 mm, and the angle where it can be seen.
+std::string describeErrors(const FrameSolve& solve);
 /// "stationary: closest point, 41.3 mm" and the like.
 std::string describeSolve(const Session& session);
 /// 0.42 mm, 41.3 mm, 1.27 m.

@@ -50,8 +50,8 @@ void fileMenu(Sandbox& sandbox) {
 void editMenu(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!ImGui::BeginMenu("Edit")) return;
-  if (ImGui::MenuItem("Undo", "Ctrl+Z", false, s.session->canUndo())) s.session->undo();
-  if (ImGui::MenuItem("Redo", "Ctrl+Shift+Z", false, s.session->canRedo())) s.session->redo();
+  if (ImGui::MenuItem("Undo", "Ctrl+Z", false, s.session->canUndo())) undoOrRedo(sandbox, false);
+  if (ImGui::MenuItem("Redo", "Ctrl+Shift+Z", false, s.session->canRedo())) undoOrRedo(sandbox, true);
   ImGui::Separator();
   if (ImGui::MenuItem("Rest pose", "R")) s.session->resetPose();
   if (ImGui::MenuItem("Mirror pose", "M")) {
@@ -69,27 +69,27 @@ void viewMenu(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!ImGui::BeginMenu("View")) return;
   const auto look = [&](const char* name, const char* key, StandardView view) {
-    if (ImGui::MenuItem(name, key)) s.cameraMove = {s.camera, lookFrom(s.camera, view), s.time};
+    if (ImGui::MenuItem(name, key)) s.cameraMove = {s.camera(), lookFrom(s.camera(), view), s.time};
   };
   look("Front", "1", StandardView::Front);
   look("Side", "3", StandardView::Side);
   look("Top", "7", StandardView::Top);
   look("Three quarters", "", StandardView::ThreeQuarter);
-  ImGui::MenuItem("Orthographic", "5", &s.camera.orthographic);
+  ImGui::MenuItem("Orthographic", "5", &s.camera().orthographic);
   if (ImGui::MenuItem("Frame everything", "Home")) frameEverything(sandbox, true);
   ImGui::Separator();
   ImGui::MenuItem("Inspector", nullptr, &s.inspectorOpen);
   ImGui::MenuItem("Plots", nullptr, &s.stripOpen);
   ImGui::Separator();
-  if (ImGui::MenuItem("Light theme", nullptr, s.theme == Theme::Light)) s.theme = Theme::Light;
-  if (ImGui::MenuItem("Dark theme", nullptr, s.theme == Theme::Dark)) s.theme = Theme::Dark;
+  if (ImGui::MenuItem("Light theme", nullptr, s.theme() == Theme::Light)) s.theme() = Theme::Light;
+  if (ImGui::MenuItem("Dark theme", nullptr, s.theme() == Theme::Dark)) s.theme() = Theme::Dark;
   ImGui::EndMenu();
 }
 
 void modelMenu(Sandbox& sandbox) {
   if (!ImGui::BeginMenu("Model")) return;
   for (const std::string& name : builtInModels())
-    if (ImGui::MenuItem(name.c_str(), nullptr, sandbox.state().reference.nameOrFile == name))
+    if (ImGui::MenuItem(name.c_str(), nullptr, sandbox.state().session->document().model.nameOrFile == name))
       sandbox.open(name);
   ImGui::EndMenu();
 }
@@ -185,11 +185,11 @@ std::string hint(const Sandbox::State& s) {
   }
   switch (s.hover.kind) {
     case Hover::Kind::Goal:
-      return "Drag to move " + s.session->goals()[s.hover.index].goal.name + " · P pins · Del lets go";
+      return "Drag to move " + s.session->goal(s.hover.goal).goal.name + " · P pins · Del lets go";
     case Hover::Kind::Joint:
-      return "Drag " + s.session->skeleton().joint(s.hover.index).name + " · click selects · P pins";
+      return "Drag " + s.session->skeleton().joint(s.hover.joint).name + " · click selects · P pins";
     case Hover::Kind::Skin:
-      return "Drag the skin (" + s.session->skeleton().joint(s.hover.index).name +
+      return "Drag the skin (" + s.session->skeleton().joint(s.hover.joint).name +
              ") · click selects · P pins";
     default: break;
   }
@@ -209,7 +209,7 @@ void statusLine(Sandbox& sandbox) {
   ImGui::PushFont(s.gui.fonts().small);
   const FrameSolve& solve = s.session->lastSolve();
   std::string facts = solve.ran ? fmt::format("{} it · {} · {:.0f} µs · ", solve.iterations,
-                                              formatLength(solve.error), 1e6 * solve.seconds)
+                                              describeErrors(solve), 1e6 * solve.seconds)
                                 : std::string("at rest · ");
   facts += fmt::format("{} dof", s.session->skeleton().nv());
   if (s.secondsPerFrame > 0.0) facts += fmt::format(" · {:.0f} fps", 1.0 / s.secondsPerFrame);
@@ -389,20 +389,25 @@ std::string formatLength(double metres) {
   return fmt::format("{:.2f} m", metres);
 }
 
+std::string describeErrors(const FrameSolve& solve) {
+  std::string words = formatLength(solve.error);
+  if (solve.orientationError > 0.1 * Session::reachedAngle)
+    words += fmt::format(", {:.2g}°", solve.orientationError * 180.0 / M_PI);
+  return words;
+}
+
 std::string describeSolve(const Session& session) {
   const FrameSolve& solve = session.lastSolve();
   if (!solve.ran) return "nothing is held";
-  double reach = 1.0;  // a thousandth of a metre, or of the model where it is larger
-  for (int i = 0; i < session.skeleton().jointCount(); ++i)
-    reach = std::max(reach, chainLength(session.skeleton(), i));
-  const double reachedWithin = 1e-3 * reach;
   if (solve.why == Stop::Unsupported) return "not for this solver: " + solve.unsupported;
   if (solve.why == Stop::Failure) return "numerical failure";
-  if (solve.error < reachedWithin) return "reached, " + formatLength(solve.error);
+  const std::string errors = describeErrors(solve);
+  if (solve.reached) return "reached, " + errors;
   switch (solve.why) {
-    case Stop::Stationary: return "stationary: closest point, " + formatLength(solve.error);
-    case Stop::Stalled: return "stalled, " + formatLength(solve.error);
-    default: return (solve.jointMotion < 1e-5 ? "at rest, " : "on the way, ") + formatLength(solve.error);
+    case Stop::Stationary: return "stationary: closest point, " + errors;
+    case Stop::Saddle: return "stuck at a saddle, " + errors;
+    case Stop::Stalled: return "stalled, " + errors;
+    default: return (solve.jointMotion < 1e-5 ? "at rest, " : "on the way, ") + errors;
   }
 }
 

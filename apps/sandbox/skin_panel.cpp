@@ -13,7 +13,7 @@ class SkinPanel final : public Panel {
 
   void drawInspector(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();
-    ViewOptions& show = s.show;
+    ViewOptions& show = s.show();
     heading(s, "SHOW");
     const auto check = [](const char* label, bool& value, const char* explanation) {
       ImGui::Checkbox(label, &value);
@@ -36,15 +36,15 @@ class SkinPanel final : public Panel {
       cell("Shadow", show.shadow, "Soft shadow of the key light (percentage closer filtering).");
       ImGui::EndTable();
     }
-    if (!s.session->model().skin) {
+    if (!s.session->skin()) {
       ImGui::TextColored(s.colours().textDim, "This model has no body: its bones are drawn.");
       return;
     }
-    const Skin& skin = *s.session->model().skin;
+    const Skin& skin = *s.session->skin();
     heading(s, "BODY");
     ImGui::TextColored(s.colours().textDim, "%zu vertices · %zu triangles", skin.mesh.positions.size(),
                        skin.mesh.triangles.size());
-    for (const std::string& note : s.session->model().notes) ImGui::TextWrapped("%s", note.c_str());
+    for (const Note& note : s.session->model().notes) ImGui::TextWrapped("%s", note.line().c_str());
     heading(s, "WEIGHTS");
     check(
         "Colour by the selected joint's weight", show.weights,
@@ -65,7 +65,7 @@ class SkinPanel final : public Panel {
   static void weights(Sandbox& sandbox, const Skin& skin) {
     Sandbox::State& s = sandbox.state();
     scaleBar(s);
-    if (!s.selectedJoint) {
+    if (!s.selectedJoint()) {
       ImGui::TextColored(s.colours().textDim, "Click the skin to select a joint.");
       return;
     }
@@ -73,13 +73,13 @@ class SkinPanel final : public Panel {
     int carried = 0;
     for (const Influences& v : skin.influences)
       for (int k = 0; k < 4; ++k)
-        if (v.joints[k] == *s.selectedJoint && v.weights[k] > 0.0) {
+        if (v.joints[k] == *s.selectedJoint() && v.weights[k] > 0.0) {
           ++carried;
           sum += v.weights[k];
           largest = std::max(largest, v.weights[k]);
         }
     ImGui::TextWrapped("%s", fmt::format("{} carries {} vertices, mean weight {:.2f}, largest {:.2f}",
-                                         s.session->skeleton().joint(*s.selectedJoint).name, carried,
+                                         s.session->skeleton().joint(*s.selectedJoint()).name, carried,
                                          carried > 0 ? sum / carried : 0.0, largest)
                                  .c_str());
   }

@@ -1,7 +1,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/sandbox/sandbox_state.h"
-#include "kinematics/rotation.h"
 
 namespace gelenk {
 namespace {
@@ -10,22 +9,21 @@ using json = nlohmann::ordered_json;
 
 json point(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
-json goalStatus(const Sandbox::State& s, int index) {
-  const SceneGoal& goal = s.session->goals()[index];
-  const Eigen::Vector3d reached = s.session->reached(index);
+json goalStatus(const Sandbox::State& s, const SceneGoal& goal) {
+  const Eigen::Vector3d reached = s.session->reached(goal.id);
+  const GoalError error = s.session->judged(goal.id);
   const Projected p = s.toWindow(reached);
   json entry{{"name", goal.goal.name},
              {"state", toString(goal.state)},
              {"target", point(goal.state == GoalState::Free ? reached : goal.goal.target)},
              {"reached", point(reached)},
-             {"error", s.session->error(index)},
+             {"error", error.position},
              {"pixel", {p.pixel.x(), p.pixel.y()}}};
   if (goal.goal.kind == GoalKind::Pose || goal.goal.kind == GoalKind::Orientation) {
-    const Eigen::Quaterniond now(s.session->frames()[goal.goal.joint].linear());
     entry["orientation"] = {goal.goal.orientation.w(), goal.goal.orientation.x(), goal.goal.orientation.y(),
                             goal.goal.orientation.z()};
-    entry["orientation_error"] = logRotation(goal.goal.orientation * now.conjugate()).norm();
   }
+  if (error.orientation > 0.0) entry["orientation_error"] = error.orientation;
   return entry;
 }
 
@@ -35,7 +33,7 @@ std::string Sandbox::status() const {
   const State& s = *state_;
   const FrameSolve& solve = s.session->lastSolve();
   json goals = json::array();
-  for (int i = 0; i < static_cast<int>(s.session->goals().size()); ++i) goals.push_back(goalStatus(s, i));
+  for (const SceneGoal& goal : s.session->goals()) goals.push_back(goalStatus(s, goal));
   json q = json::array();
   for (Eigen::Index i = 0; i < s.session->q().size(); ++i) q.push_back(s.session->q()[i]);
   json tree{{"frame", s.frameNumber},
@@ -44,11 +42,13 @@ std::string Sandbox::status() const {
             {"solver", s.session->solver()},
             {"q", q},
             {"goals", goals},
-            {"dragging", s.session->dragged() ? json(s.session->goals()[*s.session->dragged()].goal.name)
-                                              : json(nullptr)},
+            {"dragging",
+             s.session->dragged() ? json(s.session->goal(*s.session->dragged()).goal.name) : json(nullptr)},
             {"iterations", solve.iterations},
             {"stop", solve.ran ? json(toString(solve.why)) : json(nullptr)},
             {"error", solve.error},
+            {"orientation_error", solve.orientationError},
+            {"reached", solve.ran && solve.reached},
             {"joint_motion", solve.jointMotion},
             {"view",
              {{"x", s.layout.view.x},

@@ -24,60 +24,49 @@ Hover hoverAt(Sandbox& sandbox, const Vector2d& pixel) {
   Sandbox::State& s = sandbox.state();
   const Session& session = *s.session;
   Hover best;
-  if (s.show.handles) {
+  if (s.show().handles) {
     double nearest = handleReach * s.scale;
-    for (int i = 0; i < static_cast<int>(session.goals().size()); ++i) {
-      if (!isGoalShown(sandbox, i)) continue;
-      const Projected p = s.toWindow(session.reached(i));
+    for (const SceneGoal& goal : session.goals()) {
+      if (!isGoalShown(sandbox, goal)) continue;
+      const Vector3d at = session.reached(goal.id);
+      const Projected p = s.toWindow(at);
       if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
         nearest = d;
-        best = {.kind = Hover::Kind::Goal, .index = i, .position = session.reached(i)};
+        best = {.kind = Hover::Kind::Goal, .goal = goal.id, .position = at};
       }
     }
     if (best.kind != Hover::Kind::Nothing) return best;
   }
-  if (s.show.skeleton || !session.model().skin) {
+  if (s.show().skeleton || !session.skin()) {
     double nearest = jointReach * s.scale;
     for (int i = 0; i < session.skeleton().jointCount(); ++i) {
       const Projected p = s.toWindow(sandbox.shownFrames()[i].translation());
       if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
         nearest = d;
-        best = {.kind = Hover::Kind::Joint, .index = i, .position = sandbox.shownFrames()[i].translation()};
+        best = {.kind = Hover::Kind::Joint, .joint = i, .position = sandbox.shownFrames()[i].translation()};
       }
     }
     if (best.kind != Hover::Kind::Nothing) return best;
   }
-  if (session.model().skin && (s.show.skin || s.show.wireframe)) {
-    const Ray ray = rayThroughPixel(s.camera, s.viewport(), s.toView(pixel));
-    if (const auto hit = pickSurface(session.model().skin->mesh.triangles, sandbox.surface().positions, ray))
+  if (session.skin() && (s.show().skin || s.show().wireframe)) {
+    const Ray ray = rayThroughPixel(s.camera(), s.viewport(), s.toView(pixel));
+    if (const auto hit = pickSurface(session.skin()->mesh.triangles, sandbox.surface().positions, ray))
       return {.kind = Hover::Kind::Skin,
-              .index = dominantJoint(*session.model().skin, hit->point),
+              .joint = dominantJoint(*session.skin(), hit->point),
               .surface = hit->point,
               .position = hit->position};
   }
   return best;
 }
 
-/// The goal that a hovered thing stands for, made where there is none yet.
-int goalOf(Session& session, const Hover& hover) {
-  switch (hover.kind) {
-    case Hover::Kind::Goal: return hover.index;
-    case Hover::Kind::Joint: return session.addJointGoal(hover.index);
-    default: return session.addSurfaceGoal(hover.surface);
-  }
-}
-
 void restartConstraint(Sandbox::State& s) {
-  const int goal = *s.session->dragged();
-  s.gesture.start = s.session->goals()[goal].goal.target;
+  s.gesture.start = s.session->goal(*s.session->dragged()).goal.target;
   s.gesture.grip = s.toWindow(s.gesture.start).pixel - s.mouse;
 }
 
 void beginDrag(Sandbox::State& s, const Hover& hover) {
-  const int goal = goalOf(*s.session, hover);
-  s.session->beginDrag(goal);
-  s.selectedGoal = goal;
-  s.selectedJoint = s.session->goals()[goal].goal.joint;
+  s.selectedGoal = s.session->beginDrag(hover.grip());
+  s.session->selectJoint(s.session->goal(*s.selectedGoal).goal.joint);
   s.gesture.kind = Gesture::Kind::Drag;
   s.gesture.constraint = s.gesture.lock = DragConstraint::ViewPlane;
   restartConstraint(s);
@@ -88,7 +77,7 @@ void continueDrag(Sandbox::State& s) {
   const Vector2d moved = s.mouse - s.gesture.last;
   if (s.alt) {
     if (moved.norm() > 0.0) {
-      const Eigen::Matrix3d axes = s.camera.axes();
+      const Eigen::Matrix3d axes = s.camera().axes();
       const Vector3d turn = radiansPerPixel * (moved.x() * axes.col(1) + moved.y() * axes.col(0));
       s.session->rotateDrag(expRotation(turn));
     }
@@ -104,7 +93,7 @@ void continueDrag(Sandbox::State& s) {
     restartConstraint(s);
   }
   const Vector2d pixel = s.toView(s.mouse + s.gesture.grip);
-  if (const auto target = dragTarget(s.camera, s.viewport(), pixel, s.gesture.start, wanted))
+  if (const auto target = dragTarget(s.camera(), s.viewport(), pixel, s.gesture.start, wanted))
     s.session->moveDrag(s.gesture.start +
                         (*target - s.gesture.start).cwiseMax(-10.0 * s.size).cwiseMin(10.0 * s.size));
 }
@@ -145,15 +134,13 @@ void release(Sandbox& sandbox, int button) {
   if (s.gesture.kind == Gesture::Kind::None || button != s.gesture.button) return;
   if (s.gesture.kind == Gesture::Kind::Drag) {
     s.session->endDrag();
-    if (s.selectedGoal && *s.selectedGoal >= static_cast<int>(s.session->goals().size()))
-      s.selectedGoal.reset();
   } else if (s.gesture.kind == Gesture::Kind::PressedSkin) {
-    s.selectedJoint = s.gesture.pressed.index;  // a click
+    s.session->selectJoint(s.gesture.pressed.joint);  // a click
   } else if (s.gesture.kind == Gesture::Kind::Tool) {
     s.gesture.tool->released(sandbox);
   } else if (s.gesture.kind == Gesture::Kind::Orbit && !s.gesture.tool &&
              (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale) {
-    s.selectedJoint.reset();
+    s.session->selectJoint(std::nullopt);
     s.selectedGoal.reset();
   }
   s.gesture = {};
@@ -173,11 +160,11 @@ void moveMouse(Sandbox& sandbox) {
       break;
     case Gesture::Kind::Orbit:
       if (!s.session->model().planar || s.gesture.button == GLFW_MOUSE_BUTTON_MIDDLE)
-        s.camera = orbit(s.camera, s.viewport(), moved);
+        s.camera() = orbit(s.camera(), s.viewport(), moved);
       else
-        s.camera = pan(s.camera, s.viewport(), moved);
+        s.camera() = pan(s.camera(), s.viewport(), moved);
       break;
-    case Gesture::Kind::Pan: s.camera = pan(s.camera, s.viewport(), moved); break;
+    case Gesture::Kind::Pan: s.camera() = pan(s.camera(), s.viewport(), moved); break;
     case Gesture::Kind::Tool: s.gesture.tool->moved(sandbox, s.mouse); break;
     default: break;
   }
@@ -185,18 +172,18 @@ void moveMouse(Sandbox& sandbox) {
   s.gesture.last = s.mouse;
 }
 
-void glideTo(Sandbox::State& s, const Camera& to) { s.cameraMove = {s.camera, to, s.time}; }
+void glideTo(Sandbox::State& s, const Camera& to) { s.cameraMove = {s.camera(), to, s.time}; }
 
 void frameSelection(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
-  if (!s.selectedJoint) return frameEverything(sandbox, true);
+  if (!s.selectedJoint()) return frameEverything(sandbox, true);
   Eigen::AlignedBox3d box;
-  const Vector3d at = sandbox.shownFrames()[*s.selectedJoint].translation();
+  const Vector3d at = sandbox.shownFrames()[*s.selectedJoint()].translation();
   box.extend(at - Vector3d::Constant(0.08 * s.size));
   box.extend(at + Vector3d::Constant(0.08 * s.size));
-  for (const int child : s.session->skeleton().children(*s.selectedJoint))
+  for (const int child : s.session->skeleton().children(*s.selectedJoint()))
     box.extend(sandbox.shownFrames()[child].translation());
-  glideTo(s, frameBox(s.camera, s.viewport(), box));
+  glideTo(s, frameBox(s.camera(), s.viewport(), box));
 }
 
 void guarded(Sandbox& sandbox, void (Session::*edit)()) {
@@ -214,32 +201,22 @@ std::string nextScreenshotName() {
 }
 
 void pinUnderMouse(Sandbox::State& s) {
-  if (s.session->dragged()) return s.session->togglePin(*s.session->dragged());
-  if (s.hover.kind == Hover::Kind::Nothing) {
-    if (s.selectedGoal) s.session->togglePin(*s.selectedGoal);
-    return;
-  }
-  s.session->togglePin(goalOf(*s.session, s.hover));
+  if (s.session->dragged())
+    s.session->togglePin(*s.session->dragged());
+  else if (s.hover.kind != Hover::Kind::Nothing)
+    s.session->togglePin(s.hover.grip());
+  else if (const auto goal = s.goalSelected())
+    s.session->togglePin(*goal);
   s.hover = {};
 }
 
 void deleteGoal(Sandbox::State& s) {
-  const std::optional<int> goal =
-      s.hover.kind == Hover::Kind::Goal ? std::optional(s.hover.index) : s.selectedGoal;
+  const std::optional<GoalId> goal =
+      s.hover.kind == Hover::Kind::Goal ? std::optional(s.hover.goal) : s.goalSelected();
   if (!goal || s.session->dragged()) return;
   s.session->remember();
   s.session->removeGoal(*goal);
   s.hover = {};
-  s.selectedGoal.reset();
-}
-
-void undoOrRedo(Sandbox& sandbox, bool redo) {
-  Sandbox::State& s = sandbox.state();
-  s.gesture = {};
-  s.selectedGoal.reset();
-  s.hover = {};
-  if (!(redo ? s.session->redo() : s.session->undo()))
-    sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
 }
 
 bool controlKey(Sandbox& sandbox, int key) {
@@ -271,7 +248,6 @@ bool plainKey(Sandbox& sandbox, int key) {
     case GLFW_KEY_R:
       s.gesture = {};
       s.hover = {};
-      s.selectedGoal.reset();
       s.session->resetPose();
       return true;
     case GLFW_KEY_M: guarded(sandbox, &Session::mirrorPose); return true;
@@ -281,21 +257,20 @@ bool plainKey(Sandbox& sandbox, int key) {
     case GLFW_KEY_F: frameSelection(sandbox); return true;
     case GLFW_KEY_HOME: frameEverything(sandbox, true); return true;
     case GLFW_KEY_1:
-    case GLFW_KEY_KP_1: glideTo(s, lookFrom(s.camera, StandardView::Front)); return true;
+    case GLFW_KEY_KP_1: glideTo(s, lookFrom(s.camera(), StandardView::Front)); return true;
     case GLFW_KEY_3:
-    case GLFW_KEY_KP_3: glideTo(s, lookFrom(s.camera, StandardView::Side)); return true;
+    case GLFW_KEY_KP_3: glideTo(s, lookFrom(s.camera(), StandardView::Side)); return true;
     case GLFW_KEY_7:
-    case GLFW_KEY_KP_7: glideTo(s, lookFrom(s.camera, StandardView::Top)); return true;
+    case GLFW_KEY_KP_7: glideTo(s, lookFrom(s.camera(), StandardView::Top)); return true;
     case GLFW_KEY_5:
-    case GLFW_KEY_KP_5: s.camera.orthographic = !s.camera.orthographic; return true;
+    case GLFW_KEY_KP_5: s.camera().orthographic = !s.camera().orthographic; return true;
     case GLFW_KEY_H:
     case GLFW_KEY_SLASH: s.helpOpen = !s.helpOpen; return true;
     case GLFW_KEY_F12: s.screenshotPath = nextScreenshotName(); return true;
     case GLFW_KEY_ESCAPE:
       if (s.gesture.kind == Gesture::Kind::Drag) {
-        s.session->undo();
+        s.session->cancelDrag();
         s.gesture = {};
-        s.selectedGoal.reset();
       }
       s.helpOpen = false;
       return true;
@@ -327,9 +302,16 @@ void trackModifiers(Sandbox::State& s, const InputEvent& event) {
 
 }  // namespace
 
-bool isGoalShown(const Sandbox& sandbox, int index) {
+void undoOrRedo(Sandbox& sandbox, bool redo) {
+  Sandbox::State& s = sandbox.state();
+  s.gesture = {};
+  s.hover = {};
+  if (!(redo ? s.session->redo() : s.session->undo()))
+    sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+}
+
+bool isGoalShown(const Sandbox& sandbox, const SceneGoal& goal) {
   const Session& session = sandbox.session();
-  const SceneGoal& goal = session.goals()[index];
   if (goal.goal.kind == GoalKind::Posture) return false;
   if (goal.goal.kind != GoalKind::Pole || goal.state != GoalState::Free) return true;
   for (const SceneGoal& other : session.goals())
@@ -360,7 +342,7 @@ void frameEverything(Sandbox& sandbox, bool glide) {
   if (glide)
     glideTo(s, camera);
   else
-    s.camera = camera;
+    s.camera() = camera;
 }
 
 void handleViewInput(Sandbox& sandbox, const Input& input) {
@@ -381,7 +363,7 @@ void handleViewInput(Sandbox& sandbox, const Input& input) {
       case InputEvent::Kind::Wheel:
         if (s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse) {
           s.cameraMove.reset();
-          s.camera = zoomTo(s.camera, s.viewport(), s.toView(s.mouse), std::pow(0.9, event.y));
+          s.camera() = zoomTo(s.camera(), s.viewport(), s.toView(s.mouse), std::pow(0.9, event.y));
         }
         break;
       case InputEvent::Kind::Key:

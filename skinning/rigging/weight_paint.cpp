@@ -14,7 +14,6 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double unit = 0x1p-30;  // sums of multiples of it up to 1 are exact in double precision
-constexpr std::size_t longestHistory = 200;
 
 using JointWeights = std::vector<std::pair<int, double>>;
 
@@ -266,53 +265,9 @@ WeightChange mirrored(const std::vector<Influences>& weights, const std::vector<
   return change;
 }
 
-void WeightEditor::apply(const WeightChange& change) {
-  if (change.empty()) return;
-  future_.clear();
-  for (const auto& [vertex, influences] : change) {
-    open_.push_back({vertex, weights_.at(vertex), influences});
-    weights_[vertex] = influences;
-  }
-}
-
-void WeightEditor::finishStep() {
-  if (open_.empty()) return;
-  // One entry a vertex: what it was before the step and is after it.
-  std::stable_sort(open_.begin(), open_.end(),
-                   [](const Edit& a, const Edit& b) { return a.vertex < b.vertex; });
-  Step step;
-  for (const Edit& edit : open_) {
-    if (!step.empty() && step.back().vertex == edit.vertex)
-      step.back().after = edit.after;
-    else
-      step.push_back(edit);
-  }
-  open_.clear();
-  past_.push_back(std::move(step));
-  if (past_.size() > longestHistory) past_.erase(past_.begin());
-}
-
-bool WeightEditor::undo() {
-  finishStep();
-  if (past_.empty()) return false;
-  for (const Edit& edit : past_.back()) weights_[edit.vertex] = edit.before;
-  future_.push_back(std::move(past_.back()));
-  past_.pop_back();
-  return true;
-}
-
-bool WeightEditor::redo() {
-  if (future_.empty()) return false;
-  for (const Edit& edit : future_.back()) weights_[edit.vertex] = edit.after;
-  past_.push_back(std::move(future_.back()));
-  future_.pop_back();
-  return true;
-}
-
-WeightChange WeightEditor::difference() const {
+WeightChange difference(const std::vector<Influences>& from, const std::vector<Influences>& to) {
   WeightChange change;
-  for (std::size_t v = 0; v < weights_.size(); ++v)
-    record(change, static_cast<int>(v), start_[v], weights_[v]);
+  for (std::size_t v = 0; v < to.size(); ++v) record(change, static_cast<int>(v), from.at(v), to[v]);
   return change;
 }
 

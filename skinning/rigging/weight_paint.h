@@ -10,8 +10,7 @@
 namespace gelenk {
 
 // Binding by hand, the lecture's answer to ambiguous assignments (10.3): vertices are brushed or lassoed to a
-// bone or a layer. Every operation is a function from weights to a change of some vertices; WeightEditor
-// keeps the weights and the history. No graphics.
+// bone or a layer. Every operation is a function from weights to a change of some vertices. No graphics.
 
 /// Weights made here are multiples of 2^-30, so that the four of a vertex sum to exactly 1 in any order and
 /// mirror exactly. Keeps the four largest of the weights (any number, repeated joints are added up),
@@ -97,37 +96,8 @@ WeightChange mirrored(const std::vector<Influences>& weights,
                       const std::vector<int>& partnerVertex, const std::vector<int>& partnerJoint,
                       MirrorFrom from);
 
-/// The weights while they are edited, with steps that can be taken back exactly.
-class WeightEditor {
- public:
-  explicit WeightEditor(std::vector<Influences> start) : start_(start), weights_(std::move(start)) {}
-
-  const std::vector<Influences>& weights() const { return weights_; }
-  const std::vector<Influences>& start() const { return start_; }
-
-  /// Puts a change in effect. Changes up to the next finishStep() are one step, such as a brush stroke.
-  /// Forgets what was undone.
-  void apply(const WeightChange& change);
-  void finishStep();
-  bool undo();  ///< finishes an open step first; false where nothing is left
-  bool redo();
-  bool canUndo() const { return !past_.empty() || !open_.empty(); }
-  bool canRedo() const { return !future_.empty(); }
-
-  /// Vertices whose influences differ from the start, with what they are now: what a scene has to keep.
-  WeightChange difference() const;
-
- private:
-  struct Edit {
-    int vertex;
-    Influences before, after;
-  };
-  using Step = std::vector<Edit>;
-
-  std::vector<Influences> start_, weights_;
-  std::vector<Step> past_, future_;
-  Step open_;
-};
+/// What leads from one list of weights to another of the same length.
+WeightChange difference(const std::vector<Influences>& from, const std::vector<Influences>& to);
 
 bool operator==(const Influences& a, const Influences& b);
 

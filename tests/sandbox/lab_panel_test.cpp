@@ -1,8 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
-#include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/view_picture.h"
@@ -54,16 +51,13 @@ TEST(LabPanel, GhostsReachTheGoalInPosesOfTheirOwn) {
   EXPECT_TRUE(stage.log.messages().empty());
 }
 
-TEST(LabPanel, ItsStateGoesThroughASceneAndBadStatesAreRefused) {
+TEST(LabPanel, ItsChoiceIsThatOfTheDocument) {
   Stage stage;
-  const auto panel = makeLabPanel(), copy = makeLabPanel();
-  copy->load(stage.sandbox, R"({"compare": true, "side_by_side": false, "solvers": ["sdls", "qp"]})");
-  panel->load(stage.sandbox, copy->save());
-  EXPECT_EQ(panel->save(), copy->save());
-  EXPECT_THROW(
-      panel->load(stage.sandbox, R"({"compare": true, "side_by_side": false, "solvers": ["newtonn"]})"),
-      std::exception);
-  EXPECT_THROW(panel->load(stage.sandbox, R"({"compare": true})"), std::exception);
+  stage.sandbox.session().lab() = {.compare = true, .sideBySide = true, .solvers = {"sdls", "qp"}};
+  EXPECT_EQ(stage.play(targetOf(stage), 12).size(), 2u);  // side by side both are shown
+  EXPECT_EQ(stage.sandbox.document().lab.solvers, (std::vector<std::string>{"sdls", "qp"}));
+  ASSERT_TRUE(stage.sandbox.open("planar"));
+  EXPECT_TRUE(stage.play("0 move 5 5\n", 3).empty());
 }
 
 }  // namespace

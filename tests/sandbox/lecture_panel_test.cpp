@@ -2,20 +2,20 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
+#include "apps/document/chain_models.h"
+#include "apps/document/scene_file.h"
 #include "apps/lecture/example.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/view_picture.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/planar_chain.h"
+#include "kinematics/notation/robots.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
 
 namespace gelenk {
 namespace {
-
-using nlohmann::json;
 
 struct Stage {
   OffscreenContext context;
@@ -38,12 +38,12 @@ TEST(LectureScenes, EveryTopicOpensDrawsAndLeavesNoGlMessage) {
     ASSERT_TRUE(stage.sandbox.open("lecture:" + topic.id)) << topic.id;
     stage.frames(3);
     EXPECT_TRUE(stage.sandbox.session().q().allFinite()) << topic.id;
-    EXPECT_TRUE(stage.sandbox.scene().panels.contains("Lecture")) << topic.id;
+    EXPECT_EQ(stage.sandbox.document().lecture.topic, topic.id);
   }
   EXPECT_TRUE(stage.log.messages().empty()) << stage.log.messages().front();
   EXPECT_FALSE(stage.sandbox.open("lecture:no-such-example"));
   EXPECT_TRUE(stage.sandbox.open("planar"));  // another model ends the example
-  EXPECT_FALSE(stage.sandbox.scene().panels.contains("Lecture"));
+  EXPECT_EQ(stage.sandbox.document().lecture.topic, "");
 }
 
 TEST(LectureScenes, TheTwoLinkArmFollowsItsTargetByTheClosedForm) {
@@ -73,7 +73,64 @@ TEST(LectureScenes, SavedExampleComesBack) {
   ASSERT_TRUE(stage.sandbox.open(path));
   std::filesystem::remove(path);
   EXPECT_LE((stage.sandbox.session().q() - q).norm(), 1e-15);
-  EXPECT_EQ(json::parse(stage.sandbox.scene().panels.at("Lecture"))["topic"], "planar-fk");
+  EXPECT_EQ(stage.sandbox.document().lecture.topic, "planar-fk");
+}
+
+TEST(LectureScenes, AnEditedRobotComesBackWithItsTable) {
+  Stage stage;
+  ASSERT_TRUE(stage.sandbox.open("lecture:dh"));
+  DhTable table = robotTable("panda");
+  table.rows.pop_back();
+  table.rows.pop_back();
+  table.rows[1].a = 0.1 + 0.2;
+  table.rest.reset();
+  stage.sandbox.openModel(dhModel(table), {.nameOrFile = dhDescription(table)});
+  const Model opened = openModel(dhDescription(table));
+  EXPECT_EQ(opened.skeleton.nq(), stage.sandbox.session().skeleton().nq());
+  EXPECT_EQ(dhTableNamed(dhDescription(table))->rows[1].a, 0.1 + 0.2);
+  stage.frames(1);
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk_dh_" + std::to_string(getpid()) + ".json")).string();
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
+  ASSERT_TRUE(stage.sandbox.open("planar"));
+  ASSERT_TRUE(stage.sandbox.open(path));
+  EXPECT_EQ(stage.sandbox.session().skeleton().nq(), opened.skeleton.nq());
+  ASSERT_TRUE(stage.sandbox.open("lecture:dh"));
+  stage.frames(1);
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
+  ASSERT_TRUE(stage.sandbox.open("planar"));
+  ASSERT_TRUE(stage.sandbox.open(path));
+  EXPECT_EQ(stage.sandbox.document().lecture.topic, "dh");
+  stage.frames(2);
+  std::filesystem::remove(path);
+}
+
+/// What a model opens with, but for the theme, is its own: nothing of what was open before.
+TEST(LectureScenes, WhatIsOpenedAfterAnExampleBeginsAsIfItHadBeenFirst) {
+  for (const char* next : {"figure", "planar", "panda"}) {
+    std::optional<Document> alone;
+    for (const LectureTopic& topic : lectureTopics()) {
+      Stage stage;
+      stage.frames(1);  // the layout is known
+      if (!alone) {
+        ASSERT_TRUE(stage.sandbox.open(next));
+        alone = stage.sandbox.document();
+      }
+      stage.sandbox.session().theme() = Theme::Dark;
+      ASSERT_TRUE(stage.sandbox.open("lecture:" + topic.id));
+      stage.frames(1);
+      stage.sandbox.session().view().show.limits = false;
+      stage.sandbox.session().setSolver("dls");
+      stage.sandbox.session().lab().compare = true;
+      ASSERT_TRUE(stage.sandbox.open(next));
+      Document after = stage.sandbox.document();
+      EXPECT_EQ(after.theme, Theme::Dark);
+      after.theme = alone->theme;
+      const Model& model = stage.sandbox.session().model();
+      EXPECT_EQ(formatScene(after, model), formatScene(*alone, model)) << next << " after " << topic.id;
+      if (std::string(next) != "planar") break;  // the figure is large: once for one example
+    }
+  }
 }
 
 }  // namespace

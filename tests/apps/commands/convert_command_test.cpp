@@ -1,17 +1,17 @@
 // `gelenk convert` as a person types it.
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
-#include "apps/document/binding_scene.h"
 #include "apps/document/model_files.h"
-#include "apps/document/scene.h"
+#include "apps/document/scene_file.h"
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
 #include "skinning/io/obj.h"
+#include "skinning/rigging/weight_paint.h"
 
 namespace gelenk {
 namespace {
@@ -26,11 +26,11 @@ class ConvertCommand : public ::testing::Test {
   ~ConvertCommand() override { std::filesystem::remove_all(folder_); }
 
   void convert(std::vector<std::string> words) const {
-    CLI::App app;
-    addCommands(app);
+    CommandLine line("", "");
+    Command program = line.root();
+    addCommands(program);
     words.insert(words.begin(), "convert");
-    std::reverse(words.begin(), words.end());
-    app.parse(words);
+    line.parse(std::move(words));
   }
   std::string path(const std::string& name) const { return folder_ + name; }
   std::string file(const std::string& name, const std::string& content) const {
@@ -119,20 +119,18 @@ TEST_F(ConvertCommand, ATutorialFigureKeepsItsNumbersAndSoFitsItsPose) {
 TEST_F(ConvertCommand, ASceneBringsItsPoseAndItsEditedWeights) {
   const std::string obj = file("b.obj", tetrahedron),
                     bones = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\nc 0 2 0 b\n");
-  const ModelReference reference{.nameOrFile = obj,
-                                 .skeletonFile = bones,
-                                 .weightsFile = file("w.attachment", "1 0\n0.5 0.5\n0 1\n1 0\n")};
+  const ModelReference reference{
+      .nameOrFile = obj,
+      .files = {.skeleton = bones, .weights = file("w.attachment", "1 0\n0.5 0.5\n0 1\n1 0\n")}};
   const Model model = readModel(reference);
-  Scene scene;
-  scene.model = reference;
-  scene.q = model.skeleton.rest();
-  setBallRotation(model.skeleton, scene.q, 1,
+  Document scene = newDocument(model, reference);
+  setBallRotation(model.skeleton, scene.edits.q, 1,
                   Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX())));
   Influences quarter{};
   quarter.joints = {0, 1, 0, 0};
   quarter.weights = {0.25, 0.75, 0.0, 0.0};
-  scene.panels["Binding"] = bindingText({{3, quarter}}, 4, model.skeleton);
-  saveScene(path("scene.json"), scene, model.skeleton);
+  scene.edits.weights.set(3, quarter);
+  writeScene(path("scene.json"), scene, model);
 
   convert({path("scene.json"), path("out.attachment")});
   const auto edited = openBody(obj, bones, path("out.attachment")).skin->influences;

@@ -54,9 +54,9 @@ void stepFrames(Session& session, int frames) {
 }
 
 /// Drags the goal by a straight path of so many frames and lets it be held there.
-void drag(Session& session, int goal, const Vector3d& by, int frames) {
+void drag(Session& session, GoalId goal, const Vector3d& by, int frames) {
   session.beginDrag(goal);
-  const Vector3d start = session.goals()[goal].goal.target;
+  const Vector3d start = session.goal(goal).goal.target;
   for (int i = 1; i <= frames; ++i) {
     session.moveDrag(start + by * i / frames);
     session.step();
@@ -65,7 +65,7 @@ void drag(Session& session, int goal, const Vector3d& by, int frames) {
 
 TEST(Session, AReachableTargetIsReachedWithinAMillimetre) {
   Session session(figure());
-  const int hand = *session.findGoal("hand_r");
+  const GoalId hand = *session.findGoal("hand_r");
   drag(session, hand, {-0.05, 0.25, 0.1}, 20);
   stepFrames(session, 20);
   EXPECT_LT(session.error(hand), 1e-3);
@@ -74,7 +74,7 @@ TEST(Session, AReachableTargetIsReachedWithinAMillimetre) {
 
 TEST(Session, OutOfReachTheArmIsStretchedTowardsTheTargetAndStill) {
   Session session(figure());
-  const int hand = *session.findGoal("hand_r");
+  const GoalId hand = *session.findGoal("hand_r");
   drag(session, hand, {-2.0, 0.6, 0.4}, 20);
   for (int frame = 1; frame <= 240; ++frame) {
     const double motion = session.step().jointMotion;
@@ -87,7 +87,7 @@ TEST(Session, OutOfReachTheArmIsStretchedTowardsTheTargetAndStill) {
   const Vector3d shoulder = frames[skeleton.jointIndex("upperarm_r")].translation();
   const Vector3d elbow = frames[skeleton.jointIndex("lowerarm_r")].translation();
   const Vector3d wrist = frames[skeleton.jointIndex("hand_r")].translation();
-  const Vector3d toTarget = (session.goals()[hand].goal.target - shoulder).normalized();
+  const Vector3d toTarget = (session.goal(hand).goal.target - shoulder).normalized();
   EXPECT_GT(session.error(hand), 0.5);
   EXPECT_GT((wrist - shoulder).norm(), 0.98 * ((elbow - shoulder).norm() + (wrist - elbow).norm()));
   EXPECT_GT((wrist - shoulder).normalized().dot(toTarget), 0.98);
@@ -114,10 +114,10 @@ TEST(Session, PinnedFeetStayWhileThePelvisIsPushedDown) {
 
 TEST(Session, AHandleStaysHeldAndOtherPointsLetGo) {
   Session session(figure());
-  const int hand = *session.findGoal("hand_l");
+  const GoalId hand = *session.findGoal("hand_l");
   drag(session, hand, {0.0, 0.1, 0.0}, 5);
   session.endDrag();
-  EXPECT_EQ(session.goals()[hand].state, GoalState::Held);
+  EXPECT_EQ(session.goal(hand).state, GoalState::Held);
   const std::size_t count = session.goals().size();
   drag(session, session.addJointGoal(session.skeleton().jointIndex("lowerarm_r")), {0.0, 0.05, 0.0}, 5);
   EXPECT_EQ(session.goals().size(), count + 1);
@@ -127,27 +127,178 @@ TEST(Session, AHandleStaysHeldAndOtherPointsLetGo) {
 
 TEST(Session, APressWithoutAMoveIsNoEdit) {
   Session session(figure());
-  const int hand = *session.findGoal("hand_l");
+  const GoalId hand = *session.findGoal("hand_l");
   const bool couldUndo = session.canUndo();
   session.beginDrag(hand);
   stepFrames(session, 3);
   session.endDrag();
-  EXPECT_EQ(session.goals()[hand].state, GoalState::Free);
+  EXPECT_EQ(session.goal(hand).state, GoalState::Free);
   EXPECT_EQ(session.canUndo(), couldUndo);
+}
+
+TEST(Session, UndoAfterAPressWithoutAMoveTakesBackTheEditBefore) {
+  for (const bool held : {false, true}) {
+    Session session(figure());
+    const GoalId hand = *session.findGoal("hand_r"), other = *session.findGoal("hand_l");
+    EXPECT_FALSE(session.canUndo());
+    session.beginDrag(other);
+    EXPECT_FALSE(session.undo());  // nothing was done yet
+    EXPECT_FALSE(session.dragged());
+    drag(session, hand, {-0.1, 0.2, 0.1}, 10);
+    session.endDrag();
+    if (held) session.setState(other, GoalState::Held);
+    const Vector3d target = session.goal(other).goal.target;
+    session.beginDrag(other);
+    stepFrames(session, 3);
+    EXPECT_TRUE(session.undo());
+    EXPECT_EQ(session.goal(hand).state, GoalState::Free);
+    EXPECT_EQ(session.goal(other).state, GoalState::Free);
+    EXPECT_TRUE(session.redo());
+    EXPECT_EQ(session.goal(hand).state, GoalState::Held);
+    EXPECT_EQ(session.goal(other).state, held ? GoalState::Held : GoalState::Free);
+    EXPECT_LT((session.goal(other).goal.target - target).norm(), held ? 1e-12 : 1.0);
+    EXPECT_FALSE(session.redo());
+  }
+}
+
+TEST(Session, ACancelledDragLeavesNoTrace) {
+  Session session(figure());
+  const GoalId hand = *session.findGoal("hand_r");
+  drag(session, hand, {-0.1, 0.2, 0.1}, 10);
+  session.endDrag();
+  ASSERT_TRUE(session.undo());
+  const Eigen::VectorXd q = session.q();
+  const std::size_t count = session.goals().size();
+  const GoalId elbow = session.beginDrag(JointGrip{session.skeleton().jointIndex("lowerarm_l")});
+  session.moveDrag(session.reached(elbow) + Vector3d(0, 0.2, 0));
+  stepFrames(session, 5);
+  EXPECT_NE(session.q(), q);
+  session.cancelDrag();
+  EXPECT_EQ(session.q(), q);
+  EXPECT_EQ(session.goals().size(), count);
+  EXPECT_TRUE(session.canRedo());  // what was undone can still be had
+}
+
+TEST(Session, UndoOfADragOfTheBodyLeavesNoGoalBehind) {
+  Session session(figure());
+  const std::size_t count = session.goals().size();
+  const GoalId elbow = session.beginDrag(JointGrip{session.skeleton().jointIndex("lowerarm_r")});
+  session.moveDrag(session.reached(elbow) + Vector3d(0, 0.05, 0));
+  session.step();
+  session.togglePin(elbow);
+  session.endDrag();
+  EXPECT_EQ(session.goals().size(), count + 1);
+  ASSERT_TRUE(session.undo());
+  EXPECT_EQ(session.goals().size(), count);
+  ASSERT_TRUE(session.redo());
+  EXPECT_EQ(session.goal(elbow).state, GoalState::Pinned);
+}
+
+TEST(Session, AnIdMeansTheSameGoalOrNoneWhateverWasRemoved) {
+  Session session(figure());
+  const GoalId first = session.addJointGoal(session.skeleton().jointIndex("lowerarm_r")),
+               second = session.addJointGoal(session.skeleton().jointIndex("lowerarm_l"));
+  session.remember();
+  session.removeGoal(first);
+  EXPECT_EQ(session.goal(second).goal.name, "lowerarm_l");
+  EXPECT_FALSE(session.hasGoal(first));
+  EXPECT_THROW(session.setTarget(first, Vector3d::Zero()), std::invalid_argument);
+  EXPECT_THROW(session.beginDrag(first), std::invalid_argument);
+  const GoalId third = session.addJointGoal(session.skeleton().jointIndex("calf_l"));
+  EXPECT_NE(third, first);
+  ASSERT_TRUE(session.undo());
+  EXPECT_EQ(session.goal(first).goal.name, "lowerarm_r");
+  EXPECT_NE(session.addJointGoal(session.skeleton().jointIndex("calf_r")), third);
+}
+
+TEST(Session, PaintedWeightsPosesAndMusclesAreTakenBackInTheOrderTheyWereMade) {
+  Session session(sleeve());
+  const Skin* skin = session.skin();
+  const std::vector<Influences> own = skin->influences;
+  session.remember();
+  session.changeWeights({{1, Influences{{2, 0, 0, 0}, {1, 0, 0, 0}}}});
+  const std::vector<Influences> painted = session.skin()->influences;
+  EXPECT_NE(painted, own);
+  EXPECT_EQ(session.model().skin->influences, own);  // the model is as it was opened
+  EXPECT_EQ(session.skin(), skin);
+  session.remember();
+  session.setPose(Vector3d(0.1, 0.2, 0.3));
+  session.remember();
+  session.setMuscles(std::make_shared<MuscleSettings>(MuscleSettings{.enabled = true}));
+
+  EXPECT_TRUE(session.undo());
+  EXPECT_EQ(session.edits().muscles, nullptr);
+  EXPECT_EQ(session.q(), Vector3d(0.1, 0.2, 0.3));
+  EXPECT_TRUE(session.undo());
+  EXPECT_EQ(session.q(), session.skeleton().rest());
+  EXPECT_EQ(session.skin()->influences, painted);
+  const int version = session.weightsVersion();
+  EXPECT_TRUE(session.undo());
+  EXPECT_EQ(session.skin()->influences, own);
+  EXPECT_GT(session.weightsVersion(), version);
+  EXPECT_FALSE(session.undo());
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(session.redo());
+  EXPECT_EQ(session.skin()->influences, painted);
+  EXPECT_TRUE(session.edits().muscles->enabled);
+  EXPECT_THROW(session.changeWeights({{6, Influences{}}}), std::invalid_argument);
+}
+
+TEST(Session, TheSolverLivesOnWhenTheWeightsChangeAndWhenTheSessionHasGone) {
+  Session session(sleeve());
+  const GoalId end = session.addJointGoal(3);
+  session.setTarget(end, session.reached(end) + Vector3d(-0.05, 0.05, 0));
+  const Skeleton* skeleton = &session.skeleton();
+  session.remember();
+  session.changeWeights({{0, Influences{{2, 0, 0, 0}, {1, 0, 0, 0}}}});
+  EXPECT_EQ(&session.skeleton(), skeleton);
+  stepFrames(session, 30);
+  EXPECT_LT(session.error(end), 1e-3);
+  for (const std::string& name : frameSolverNames()) {
+    std::unique_ptr<FrameSolver> solver;
+    IkProblem problem;
+    std::shared_ptr<const Skeleton> kept;
+    {
+      Session gone(sleeve());
+      gone.setTarget(gone.addJointGoal(3), Vector3d(0.5, 0.5, 0.0));
+      solver = makeFrameSolver(name, gone.sharedSkeleton());
+      problem = gone.problem();
+      kept = gone.sharedSkeleton();
+    }
+    EXPECT_TRUE(solver->frame(problem).q.allFinite()) << name;
+  }
+}
+
+TEST(Session, AnOrientationThatIsMissedIsNotReached) {
+  Session session(sleeve());  // a planar arm: no joint turns about x
+  const GoalId end = session.addJointGoal(3);
+  session.setState(end, GoalState::Held);
+  session.setOrientation(end, Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitX())) *
+                                  Eigen::Quaterniond(session.frames()[3].linear()));
+  stepFrames(session, 20);
+  ASSERT_TRUE(session.lastSolve().ran);
+  EXPECT_FALSE(session.lastSolve().reached);
+  EXPECT_GT(session.lastSolve().orientationError, 0.3);
+  EXPECT_NEAR(session.judged(end).orientation, session.lastSolve().orientationError, 1e-9);
+
+  Session aiming(sleeve());
+  aiming.addGoal({.kind = GoalKind::Aim, .joint = 3, .target = {1, 0, 5}, .axisInJoint = {0, 0, -1}});
+  stepFrames(aiming, 20);
+  EXPECT_FALSE(aiming.lastSolve().reached);
+  EXPECT_GT(aiming.lastSolve().orientationError, 0.3);
 }
 
 TEST(Session, PinningWhileDraggingKeepsThePoint) {
   Session session(figure());
-  const int goal = session.addJointGoal(session.skeleton().jointIndex("lowerarm_r"));
+  const GoalId goal = session.addJointGoal(session.skeleton().jointIndex("lowerarm_r"));
   drag(session, goal, {0.0, 0.05, 0.0}, 5);
   session.togglePin(goal);
   session.endDrag();
-  EXPECT_EQ(session.goals()[goal].state, GoalState::Pinned);
+  EXPECT_EQ(session.goal(goal).state, GoalState::Pinned);
 }
 
 TEST(Session, APointOfTheSkinFollowsByItsBlendNotByOneBone) {
   Session session(sleeve());
-  const int goal = session.addSurfaceGoal({.triangle = 1, .barycentric = {0.2, 0.3, 0.5}});
+  const GoalId goal = session.addSurfaceGoal({.triangle = 1, .barycentric = {0.2, 0.3, 0.5}});
   const Vector3d before = session.reached(goal);
   drag(session, goal, {-0.1, 0.12, 0.0}, 20);
   stepFrames(session, 30);
@@ -164,16 +315,16 @@ TEST(Session, APointOfTheSkinFollowsByItsBlendNotByOneBone) {
 TEST(Session, UndoBringsBackPoseAndGoalsAndRedoRepeats) {
   Session session(figure());
   const Eigen::VectorXd before = session.q();
-  const int hand = *session.findGoal("hand_r");
+  const GoalId hand = *session.findGoal("hand_r");
   drag(session, hand, {-0.1, 0.2, 0.1}, 10);
   session.endDrag();
   const Eigen::VectorXd after = session.q();
   ASSERT_TRUE(session.undo());
   EXPECT_EQ(session.q(), before);
-  EXPECT_EQ(session.goals()[hand].state, GoalState::Free);
+  EXPECT_EQ(session.goal(hand).state, GoalState::Free);
   ASSERT_TRUE(session.redo());
   EXPECT_EQ(session.q(), after);
-  EXPECT_EQ(session.goals()[hand].state, GoalState::Held);
+  EXPECT_EQ(session.goal(hand).state, GoalState::Held);
   EXPECT_FALSE(session.redo());
 }
 
@@ -200,9 +351,9 @@ TEST(Session, MirroringTwiceIsTheIdentity) {
 
 TEST(Session, AReturnFromOutOfReachIsContinuous) {
   Session session(figure());
-  const int hand = *session.findGoal("hand_r");
+  const GoalId hand = *session.findGoal("hand_r");
   session.beginDrag(hand);
-  const Vector3d start = session.goals()[hand].goal.target;
+  const Vector3d start = session.goal(hand).goal.target;
   double largest = 0.0;
   for (int i = 1; i <= 200; ++i) {  // 2 m out and back, 2 cm a frame
     const double s = i <= 100 ? i / 100.0 : (200 - i) / 100.0;
@@ -218,7 +369,7 @@ TEST(Session, EverySolverOfTheCatalogueComesNearerOrSaysWhyNot) {
   for (const std::string& name : frameSolverNames()) {
     Session session(sleeve());
     session.setSolver(name);
-    const int goal = session.addJointGoal(3);
+    const GoalId goal = session.addJointGoal(3);
     const Vector3d target = session.reached(goal) + Vector3d(-0.05, 0.05, 0.0);
     session.setTarget(goal, target);
     const double before = session.error(goal);
@@ -234,10 +385,10 @@ TEST(Session, EverySolverOfTheCatalogueComesNearerOrSaysWhyNot) {
 
 TEST(Session, PoleTurnsTheElbowToItsSide) {
   Session session(figure());
-  const int hand = *session.findGoal("hand_r");
+  const GoalId hand = *session.findGoal("hand_r");
   drag(session, hand, {0.0, 0.02, 0.0}, 3);
   session.endDrag();
-  const int pole = *session.findGoal("lowerarm_r_pole");
+  const GoalId pole = *session.findGoal("lowerarm_r_pole");
   const Vector3d elbowBefore = session.frames()[session.skeleton().jointIndex("lowerarm_r")].translation();
   drag(session, pole, {0.0, 0.3, 0.0}, 30);
   stepFrames(session, 60);
@@ -255,7 +406,7 @@ TEST(Session, UnknownSolversAreNamedWithThoseThatExist) {
     EXPECT_NE(std::string(error.what()).find("magic"), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("dls"), std::string::npos);
   }
-  EXPECT_EQ(session.solver(), "hybrid");
+  EXPECT_EQ(session.solver(), "drag");
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+namespace gelenk {
+
+/// Further files that one file needs, empty where not given.
+struct Companions {
+  std::string skeleton = {}, weights = {};  ///< of an OBJ
+  std::string asf = {};                     ///< of an AMC, or to lay a fitted skeleton on
+  std::string amc = {};
+  std::string mapping = {};  ///< BonePath lines; default: CMU's bones on Pinocchio's human
+  std::string figure = {};   ///< of a tutorial pose
+  std::string clip = {};     ///< which motion of a file that names several; default: the first
+  bool operator==(const Companions&) const = default;
+};
+
+/// What a model is opened from: a built-in model or a file, and what belongs to it.
+struct ModelReference {
+  std::string nameOrFile = "figure";
+  Companions files = {};
+  bool operator==(const ModelReference&) const = default;
+};
+
+}  // namespace gelenk
