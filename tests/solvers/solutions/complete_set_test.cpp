@@ -353,7 +353,7 @@ TEST(ClosedForm, TheNearestSolutionWithinLimitsIsTaken) {
   }
 }
 
-TEST(ClosedForm, IsReadByItsOldName) { EXPECT_EQ(solverEntry("spherical-wrist").name, "closed-form"); }
+TEST(ClosedForm, IsReadByItsOldName) { EXPECT_EQ(presentName("spherical-wrist"), "closed-form"); }
 
 }  // namespace
 }  // namespace gelenk
