@@ -26,7 +26,7 @@ Eigen::Vector3f solverColour(std::string_view solver) {
   std::size_t index = 0;
   for (const SolverEntry& entry : solverCatalogue()) {
     if (entry.name == "drag") continue;
-    if (entry.name == solver) return fromHex(palette[index % palette.size()]);
+    if (entry.name == solver.substr(0, solver.find('['))) return fromHex(palette[index % palette.size()]);
     ++index;
   }
   return fromHex(0x0072b2);  // blue

@@ -28,8 +28,8 @@ class WarmSolver final : public FrameSolver {
 /// The stateful drag solver.
 class DragFrameSolver final : public FrameSolver {
  public:
-  explicit DragFrameSolver(std::shared_ptr<const Skeleton> skeleton)
-      : skeleton_(std::move(skeleton)), solver_(*skeleton_, options()) {}
+  DragFrameSolver(std::shared_ptr<const Skeleton> skeleton, const DragParameters& parameters)
+      : skeleton_(std::move(skeleton)), solver_(*skeleton_, options(parameters)) {}
 
   IkReport frame(const IkProblem& problem) override {
     if (fresh_) solver_.reset(problem.start);
@@ -66,8 +66,10 @@ class DragFrameSolver final : public FrameSolver {
 
   /// A pelvis pushed 4 cm down on straight legs needs 14 mm against the posture's pull: with the default
   /// correction of at most 10 mm it comes to rest 4 mm above a target that it can reach.
-  static DragOptions options() {
+  static DragOptions options(const DragParameters& parameters) {
     DragOptions options;
+    options.posture = parameters.posture;
+    options.poseArm = parameters.poseArm;
     options.dragBias = 0.04;
     // Twice the default: of eleven targets 1 to 3 m out of reach two ended in a cycle of 0.03 rad a
     // frame without it, none with it, and a hand led at 3 cm a frame stays within 0.1 mm of its target either
@@ -93,7 +95,9 @@ std::vector<std::string> frameSolverNames() {
 
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name,
                                              std::shared_ptr<const Skeleton> skeleton) {
-  if (presentName(name) == "drag") return std::make_unique<DragFrameSolver>(std::move(skeleton));
+  const SolverSpec spec = solverSpec(name);
+  if (spec.entry->name == "drag")
+    return std::make_unique<DragFrameSolver>(std::move(skeleton), withValues<DragParameters>(spec.values));
   return std::make_unique<WarmSolver>(name, std::move(skeleton));
 }
 

@@ -61,7 +61,15 @@ int readJoint(const JsonEntry& entry, const Skeleton& skeleton) {
 
 void requireSolver(const JsonEntry& entry, const std::string& name) {
   const auto known = frameSolverNames();
-  if (std::ranges::count(known, name)) return;
+  if (std::ranges::count(known, name.substr(0, name.find('[')))) {
+    try {
+      makeSolver(name);
+    } catch (const std::invalid_argument& error) {
+      entry.fail("a solver and values of its parameters",
+                 std::string("one that is refused: ") + error.what());
+    }
+    return;
+  }
   std::string list;
   for (const std::string& solver : known) list += (list.empty() ? "" : ", ") + solver;
   entry.fail("one of the solvers " + list, "'" + name + "'");
@@ -428,6 +436,11 @@ SolverChoice readSolver(const JsonEntry& from) {
       const std::string solverName(presentName(method));
       requireSolver(*parameters, solverName);
       for (const auto& [name, value] : values.members()) solver.parameters[solverName][name] = value.number();
+      try {
+        validate(solverName, solverEntry(solverName).parameters, solver.parameters[solverName]);
+      } catch (const std::invalid_argument& error) {
+        values.fail("values of parameters", std::string("some that are refused: ") + error.what());
+      }
     }
   return solver;
 }

@@ -485,10 +485,28 @@ bool Session::redo() {
 
 // --- solver
 
-void Session::setSolver(const std::string& name) {
-  solver_ = makeFrameSolver(name, sharedSkeleton());
+void Session::setSolver(const std::string& text) {
+  SolverSpec spec = solverSpec(text);
+  const std::string name = spec.name;
+  if (const auto kept = document_.solver.parameters.find(name); kept != document_.solver.parameters.end())
+    for (const auto& [parameter, value] : kept->second)
+      if (!spec.values.count(parameter)) spec = withParameter(spec, parameter, value);
+  solver_ = makeFrameSolver(toText(spec), sharedSkeleton());
   asOpened_ = false;
-  document_.solver.name = presentName(name);
+  document_.solver.name = name;
+  document_.solver.parameters.erase(name);
+  if (!spec.values.empty()) document_.solver.parameters[name] = spec.values;
+}
+
+ParameterValues Session::parameters() const {
+  const auto found = document_.solver.parameters.find(document_.solver.name);
+  return found == document_.solver.parameters.end() ? ParameterValues() : found->second;
+}
+
+void Session::setParameters(const ParameterValues& values) {
+  solverEntry(document_.solver.name).make(values);  // throws before anything is changed
+  document_.solver.parameters[document_.solver.name] = values;
+  setSolver(std::string(document_.solver.name));
 }
 
 void Session::nextSolver(int direction) {

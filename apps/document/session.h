@@ -29,8 +29,8 @@ class FrameSolver {
   virtual void reset() {}
 };
 
-/// Names that makeFrameSolver knows: "drag" (the drag solver, the default) and every entry of
-/// solverCatalogue().
+/// Names that makeFrameSolver knows, with or without values of parameters in brackets (ik_solver.h): "drag"
+/// (the drag solver, the default) and every entry of solverCatalogue().
 std::vector<std::string> frameSolverNames();
 /// The solver keeps the skeleton alive. Throws std::invalid_argument that lists the names there are.
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name,
@@ -177,7 +177,13 @@ class Session {
 
   // --- solver
   const std::string& solver() const { return document_.solver.name; }
-  void setSolver(const std::string& name);  ///< throws std::invalid_argument that lists the names
+  /// A name, or a name and values of its parameters in brackets, which it keeps from then on. Throws
+  /// std::invalid_argument that lists what there is.
+  void setSolver(const std::string& text);
+  /// Those of the present solver that are away from their defaults, and others in their place. Throws
+  /// likewise.
+  ParameterValues parameters() const;
+  void setParameters(const ParameterValues& values);
   void nextSolver(int direction = 1);
   /// Whether the model can keep its balance (masses and soles), and whether it shall.
   bool canBalance() const { return model_->masses && !model_->soles.empty(); }

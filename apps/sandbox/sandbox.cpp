@@ -13,6 +13,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "solvers/lab/sweep.h"
 
 namespace gelenk {
 namespace {
@@ -143,7 +144,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   } else {
     adopt(std::make_unique<Session>(std::move(model), reference), false);
     s.theme() = options.theme;
-    s.session->setSolver(options.solver);
+    s.session->setSolver(withParameters({options.solver}, options.settings).front());
   }
   if (isLecture)
     for (const auto& panel : s.panels) panel->openFile(*this, options.model);

@@ -157,6 +157,8 @@ void addSandboxCommand(CLI::App& app) {
       ->check(CLI::IsMember({"light", "dark"}))
       ->capture_default_str();
   command->add_option("--solver", a.sandbox.solver, "Solver while dragging")->capture_default_str();
+  command->add_option("--set", a.sandbox.settings,
+                      "A parameter of the solver, such as dls.lambda=0.1 (repeatable)");
   command->add_flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
   command->callback([arguments] { run(*arguments); });
 }

@@ -5,6 +5,7 @@
 
 #include "apps/commands/solver_colour.h"
 #include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/jacobian.h"
 #include "kinematics/rotation.h"
@@ -81,6 +82,8 @@ class SolvePanel final : public Panel {
     ImGui::TextColored(s.colours().textDim, "%s", std::string(referenceOf(current)).c_str());
     ImGui::PopTextWrapPos();
     ImGui::PopFont();
+    ParameterValues values = s.session->parameters();
+    if (parameterSliders(current, solverEntry(current).parameters, values)) s.session->setParameters(values);
   }
 
   static void row(const char* label, const std::string& value, const char* explanation) {

@@ -113,6 +113,11 @@ void LimitSet::lockBlocked(const VectorXd& direction) {
   }
 }
 
+void LimitSet::lockTouched() {
+  for (Row& row : rows_)
+    if (!row.locked && row.slack <= touching) lock(row);
+}
+
 bool LimitSet::lockCrossed(const VectorXd& dq, VectorXd& fixed) {
   bool crossed = false;
   for (Row& row : rows_) {

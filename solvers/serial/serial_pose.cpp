@@ -1,6 +1,7 @@
 #include "solvers/serial/serial_pose.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,8 +24,6 @@ using Clock = std::chrono::steady_clock;
 using ChainMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, maxChainDofs, maxChainDofs>;
 using Twist = Eigen::Matrix<double, 6, 1>;
 
-constexpr double farJump =
-    0.5;  // radians or chain lengths: more than a dragged goal should ask of a joint at once
 constexpr double margin =
     0.98;  // of the tolerances: what the kernel accepts, the judge's own arithmetic accepts too
 
@@ -141,7 +140,7 @@ SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal,
   Prepared prepared;
   prepared.target = kernelTarget(goal);
   KernelTask& task = prepared.task;
-  task.attemptIterations = std::clamp(options.maxIterations, 1, task.attemptIterations);
+  task.attemptIterations = std::clamp(options.maxIterations, 1, options.method.attemptIterations);
   task.position = hasPosition(goal.kind);
   task.orientation = hasOrientation(goal.kind);
   const Vector3d pointInLast = chain_.lastFromTip * goal.pointInTip;
@@ -183,8 +182,7 @@ double SerialPoseSolver::jump(const double* start, const KernelAnswer& found) co
 
 /// Starts close to one whose own descent failed or led far away: the goal is near, and so should the answer
 /// be.
-void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const {
-  constexpr double most = 0.3;  // radians or chain lengths
+void SerialPoseSolver::nudge(const double* start, double most, std::uint64_t seed, LaneStarts& starts) const {
   std::uint64_t state = seed;
   for (int i = 0; i < chain_.n; ++i)
     for (int l = 0; l < kernelLanes; ++l) {
@@ -228,9 +226,9 @@ struct SerialPoseSolver::Search {
     if (options.restarts == 0) task.attemptIterations = std::clamp(options.maxIterations, 1, 30);
     solver.kernel_->attempt(solver.scaled_, task, prepared.target, start, found);
     count(found);
-    if (options.restarts == 0 || solver.jump(start, found) <= farJump) return;
+    if (options.restarts == 0 || solver.jump(start, found) <= options.method.farJump) return;
     LaneStarts starts;
-    solver.nudge(start, options.seed, starts);
+    solver.nudge(start, options.method.nudge, options.seed, starts);
     KernelAnswer other;
     race(starts, std::min(options.restarts, kernelLanes), options.seed, other);
     if (solver.jump(start, other) < solver.jump(start, found)) found = other;
@@ -375,6 +373,53 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
   TipError error = evaluate(answer.q, J);
   ChainVector slope = slopeOf(J, error);
   double shift = 1e-6;
+  // Where no slope is left: the lowest second derivative on the joints that are not locked, and its
+  // direction.
+  const auto lowestCurvature = [&](bool lockTouched, ChainVector& way) {
+    exactHessian(J, error, position, rotation, H);
+    ++answer.counters.hessians;
+    const double size = H.cwiseAbs().maxCoeff();
+    for (int i = 0; i < n; ++i) {
+      const bool touches =
+          !chain_.wraps[i] && (answer.q[i] <= chain_.lower[i] || answer.q[i] >= chain_.upper[i]);
+      if (!isLocked(answer.q, slope, i) && !(lockTouched && touches)) continue;
+      H.row(i).setZero();
+      H.col(i).setZero();
+    }
+    const Eigen::SelfAdjointEigenSolver<ChainMatrix> eigen(H);
+    way = eigen.eigenvectors().col(0);
+    Eigen::Index largest = 0;
+    way.cwiseAbs().maxCoeff(&largest);
+    if (way[largest] < 0.0) way = -way;  // the same way on every machine
+    const double lowest = eigen.eigenvalues()[0];
+    return lowest < -1e-7 * size ? lowest : 0.0;
+  };
+  /// On from a saddle to a lower place; false, and why, where this is a place to rest.
+  const auto leaveSaddle = [&] {
+    ChainVector way(n);
+    const double curvature = lowestCurvature(false, way);
+    const ChainVector from = answer.q;
+    for (double length = 0.5; curvature < 0.0 && length > 1e-4; length *= 0.5) {
+      double lowest = error.squared() + 0.5 * curvature * length * length;  // half of what is promised
+      bool found = false;
+      for (const double sign : {1.0, -1.0}) {
+        ChainVector q = from + sign * length * way;
+        for (int i = 0; i < n; ++i)
+          if (!chain_.wraps[i]) q[i] = std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
+        const TipError there = evaluate(q, moved);
+        if (!(there.squared() < lowest)) continue;
+        lowest = there.squared();
+        answer.q = q;
+        found = true;
+      }
+      if (!found) continue;
+      error = evaluate(answer.q, J);
+      slope = slopeOf(J, error);
+      return true;
+    }
+    answer.why = curvature < 0.0 && lowestCurvature(true, way) < 0.0 ? Stop::Saddle : Stop::Stationary;
+    return false;
+  };
   for (int iteration = 0;; ++iteration) {
     if ((!position || error.position.norm() <= margin * options.positionTolerance) &&
         (!rotation || error.rotation.norm() <= margin * options.orientationTolerance)) {
@@ -382,8 +427,9 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       break;
     }
     if (freeSlope(answer.q, slope) < 1e-11 * (1.0 + chain_.length)) {
-      answer.why = Stop::Stationary;
-      break;
+      if (!leaveSaddle() || iteration == options.maxIterations) break;
+      ++answer.counters.iterations;
+      continue;
     }
     if (iteration == options.maxIterations) break;
     ++answer.counters.iterations;
@@ -430,8 +476,8 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       shift = std::max(4.0 * shift, 1e-3 * slope.norm());
     }
     if (!improved) {
-      answer.why =
-          freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) ? Stop::Stationary : Stop::Stalled;
+      answer.why = Stop::Stalled;
+      if (freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) && leaveSaddle()) continue;
       break;
     }
   }
@@ -484,7 +530,8 @@ namespace {
 /// a solve for another skeleton, or without prepare, extracts its chain on the spot.
 class SerialPose final : public IkSolver {
  public:
-  explicit SerialPose(bool withTable) : withTable_(withTable) {}
+  SerialPose(bool withTable, const SerialPoseParameters& parameters)
+      : withTable_(withTable), parameters_(parameters) {}
 
   void prepare(const Skeleton& skeleton) override {
     prepared_ = skeleton.joints();
@@ -534,8 +581,8 @@ class SerialPose final : public IkSolver {
   }
 
  private:
-  static void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget,
-                  TraceLevel trace, IkReport& report) {
+  void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget, TraceLevel trace,
+           IkReport& report) const {
     const Goal& goal = problem.goals.front();
     const SerialChain& chain = solver.chain();
     TipGoal tip{.kind = goal.kind,
@@ -553,7 +600,8 @@ class SerialPose final : public IkSolver {
                                                   .restarts = budget.restarts,
                                                   .maxIterations = budget.maxIterations,
                                                   .maxSeconds = budget.maxSeconds,
-                                                  .seed = budget.seed});
+                                                  .seed = budget.seed,
+                                                  .method = parameters_});
     for (int i = 0; i < chain.n; ++i) report.q[chain.qIndex[i]] = answer.q[i];
     report.why = answer.why;
     report.counters = answer.counters;
@@ -587,7 +635,7 @@ class SerialPose final : public IkSolver {
       const SerialPoseOptions options{.restarts = 0, .maxIterations = steps, .closestPose = newton};
       const SerialPoseAnswer along =
           newton ? solver.closest(tip, answer.from, options) : solver.solve(tip, answer.from, options);
-      if (along.why == Stop::Converged || along.why == Stop::Stationary) break;
+      if (along.why != Stop::Budget && along.why != Stop::Stalled) break;
       record(along.q);
     }
     record(answer.q);
@@ -610,6 +658,7 @@ class SerialPose final : public IkSolver {
   }
 
   bool withTable_;
+  SerialPoseParameters parameters_;
   std::vector<Joint> prepared_;
   std::vector<std::unique_ptr<SerialPoseSolver>> solvers_;
   std::vector<std::string> reasons_;
@@ -617,7 +666,11 @@ class SerialPose final : public IkSolver {
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeSerialPose() { return std::make_unique<SerialPose>(false); }
-std::unique_ptr<IkSolver> makeSerialPoseTable() { return std::make_unique<SerialPose>(true); }
+std::unique_ptr<IkSolver> makeSerialPose(const SerialPoseParameters& parameters) {
+  return std::make_unique<SerialPose>(false, parameters);
+}
+std::unique_ptr<IkSolver> makeSerialPoseTable(const SerialPoseParameters& parameters) {
+  return std::make_unique<SerialPose>(true, parameters);
+}
 
 }  // namespace gelenk

@@ -9,7 +9,8 @@
 
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
-#include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/attempt.h"
+#include "solvers/iteration/moving_joints.h"
 #include "solvers/problem/judge.h"
 #include "solvers/problem/support.h"
 
@@ -128,7 +129,7 @@ void DragSolver::rebuild(std::span<const Goal> goals) {
         old.joint = -1;  // taken
         break;
       }
-    if (form.joints) form.joints(goal, skeleton(), joints_);
+    if (memory.type->joints) memory.type->joints(goal, skeleton(), joints_);
     if (form.points) {
       DragPoints list;
       form.points(goal, skeleton(), list);
@@ -564,8 +565,8 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   const std::span<const Goal> goals = problem.goals;
   constexpr Pull byOwnWeight{.drag = 1.0, .pin = 1.0, .cut = unlimited};
-  constexpr double firstPosture = 1e-3, fade = 0.1, lastPosture = 1e-10;
-  constexpr double smallestStep = 1e-9;  // without posture: at rest
+  constexpr double fade = 0.1, lastPosture = 1e-10;  // of the posture's pull, a step
+  constexpr double smallestStep = 1e-9;              // without posture: at rest
   constexpr int mostStuck = 3;
   reset(problem.start);
   report_.counters = {};
@@ -576,13 +577,13 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
   double bestResidual = std::numeric_limits<double>::infinity();
   Stop why = Stop::Budget;
   for (int attempt = 0; attempt <= budget.restarts && why != Stop::Converged; ++attempt) {
-    if (attempt > 0) {
-      report_.q = randomWithinLimits(skeleton(), random);
+    rebuild(goals);
+    if (attempt > 0) {  // the tree's joints alone: the others stay
+      descent_.load(randomWithinLimits(skeleton(), random));
       ++report_.counters.restarts;
     }
-    rebuild(goals);
     setTargets(goals, byOwnWeight);
-    DragDescent::Settings settings{.lambda = firstPosture, .smallestStep = 1e-14};
+    DragDescent::Settings settings{.lambda = options_.posture, .smallestStep = 1e-14};
     int stuck = 0;
     for (;; settings.lambda = settings.lambda > lastPosture ? fade * settings.lambda : 0.0) {
       updateMovingTargets(goals);
@@ -623,6 +624,7 @@ namespace {
 
 class ColdDrag final : public IkSolver {
  public:
+  explicit ColdDrag(const DragParameters& parameters) : p_(parameters) {}
   std::string whyUnsupported(const IkProblem& problem) const override {
     for (const Goal& goal : problem.goals)
       if (const std::string why = whyMisplaced(goal, *problem.skeleton); !why.empty()) return why;
@@ -632,8 +634,24 @@ class ColdDrag final : public IkSolver {
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
     if (!whyUnsupported(problem).empty())
       return {.q = problem.start, .why = Stop::Unsupported, .counters = {}, .trace = {}};
-    DragSolver solver(*problem.skeleton);
+    DragSolver solver(*problem.skeleton, {.posture = p_.posture, .poseArm = p_.poseArm});
     IkReport report = solver.solve(problem, budget, trace);
+    // Its own objective holds posture too, and may rest on a place that meets the goals or on a saddle of
+    // them.
+    IkProblem below = problem;
+    for (int saddles = 0; saddles < 20; ++saddles) {
+      if (report.why != Stop::Stationary || judge(problem, report.q).solved) break;
+      VectorXd lower;
+      report.why = whyAtRest(problem, report.q, &lower);
+      if (lower.size() == 0) break;
+      below.start = lower;
+      IkReport next = solver.solve(below, budget, trace);
+      next.counters += report.counters;
+      next.seconds += report.seconds;
+      next.trace.insert(next.trace.begin(), report.trace.begin(), report.trace.end());
+      report = std::move(next);
+    }
+    MovingJoints(problem).restore(report.q);
     const VectorXd& q = report.q;
     const Frames frames = forwardKinematics(*problem.skeleton, q);
     double squared = 0.0;
@@ -644,14 +662,18 @@ class ColdDrag final : public IkSolver {
       squared += goal.weight * r.squaredNorm();
     }
     report.residual = std::sqrt(squared);
-    // the drag solver's own objective holds posture too: it may rest on a place that meets the goals
     if (judge(problem, q).solved) report.why = Stop::Converged;
     return report;
   }
+
+ private:
+  DragParameters p_;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeDrag() { return std::make_unique<ColdDrag>(); }
+std::unique_ptr<IkSolver> makeDrag(const DragParameters& parameters) {
+  return std::make_unique<ColdDrag>(parameters);
+}
 
 }  // namespace gelenk

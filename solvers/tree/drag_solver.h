@@ -161,7 +161,19 @@ class DragSolver {
   IkReport report_;
 };
 
+struct DragParameters {
+  double posture = 1e-3, poseArm = 0.3;
+
+  static constexpr auto fields() {
+    using P = DragParameters;
+    return std::to_array<ParameterField<P>>(
+        {{&P::posture, "posture", 0.0, 1.0, "1", "ours",
+          "Pull towards the rest pose in the first step; it fades tenfold a step."},
+         {&P::poseArm, "pose-arm", 1e-3, 10.0, "unit", "ours",
+          "Orientations count as three points on arms of this length, in body units."}});
+  }
+};
 /// The drag solver's steps as a cold solve of the catalogue: DragSolver::solve. docs/solvers/drag.md.
-std::unique_ptr<IkSolver> makeDrag();
+std::unique_ptr<IkSolver> makeDrag(const DragParameters& parameters = {});
 
 }  // namespace gelenk
