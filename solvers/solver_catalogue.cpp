@@ -148,7 +148,7 @@ SolverSpec withParameter(SolverSpec choice, std::string_view parameter, double v
 }
 
 SolverSpec solverSpec(std::string_view text) {
-  SolverSpec choice{.name = std::string(nameOf(text)), .entry = &solverEntry(text)};
+  SolverSpec choice{.name = std::string(presentName(nameOf(text))), .entry = &solverEntry(text)};
   const std::size_t open = text.find('[');
   if (open == std::string_view::npos) return choice;
   if (text.back() != ']')
