@@ -10,7 +10,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "solvers/iteration/attempt.h"
-#include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/moving_joints.h"
 #include "solvers/problem/judge.h"
 #include "solvers/problem/support.h"
 
@@ -129,7 +129,7 @@ void DragSolver::rebuild(std::span<const Goal> goals) {
         old.joint = -1;  // taken
         break;
       }
-    if (form.joints) form.joints(goal, skeleton(), joints_);
+    if (memory.type->joints) memory.type->joints(goal, skeleton(), joints_);
     if (form.points) {
       DragPoints list;
       form.points(goal, skeleton(), list);
@@ -565,8 +565,8 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   const std::span<const Goal> goals = problem.goals;
   constexpr Pull byOwnWeight{.drag = 1.0, .pin = 1.0, .cut = unlimited};
-  constexpr double fade = 0.1, lastPosture = 1e-10;
-  constexpr double smallestStep = 1e-9;  // without posture: at rest
+  constexpr double fade = 0.1, lastPosture = 1e-10;  // of the posture's pull, a step
+  constexpr double smallestStep = 1e-9;              // without posture: at rest
   constexpr int mostStuck = 3;
   reset(problem.start);
   report_.counters = {};
@@ -625,7 +625,6 @@ namespace {
 class ColdDrag final : public IkSolver {
  public:
   explicit ColdDrag(const DragParameters& parameters) : p_(parameters) {}
-
   std::string whyUnsupported(const IkProblem& problem) const override {
     for (const Goal& goal : problem.goals)
       if (const std::string why = whyMisplaced(goal, *problem.skeleton); !why.empty()) return why;
