@@ -43,7 +43,7 @@ std::vector<Goal> openGoals(const Request& request, const Model& model) {
       request.rods ? std::make_shared<const Masses>(rodMasses(model.skeleton)) : model.masses;
   std::vector<Goal> goals;
   for (const std::string& text : request.goals)
-    if (isOpenGoal(text)) goals.push_back(parseGoal(text, model.skeleton, masses));
+    if (isOpenGoal(text)) goals.push_back(goalFromText(text, model.skeleton, masses));
   return goals;
 }
 
@@ -199,7 +199,7 @@ bool solve(const Request& request) {
       orientation = std::max(orientation, error.orientation);
       goals.push_back({{"joint", skeleton.joint(problem.goals[g].joint).name},
                        {"kind", goalType(problem.goals[g].kind).name},
-                       {"goal", writeGoal(problem.goals[g], skeleton)},
+                       {"goal", goalToText(problem.goals[g], skeleton)},
                        {"weight", problem.goals[g].weight},
                        {"position_error", error.position},
                        {"orientation_error", error.orientation}});

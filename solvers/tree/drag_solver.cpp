@@ -583,6 +583,7 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
       ++report_.counters.restarts;
     }
     setTargets(goals, byOwnWeight);
+    const int mostIterations = report_.counters.iterations + budget.maxIterations;
     DragDescent::Settings settings{.lambda = options_.posture, .smallestStep = 1e-14};
     int stuck = 0;
     for (;; settings.lambda = settings.lambda > lastPosture ? fade * settings.lambda : 0.0) {
@@ -591,7 +592,7 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
                 options_.roundings * problem.orientationTolerance)
                 ? Stop::Converged
                 : Stop::Budget;
-      if (why == Stop::Converged || report_.counters.iterations >= budget.maxIterations ||
+      if (why == Stop::Converged || report_.counters.iterations >= mostIterations ||
           seconds() > budget.maxSeconds)
         break;
       const double before = trace == TraceLevel::Off ? 0.0 : residual();
@@ -639,13 +640,15 @@ class ColdDrag final : public IkSolver {
     // Its own objective holds posture too, and may rest on a place that meets the goals or on a saddle of
     // them.
     IkProblem below = problem;
-    for (int saddles = 0; saddles < 20; ++saddles) {
+    Budget rest = budget;
+    rest.restarts = 0;
+    while (report.counters.iterations < budget.maxIterations * (1 + budget.restarts)) {
       if (report.why != Stop::Stationary || judge(problem, report.q).solved) break;
       VectorXd lower;
       report.why = whyAtRest(problem, report.q, &lower);
       if (lower.size() == 0) break;
       below.start = lower;
-      IkReport next = solver.solve(below, budget, trace);
+      IkReport next = solver.solve(below, rest, trace);
       next.counters += report.counters;
       next.seconds += report.seconds;
       next.trace.insert(next.trace.begin(), report.trace.begin(), report.trace.end());
