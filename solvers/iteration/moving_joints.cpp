@@ -16,16 +16,15 @@ int dimensions(const Joint& joint) { return static_cast<int>(joint.axes.size()) 
 
 MovingJoints::MovingJoints(const IkProblem& problem)
     : skeleton_(problem.skeleton), moves_(problem.skeleton->jointCount(), 0) {
-  std::vector<int> ends;
   for (const Goal& goal : problem.goals) {
     const GoalType& type = goalType(goal.kind);
-    ends.clear();
-    if (type.drag.joints && !type.needsMasses)  // light joints move a mass too, if little
-      type.drag.joints(goal, *skeleton_, ends);
-    else
-      std::fill(moves_.begin(), moves_.end(), 1);  // the whole configuration
-    if (goal.kind == GoalKind::Pole && !skeleton_->children(goal.joint).empty())
-      ends.push_back(skeleton_->children(goal.joint).front());  // whose own sliding moves the bend as well
+    if (!type.joints) {
+      std::fill(moves_.begin(), moves_.end(), 1);
+      continue;
+    }
+    if (!whyMisplaced(goal, *skeleton_).empty()) continue;
+    std::vector<int> ends;
+    type.joints(goal, *skeleton_, ends);
     for (int joint : ends)
       for (; joint >= 0; joint = skeleton_->parent(joint)) moves_[joint] = 1;
   }
