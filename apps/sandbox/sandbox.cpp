@@ -13,6 +13,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "solvers/lab/sweep.h"
 
 namespace gelenk {
 namespace {
@@ -143,7 +144,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   } else {
     adopt(std::make_unique<Session>(std::move(model), reference), false);
     s.theme() = options.theme;
-    s.session->setSolver(options.solver);
+    s.session->setSolver(withParameters({options.solver}, options.settings).front());
   }
   if (isLecture)
     for (const auto& panel : s.panels) panel->openFile(*this, options.model);
@@ -190,7 +191,7 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   s.bounds = fromFile ? boundsOfFrame(*this) : box;
   if (!fromFile) frameEverything(*this, false);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
-  for (const std::string& note : s.session->model().notes) say(note);
+  for (const Note& note : s.session->model().notes) say(note.line());
 }
 
 bool Sandbox::open(const ModelReference& reference) {

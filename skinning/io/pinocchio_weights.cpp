@@ -20,7 +20,7 @@ struct Row {
 };
 std::vector<Row> splitRows(std::string_view text) {
   std::vector<Row> rows;
-  const auto lines = splitLines(text);
+  const auto lines = splitLines(plainText(text, file));
   for (std::size_t n = 0; n < lines.size(); ++n)
     if (lines[n].find_first_not_of(" \t\r") != std::string_view::npos)
       rows.push_back({static_cast<int>(n) + 1, lines[n]});
@@ -46,7 +46,7 @@ BoneWeights parseRows(const std::vector<Row>& rows, const std::string& file, int
       const auto value = parseNumber(words[k]);
       if (!value || *value < 0.0)
         throw ParseError(file, rows[r].line, "a weight that is finite and not negative",
-                         "'" + std::string(words[k]) + "'");
+                         value ? "'" + std::string(words[k]) + "'" : badNumber(words[k]));
       sum += weights(r, k) = *value;
     }
     if (!(sum > 0.0)) throw ParseError(file, rows[r].line, "at least one positive weight", "only zeros");

@@ -117,7 +117,7 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
 
 UrdfModel openUrdf(const std::string& path) {
   UrdfRobot robot = readUrdf(path);
-  UrdfModel model{.skeleton = robot.skeleton, .skin = {}, .notes = robot.notes};
+  UrdfModel model{.skeleton = robot.skeleton, .skin = {}, .masses = robot.masses, .notes = robot.notes};
   const Frames rest = restFrames(robot.skeleton);
   Mesh whole;
   std::vector<Influences> influences;
@@ -146,8 +146,9 @@ UrdfModel openUrdf(const std::string& path) {
       }
     }
     for (const std::string& file : missing)
-      model.notes.push_back("mesh '" + file + "' was not found as STL or OBJ" +
-                            (substituted ? ": drawn with its collision geometry" : " and is left out"));
+      tell(model.notes, substituted ? "mesh-replaced" : "mesh-missing",
+           "mesh '" + file + "' was not found as STL or OBJ" +
+               (substituted ? ": drawn with its collision geometry" : " and is left out"));
   }
   if (!whole.triangles.empty()) model.skin = bindSkin(std::move(whole), rest, std::move(influences));
   return model;

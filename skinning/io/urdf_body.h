@@ -12,7 +12,8 @@ namespace gelenk {
 struct UrdfModel {
   Skeleton skeleton;
   std::optional<Skin> skin = {};
-  std::vector<std::string> notes = {};
+  std::optional<Masses> masses = {};
+  std::vector<Note> notes = {};
 };
 
 /// Meshes are read from STL and OBJ; where a file is not there or is of another kind (Collada), one of the
