@@ -132,7 +132,7 @@ void addFkCommand(Command& app) {
       "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
   command.flag("--degrees", request->degrees, "Angles after --q are in degrees");
   command.flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
-  const auto motion = addMotionTableOptions(*command);
+  const auto motion = addMotionTableOptions(command);
   command.run([request, motion] {
     if (motion->wanted() && (!request->q.empty() || request->asJson))
       throw std::invalid_argument(

@@ -73,6 +73,7 @@ SixJointArm::SixJointArm(const SerialChain& chain) : chain_(chain) {
   scale_ = chain.length / 3.0;
   for (int i = 0; i < 5; ++i) fixed_.link[i] = fixedPart(chain.constants, i + 1, scale_);
   fixed_.link[5] = Isometry3d::Identity();
+  for (int i = 0; i < 5; ++i) reach_ += fixed_.link[i].translation().norm();
   baseFromWorld_ = chain.worldFromBase.inverse(Eigen::Isometry);
   tipFromLast_ = chain.lastFromTip.inverse(Eigen::Isometry);
   decomposition_ = decompose(fixed_, nearMisfit);
@@ -149,6 +150,8 @@ void SixJointArm::solve(const Isometry3d& worldFromTip, const Vector6d& referenc
   out.count = 0;
   out.complete = true;
   out.noise = out.raw = 0.0;
+  const Eigen::Vector3d wrist = baseFromWorld_ * (worldFromTip * tipFromLast_.translation());
+  if (wrist.norm() > (reach_ + 1e-9) * scale_) return;  // the links are too short, whatever they do
   if (decomposition_.kind == LoopClass::General) return solveGeneral(worldFromTip, out, reference);
   const Cut& cut = decomposition_.cut;
   Loop loop = cutLoop_;

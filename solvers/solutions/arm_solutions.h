@@ -70,6 +70,7 @@ class SixJointArm {
 
   SerialChain chain_;
   Loop fixed_;          ///< link 5 is the identity: the goal goes there; lengths over scale_
+  double reach_ = 0.0;  ///< from axis 1 to axis 6 at most, lengths over scale_
   double scale_ = 1.0;  ///< metres
   Eigen::Isometry3d baseFromWorld_, tipFromLast_;
   Decomposition decomposition_;

@@ -33,7 +33,7 @@ Vector3d aboutZ(Turn t, const Vector3d& v) {
 bool turnFromTo(const Vector3d& a, const Vector3d& b, Turn& t) {
   const double c = a.x() * b.x() + a.y() * b.y(), s = a.x() * b.y() - a.y() * b.x(), r2 = c * c + s * s;
   const double aa = a.x() * a.x() + a.y() * a.y(), bb = b.x() * b.x() + b.y() * b.y();
-  if (aa < 1e-20 || bb < 1e-20 || r2 == 0.0) return false;
+  if (aa < 1e-18 || bb < 1e-18 || r2 == 0.0) return false;
   const double r = 1.0 / std::sqrt(r2);
   t = {c * r, s * r};
   return true;
@@ -193,12 +193,20 @@ void solveSphericalTriple(const Loop& loop, const Vector6d& reference, TripleSol
     const Matrix3d R123 = aboutZ(t1) * R1 * aboutZ(t2) * R2 * aboutZ(t3) * loop.link[2].linear();
     const Matrix3d M = R123.transpose() * R6.transpose();  // Rz(u4) R4 Rz(u5) R5 Rz(u6)
     Turn t5[2];
-    const int bends = zeros(bend - Wave{M(2, 2), 0, 0}, t5);
+    // Axes 4 and 6 in line is read off the wanted rotation, whose sine is exact where a cosine near one is
+    // not.
+    const bool inLine = std::hypot(M(0, 2), M(1, 2)) < 1e-9;
+    int bends = zeros(bend - Wave{M(2, 2), 0, 0}, t5);
+    if (inLine) {
+      const double r = std::hypot(bend.b, bend.c), side = M(2, 2) > bend.a ? 1.0 : -1.0;
+      t5[0] = {side * bend.b / r, side * bend.c / r};
+      bends = std::abs(bend.a + side * r - M(2, 2)) < reachRounding ? 1 : 0;
+    }
     for (int b = 0; b < bends; ++b) {
       const Matrix3d N = R4 * aboutZ(t5[b]) * R5;
       Turn t4, t6;
       unsigned wristFree = 0;
-      if (std::hypot(N(0, 2), N(1, 2)) < 1e-9) {  // axes 4 and 6 in line
+      if (inLine) {
         t4 = turnOf(reference[3]), wristFree = 1u << 3;
         const Matrix3d last = N.transpose() * aboutZ({t4.c, -t4.s}) * M;
         t6 = {last(0, 0), last(1, 0)};

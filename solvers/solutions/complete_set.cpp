@@ -48,8 +48,7 @@ Skeleton padded(const Skeleton& skeleton, int tipJoint, int joints, const Comple
   frame.translation() = task.pointInTip;
   if (task.task == TipTask::Axis) append(frame, task.axisInTip);
   if (task.task == TipTask::Position)
-    for (const Vector3d& axis : {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()})
-      append(frame, axis);
+    for (int k = 0; k < 3; ++k) append(frame, Vector3d::Unit(k));
   // The frame asked for: that of the point, in the tip's axes.
   all.push_back(
       {.name = "asked", .parent = last, .parentFromZero = tipFromLast.inverse(Eigen::Isometry) * frame});

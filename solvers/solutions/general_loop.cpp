@@ -251,12 +251,13 @@ double interpolate(const Resultant& resultant, TrigonometricPolynomial& polynomi
 
 /// Gaussian elimination with the largest entry of all as pivot: shows the rank, and solves for the kernel.
 struct Kernel {
-  int dimension = 1;
+  int dimension;
   double basis[4][size];  ///< kernel vectors, not normalised
   double left[size];      ///< kernel vector of the transpose, for dimension 1
   double remainder;       ///< left A basis[0]: zero where the matrix is singular
 
-  explicit Kernel(Square A) {
+  /// least: dimension at least, for roots so close to each other that one matrix stands for both.
+  explicit Kernel(Square A, int least = 1) : dimension(least) {
     int column[size], row[size];
     double pivots[size];
     for (int j = 0; j < size; ++j) column[j] = row[j] = j;
@@ -451,15 +452,16 @@ bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, doubl
   return error < accepted;
 }
 
-void add(LoopSolutions& solutions, const Vector6d& u, double error) {
+bool add(LoopSolutions& solutions, const Vector6d& u, double error) {
   for (int k = 0; k < solutions.count; ++k) {
     bool same = true;
     for (int i = 0; i < 6 && same; ++i) same = std::abs(wrapped(solutions.u[k][i] - u[i])) < 1e-7;
-    if (same) return;
+    if (same) return false;
   }
-  if (solutions.count == LoopSolutions::most) return;
+  if (solutions.count == LoopSolutions::most) return false;
   solutions.u[solutions.count] = u;
   solutions.error[solutions.count++] = error;
+  return true;
 }
 
 namespace {
@@ -508,14 +510,24 @@ LoopSolutions solveGeneralLoop(const Loop& loop) {
       if (!(std::abs(step) > 1e-11 && std::abs(step) < 0.1)) break;
       u3 += step;
     }
-    for (int b = 0; b < dimension; ++b) {
-      Vector6d u = complete(loop, e, elimination, u3, u4[b], u5[b]);
-      double error, before;
-      if (!u.allFinite() || !polish(loop, u, 1e-10, error, before)) continue;
-      for (double& angle : u) angle = wrapped(angle);
-      solutions.raw = std::max(solutions.raw, before);
-      add(solutions, u, error);
-    }
+    const auto accept = [&](int candidates) {
+      const int before = solutions.count;
+      for (int b = 0; b < candidates; ++b) {
+        Vector6d u = complete(loop, e, elimination, u3, u4[b], u5[b]);
+        double error, raw;
+        if (!u.allFinite() || !polish(loop, u, 1e-10, error, raw)) continue;
+        for (double& angle : u) angle = wrapped(angle);
+        if (add(solutions, u, error)) solutions.raw = std::max(solutions.raw, raw);
+      }
+      return solutions.count > before;
+    };
+    if (accept(dimension) || dimension > 1) continue;
+    // Nothing new: another root lies so close that the kernel holds a mixture of both solutions.
+    Square A;
+    u3 = roots.t[r];
+    resultant.at(std::cos(u3), std::sin(u3), A);
+    splitKernel(Kernel(A, 2), u4, u5);
+    accept(2);
   }
   solutions.suspects = std::max(0, roots.count - solutions.count);
   return solutions;

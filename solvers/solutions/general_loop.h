@@ -23,8 +23,8 @@ Vector6d loopError(const Loop& loop, const Vector6d& u);
 /// error: |loopError| at the end; before: at the beginning.
 bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, double& before);
 
-/// Adds the solution unless it is there already.
-void add(LoopSolutions& solutions, const Vector6d& u, double error);
+/// Adds the solution unless it is there already; true where it was new.
+bool add(LoopSolutions& solutions, const Vector6d& u, double error);
 
 /// The general arm. The third hinge of the cut is the hidden variable: the fourteen equations of Raghavan and
 /// Roth (1990) leave, once hinges 1 and 2 are eliminated linearly, six that are linear in the cosines and
