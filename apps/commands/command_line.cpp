@@ -1,7 +1,6 @@
 #include "apps/commands/command_line.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
@@ -16,6 +15,10 @@ Option& Option::oneOf(const std::vector<std::string>& words) {
 Option& Option::positive() { return option_->check(CLI::PositiveNumber), *this; }
 Option& Option::nonNegative() { return option_->check(CLI::NonNegativeNumber), *this; }
 Option& Option::range(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
+Option& Option::count(int values) { return option_->expected(values), *this; }
+Option& Option::excludes(const Option& other) { return option_->excludes(other.option_), *this; }
+Option& Option::commas() { return option_->delimiter(','), *this; }
+Option& Option::oneAtATime() { return option_->allow_extra_args(false), *this; }
 Option& Option::needs(const Option& other) { return option_->needs(other.option_), *this; }
 
 Command Command::command(const std::string& name, const std::string& help) {
@@ -28,15 +31,18 @@ Option Command::option(const std::string& names, Value& value, const std::string
 template Option Command::option(const std::string&, std::string&, const std::string&);
 template Option Command::option(const std::string&, int&, const std::string&);
 template Option Command::option(const std::string&, double&, const std::string&);
-template Option Command::option(const std::string&, std::uint64_t&, const std::string&);
+template Option Command::option(const std::string&, unsigned long&, const std::string&);
 template Option Command::option(const std::string&, unsigned long long&, const std::string&);
 template Option Command::option(const std::string&, std::optional<double>&, const std::string&);
+template Option Command::option(const std::string&, std::optional<int>&, const std::string&);
 template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&);
 template Option Command::option(const std::string&, std::vector<double>&, const std::string&);
 
 Option Command::flag(const std::string& names, bool& value, const std::string& help) {
   return Option(app_->add_flag(names, value, help));
 }
+void Command::optionsAnywhere() { app_->fallthrough(); }
+void Command::notes(const std::string& text) { app_->footer(text); }
 void Command::run(std::function<void()> action) { app_->callback(std::move(action)); }
 bool Command::given() const { return app_->parsed(); }
 

@@ -27,7 +27,11 @@ class Option {
   Option& positive();                                    ///< a number above zero
   Option& nonNegative();
   Option& range(double low, double high);
-  Option& needs(const Option& other);  ///< refused where the other is not given
+  Option& count(int values);              ///< so many values, not more or fewer
+  Option& commas();                       ///< of a list: several values in one word, between commas
+  Option& oneAtATime();                   ///< of a list: every value wants the option's name before it
+  Option& excludes(const Option& other);  ///< refused beside the other
+  Option& needs(const Option& other);     ///< refused where the other is not given
 
  private:
   CLI::Option* option_;
@@ -46,6 +50,9 @@ class Command {
   Option option(const std::string& names, Value& value, const std::string& help);
   Option flag(const std::string& names, bool& value, const std::string& help);
 
+  void
+  optionsAnywhere();  ///< its own options may also stand behind the name of a command that is added later
+  void notes(const std::string& text);     ///< below the options in the help text
   void run(std::function<void()> action);  ///< called where the command was given, after all options are set
   bool given() const;                      ///< after parsing
 

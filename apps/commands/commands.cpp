@@ -9,7 +9,10 @@ void addInfoCommand(Command& app);
 void addLectureCommand(Command& app);
 void addMotionCommand(Command& app);
 void addMusclesCommand(Command& app);
+void addPathCommand(Command& app);
+void addRigCommand(Command& app);
 void addSolveCommand(Command& app);
+void addSolutionsCommand(Command& app);
 
 void addCommands(Command& app) {
   addCompareCommand(app);
@@ -19,6 +22,9 @@ void addCommands(Command& app) {
   addLectureCommand(app);
   addMotionCommand(app);
   addMusclesCommand(app);
+  addPathCommand(app);
+  addRigCommand(app);
+  addSolutionsCommand(app);
   addSolveCommand(app);
 }
 

@@ -13,6 +13,7 @@
 #include "kinematics/io/text_file.h"
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
+#include "solvers/lab/sweep.h"
 #include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
@@ -20,7 +21,9 @@ namespace {
 
 struct Request {
   std::string model = "panda";
-  std::vector<std::string> sets, solvers, effectors;
+  std::vector<std::string> sets;  ///< of problems, D1, or of a parameter, dls.lambda=0.1
+  std::vector<std::string> solvers, effectors, sweeps;
+  int restarts = -1;  ///< not given: one attempt, and the restarts that `solve` has
   ComparisonPlan plan;
   double budgetMilliseconds = 0.0;
   std::string out, shard = "1/1", goal, reproduce;
@@ -75,9 +78,13 @@ class Progress {
 
 void printList() {
   fmt::print("solvers\n");
-  for (const SolverEntry& entry : solverCatalogue())
+  for (const SolverEntry& entry : solverCatalogue()) {
     fmt::print("  {:<20} {} ({})\n", entry.name, entry.title, entry.reference);
-  fmt::print("  {:<20} the pose solver for serial chains, see docs/solvers\n", "default");
+    for (const Parameter& p : entry.parameters)
+      fmt::print("    .{:<19} {:g}{}{}, {:g} to {:g} ({}): {}\n", p.name, p.value, p.unit == "1" ? "" : " ",
+                 p.unit == "1" ? "" : p.unit, p.lower, p.upper, p.source, p.meaning);
+  }
+  fmt::print("  {:<20} serial-pose on serial chains, drag elsewhere, see docs/solvers\n", "default");
   fmt::print("problem sets\n");
   for (const ProblemSetEntry& entry : problemSetCatalogue())
     fmt::print("  {:<20} {}; level: {}\n", entry.name, entry.title, entry.levels);
@@ -104,12 +111,42 @@ void parseShard(const std::string& text, ComparisonPlan& plan) {
   plan.shards = n;
 }
 
+/// The restarts that `gelenk solve` has.
+constexpr int usualRestarts = 50;
+
+/// --set takes sets of problems and values of parameters: the latter have a dot before their equals sign.
+bool isSetting(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  return equals != text.npos && text.substr(0, equals).find('.') != text.npos;
+}
+
+void report(const Results& results, const std::string& folder, const std::string& commandLine) {
+  const Report report = writeReport(folder, results, reportStyle(commandLine));
+  if (!report.note.empty()) fmt::print(stderr, "gelenk: {}\n", report.note);
+  fmt::print("{}", report.table);
+  for (const SetRow& set : results.sets) fmt::print("checksum {} {}\n", set.set, set.checksum);
+  fmt::print("{}\n", (std::filesystem::path(folder) / "report.html").string());
+}
+
 void compare(Request& request, const std::string& commandLine) {
   if (request.list) return printList();
   if (!request.reproduce.empty()) return reproduce(request.reproduce, request.out, reportStyle(commandLine));
   ComparisonPlan& plan = request.plan;
-  plan.sets = request.sets.empty() ? std::vector<std::string>{"D1"} : request.sets;
-  plan.solvers = request.solvers.empty() ? allSolvers() : request.solvers;
+  std::vector<std::string> settings;
+  for (const std::string& text : request.sets) (isSetting(text) ? settings : plan.sets).push_back(text);
+  if (plan.sets.empty()) plan.sets = {"D1"};
+  if (request.restarts >= 0) {
+    plan.budget.restarts = request.restarts;
+  } else {  // two questions: how good is one attempt, and what does a user get
+    std::vector<std::string> both;
+    for (const std::string& set : plan.sets) {
+      both.push_back(set);
+      if (!setChoice(set).restarts) both.push_back(fmt::format("{}[restarts={}]", set, usualRestarts));
+    }
+    plan.sets = both;
+  }
+  if (request.solvers.empty() && request.sweeps.empty()) request.solvers = allSolvers();
+  plan.solvers = withParameters(request.solvers, settings, request.sweeps);
   if (request.budgetMilliseconds < 0.0 || std::isnan(request.budgetMilliseconds))
     throw std::invalid_argument("--budget-ms must not be negative");
   if (request.budgetMilliseconds > 0.0) plan.budget.maxSeconds = 1e-3 * request.budgetMilliseconds;
@@ -122,21 +159,11 @@ void compare(Request& request, const std::string& commandLine) {
   LabModel lab =
       labModel(model.name, model.skeleton, request.effectors.empty() ? model.handles : request.effectors);
   if (!request.goal.empty()) lab.pose = request.goal == "pose";
-  runComparison(plan, lab, request.out, Progress());
-  if (const std::string note = writeReport(request.out, reportStyle(commandLine)); !note.empty())
-    fmt::print(stderr, "gelenk: {}\n", note);
-  fmt::print("{}", summaryTable(request.out));
-  for (const std::string& set : plan.sets)
-    fmt::print("checksum {} {:016x}\n", set,
-               checksum(makeProblems(problemSet(set), lab, plan.problems, plan.seed, plan.tolerance)));
-  fmt::print("{}\n", (std::filesystem::path(request.out) / "report.html").string());
+  report(runComparison(plan, lab, request.out, Progress()), request.out, commandLine);
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out, const std::string& commandLine) {
-  mergeComparisons(folders, out);
-  if (const std::string note = writeReport(out, reportStyle(commandLine)); !note.empty())
-    fmt::print(stderr, "gelenk: {}\n", note);
-  fmt::print("{}{}\n", summaryTable(out), (std::filesystem::path(out) / "report.html").string());
+  report(mergeComparisons(folders, out), out, commandLine);
 }
 
 }  // namespace
@@ -146,8 +173,13 @@ void addCompareCommand(Command& app) {
   Command command = app.command("compare", "Compare solvers on frozen problem sets and write a report");
   ComparisonPlan& plan = request->plan;
   command.option("--model", request->model, "Built-in model or file").showDefault();
-  command.option("--set", request->sets, "Problem set, D1 to D7 (repeatable; default D1)");
-  command.option("--solver", request->solvers, "Solver by name, or default (repeatable; default: all)");
+  command.option("--set", request->sets,
+                 "Problem set, D1 to D7, or D1[restarts=50] (default D1), or the value of a parameter, "
+                 "dls.lambda=0.1 (repeatable)");
+  command.option("--sweep", request->sweeps,
+                 "Runs a grid over a parameter: dls.lambda=0.01:1:log9, or lin9 (repeatable)");
+  command.option("--solver", request->solvers,
+                 "Solver by name, default, or dls[lambda=0.1] (repeatable; default: all)");
   command.option("--effector", request->effectors,
                  "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
   command
@@ -160,7 +192,8 @@ void addCompareCommand(Command& app) {
   command.option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt").showDefault();
   command.option("--budget-ms", request->budgetMilliseconds,
                  "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
-  command.option("--restarts", plan.budget.restarts, "Random restarts after the first attempt").showDefault();
+  command.option("--restarts", request->restarts,
+                 "Random restarts after the first attempt (default: every set twice, with none and with 50)");
   command
       .option("--seeds", plan.seeds,
               "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for "

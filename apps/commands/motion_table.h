@@ -9,12 +9,14 @@ class Command;
 
 /// `gelenk fk FILE --amc MOTION --csv`: where every bone of every frame begins and ends.
 struct MotionTableRequest {
-  std::string amc, asf;
+  std::string amc, asf, clip;
   int frame = 0;  ///< from 1; 0: all frames
   std::string unit;
   bool csv = false;
 
-  bool wanted() const { return csv || frame != 0 || !amc.empty() || !asf.empty() || !unit.empty(); }
+  bool wanted() const {
+    return csv || frame != 0 || !amc.empty() || !asf.empty() || !unit.empty() || !clip.empty();
+  }
 };
 
 /// Adds --amc, --asf, --frame, --csv to the command; the request is filled when it is parsed.

@@ -11,6 +11,7 @@
 #include "apps/commands/commands.h"
 #include "apps/commands/muscle_report.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
 #include "apps/document/session.h"
 #include "apps/render/model_view.h"
@@ -155,6 +156,7 @@ class Studio {
   explicit Studio(const Request& request)
       : request_(request), viewport_(parseSize(request)), session_(openRequested()) {
     const Model& model = session_.model();
+    sayNotes(request.input, model.notes);
     q_ = configurationOf(request, model.skeleton, isScene_ ? session_.q() : poseOfFrame());
     for (const std::string& turn : request.turns) q_ = turned(model.skeleton, q_, turn);
     selected_ = session_.selectedJoint();
@@ -337,6 +339,8 @@ void addRenderCommand(Command& app) {
   command.option("--amc", request->files.amc, "Motion for the ASF skeleton");
   command.option("--mapping", request->files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command.option("--clip", request->files.clip,
+                 "Which motion of a file that names several; default: the first");
   command.option("--frame", request->frame, "Pose of this frame of the motion, from 1").positive();
   command.flag("--bind-pose", request->bindPose,
                "The pose in which the skin is bound, where that is not the skeleton's rest pose");

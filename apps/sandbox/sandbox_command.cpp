@@ -140,6 +140,8 @@ void addSandboxCommand(Command& app) {
   command.option("--asf", a.sandbox.files.asf,
                  "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
   command.option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
+  command.option("--clip", a.sandbox.files.clip,
+                 "Which motion of a file that names several; default: the first");
   command.option("--mapping", a.sandbox.files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
@@ -152,6 +154,8 @@ void addSandboxCommand(Command& app) {
   command.option("--scale", a.scale, "Of type and spacing; the monitor's by default").range(0.5, 4.0);
   command.option("--theme", a.theme, "light or dark").oneOf({"light", "dark"}).showDefault();
   command.option("--solver", a.sandbox.solver, "Solver while dragging").showDefault();
+  command.option("--set", a.sandbox.settings,
+                 "A parameter of the solver, such as dls.lambda=0.1 (repeatable)");
   command.flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
   command.run([arguments] { run(*arguments); });
 }

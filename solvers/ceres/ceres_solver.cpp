@@ -221,12 +221,23 @@ class Watch final : public ceres::IterationCallback {
   VectorXd q_;
 };
 
-ceres::Solver::Options optionsFor(Method method, const Budget& budget, double elapsed) {
+struct Constants {
+  CeresTrustRegionParameters trustRegion = {};
+  CeresLineSearchParameters lineSearch = {};
+};
+
+ceres::Solver::Options optionsFor(Method method, const Constants& constants, const Budget& budget,
+                                  double elapsed) {
   ceres::Solver::Options options;
   options.minimizer_type = method == Method::LineSearch ? ceres::LINE_SEARCH : ceres::TRUST_REGION;
   options.trust_region_strategy_type = method == Method::Dogleg ? ceres::DOGLEG : ceres::LEVENBERG_MARQUARDT;
   options.linear_solver_type = ceres::DENSE_QR;
   options.line_search_direction_type = ceres::LBFGS;
+  options.initial_trust_region_radius = constants.trustRegion.initialRadius;
+  options.min_relative_decrease = constants.trustRegion.leastRelativeDecrease;
+  options.max_lbfgs_rank = constants.lineSearch.rank;
+  options.line_search_sufficient_function_decrease = constants.lineSearch.armijo;
+  options.line_search_sufficient_curvature_decrease = constants.lineSearch.wolfe;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   options.max_num_iterations = budget.maxIterations;
@@ -240,7 +251,7 @@ ceres::Solver::Options optionsFor(Method method, const Budget& budget, double el
 
 class CeresSolver final : public IkSolver {
  public:
-  explicit CeresSolver(Method method) : method_(method) {}
+  CeresSolver(Method method, const Constants& constants) : method_(method), constants_(constants) {}
   std::string whyUnsupported(const IkProblem&) const override { return {}; }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
@@ -248,18 +259,20 @@ class CeresSolver final : public IkSolver {
     return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
       if (attempt.isOver()) return;
       if (chart.blocks().empty()) return attempt.stop(Stop::Stationary);
-      chart.set(attempt.at.q());
-      Residual residual(attempt.at, chart);
-      ceres::Problem::Options ownership;
-      ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-      ceres::Problem task(ownership);
-      connect(task, residual, chart);
-      Watch watch(attempt, chart);
-      ceres::Solver::Options options = optionsFor(method_, budget, attempt.at.seconds());
-      options.callbacks.push_back(&watch);
-      ceres::Solver::Summary summary;
-      ceres::Solve(options, &task, &summary);
-      conclude(attempt, chart, summary);
+      do {
+        chart.set(attempt.at.q());
+        Residual residual(attempt.at, chart);
+        ceres::Problem::Options ownership;
+        ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+        ceres::Problem task(ownership);
+        connect(task, residual, chart);
+        Watch watch(attempt, chart);
+        ceres::Solver::Options options = optionsFor(method_, constants_, budget, attempt.at.seconds());
+        options.callbacks.push_back(&watch);
+        ceres::Solver::Summary summary;
+        ceres::Solve(options, &task, &summary);
+        conclude(attempt, chart, summary);
+      } while (!attempt.isOver());
     });
   }
 
@@ -289,7 +302,7 @@ class CeresSolver final : public IkSolver {
     chart.configuration(q);
     if (q.allFinite() && attempt.why() != Stop::Converged) attempt.propose(q);
     if (attempt.isOver()) return;
-    if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+    if (attempt.rest() != Attempt::Rest::No) return;  // over, or on from where a saddle was left
     switch (summary.termination_type) {
       case ceres::NO_CONVERGENCE: return attempt.stop(Stop::Budget);
       case ceres::FAILURE: return attempt.stop(Stop::Failure);
@@ -298,12 +311,19 @@ class CeresSolver final : public IkSolver {
   }
 
   Method method_;
+  Constants constants_;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeCeresLm() { return std::make_unique<CeresSolver>(Method::LevenbergMarquardt); }
-std::unique_ptr<IkSolver> makeCeresDogleg() { return std::make_unique<CeresSolver>(Method::Dogleg); }
-std::unique_ptr<IkSolver> makeCeresLineSearch() { return std::make_unique<CeresSolver>(Method::LineSearch); }
+std::unique_ptr<IkSolver> makeCeresLm(const CeresTrustRegionParameters& parameters) {
+  return std::make_unique<CeresSolver>(Method::LevenbergMarquardt, Constants{.trustRegion = parameters});
+}
+std::unique_ptr<IkSolver> makeCeresDogleg(const CeresTrustRegionParameters& parameters) {
+  return std::make_unique<CeresSolver>(Method::Dogleg, Constants{.trustRegion = parameters});
+}
+std::unique_ptr<IkSolver> makeCeresLineSearch(const CeresLineSearchParameters& parameters) {
+  return std::make_unique<CeresSolver>(Method::LineSearch, Constants{.lineSearch = parameters});
+}
 
 }  // namespace gelenk
