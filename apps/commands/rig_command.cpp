@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "kinematics/io/pinocchio_skeleton.h"
@@ -146,27 +146,26 @@ void run(const Request& request) {
   json all = json::array();
   for (const std::string& body : request.bodies) allRigged &= rig(body, request, all);
   if (request.asJson) fmt::print("{}\n", all.dump(2));
-  if (!allRigged) throw CLI::RuntimeError(2);
+  if (!allRigged) throw ExitStatus{2};
 }
 
 }  // namespace
 
-void addRigCommand(CLI::App& app) {
+void addRigCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("rig", "A skeleton and skin weights for a body that has neither");
-  command->add_option("body", request->bodies, "Meshes: OBJ, GLB, glTF, STL")->required();
-  command->add_option(
+  Command command = app.command("rig", "A skeleton and skin weights for a body that has neither");
+  command.option("body", request->bodies, "Meshes: OBJ, GLB, glTF, STL").required();
+  command.option(
       "--skeleton", request->skeleton,
       "Which skeleton to fit: human (default), pinocchio (its 18 joints), quadruped, or a file with "
       "one of your own");
-  command->add_option("-o,--out", request->folder,
-                      "Folder for NAME.skeleton.out, NAME.attachment.out and NAME.glb; default: this one");
-  const auto axes = CLI::IsMember({"auto", "x", "y", "z", "-x", "-y", "-z"});
-  command->add_option("--up", request->up, "The axis that points up; default: found out")->check(axes);
-  command->add_option("--front", request->front, "The axis that the body faces; default: found out")
-      ->check(axes);
-  command->add_flag("--json", request->asJson, "Print the report as JSON");
-  command->callback([request] { run(*request); });
+  command.option("-o,--out", request->folder,
+                 "Folder for NAME.skeleton.out, NAME.attachment.out and NAME.glb; default: this one");
+  const std::vector<std::string> axes = {"auto", "x", "y", "z", "-x", "-y", "-z"};
+  command.option("--up", request->up, "The axis that points up; default: found out").oneOf(axes);
+  command.option("--front", request->front, "The axis that the body faces; default: found out").oneOf(axes);
+  command.flag("--json", request->asJson, "Print the report as JSON");
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

@@ -131,8 +131,42 @@ void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& t
 
 const ImVec4& stateColour(const Palette& colours, const SceneGoal& goal) {
   if (goal.state == GoalState::Pinned) return colours.pinned;
-  if (goal.goal.kind == GoalKind::Pole) return colours.pole;
+  if (goalType(goal.goal.kind).preference < 1.0) return colours.pole;
   return goal.state == GoalState::Free ? colours.free : colours.held;
+}
+
+void drawLine(const Pen& pen, Sandbox::State& s, const Vector3d& from, const Vector3d& to, ImU32 ink) {
+  const Projected a = s.toWindow(from), b = s.toWindow(to);
+  if (a.depth > 0.0 && b.depth > 0.0)
+    pen.draw->AddLine(toImVec2(a.pixel), toImVec2(b.pixel), ink, 1.4f * pen.scale);
+}
+
+/// What the goal's type says it looks like. Faint lines where it is looked at alone.
+void drawMark(const Pen& pen, Sandbox& sandbox, const GoalMark& mark, const ImVec4& colour, bool looked) {
+  Sandbox::State& s = sandbox.state();
+  for (const GoalMark::Polygon& polygon : mark.polygons) {
+    std::vector<ImVec2> corners;
+    for (const Vector3d& corner : polygon.corners)
+      if (const Projected p = s.toWindow(corner); p.depth > 0.0) corners.push_back(toImVec2(p.pixel));
+    if (corners.size() < polygon.corners.size()) continue;
+    const int count = static_cast<int>(corners.size());
+    if (polygon.filled) pen.draw->AddConvexPolyFilled(corners.data(), count, colour32(colour, 0.16f));
+    pen.draw->AddPolyline(corners.data(), count, colour32(colour, 0.75f), ImDrawFlags_Closed,
+                          1.4f * pen.scale);
+  }
+  for (const GoalMark::Ring& ring : mark.rings) {
+    constexpr int sides = 48;
+    const Vector3d x = ring.radius * ring.normal.unitOrthogonal(), y = ring.normal.normalized().cross(x);
+    for (int k = 0; k < sides; ++k) {
+      const double a = 2.0 * M_PI * k / sides, b = 2.0 * M_PI * (k + 1) / sides;
+      drawLine(pen, s, ring.centre + std::cos(a) * x + std::sin(a) * y,
+               ring.centre + std::cos(b) * x + std::sin(b) * y, colour32(colour, 0.7f));
+    }
+  }
+  for (const GoalMark::Segment& segment : mark.segments)
+    if (looked || segment.stress == GoalMark::Stress::Main)
+      drawLine(pen, s, segment.from, segment.to,
+               colour32(colour, segment.stress == GoalMark::Stress::Main ? 0.6f : 0.45f));
 }
 
 void drawGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
@@ -146,8 +180,12 @@ void drawGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
   const ImVec4& colour = stateColour(pen.colours, goal);
   const ImVec2 at = toImVec2(p.pixel);
 
+  const GoalType& type = goalType(goal.goal.kind);
+  const bool wish = type.preference < 1.0;
+  if (active || wish)
+    drawMark(pen, sandbox, s.session->mark(goal.id), colour, hovered || dragged || selected);
   const double error = s.session->error(goal.id);
-  if (active && goal.goal.kind != GoalKind::Pole && error > 2e-4 * s.size) {
+  if (active && !wish && type.movesWithPose && error > 2e-4 * s.size) {
     const Projected t = s.toWindow(goal.goal.target);
     const ImVec4 line = distanceColour(pen.colours, error / std::max(s.size, 1e-9) * 2.0);
     const ImVec2 end = toImVec2(t.pixel);
@@ -157,19 +195,14 @@ void drawGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
       words(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale}, line,
             formatLength(error));
   }
-  if (goal.goal.kind == GoalKind::Pole) {
-    const Projected elbow = s.toWindow(sandbox.shownFrames()[goal.goal.joint].translation());
-    pen.draw->AddLine(toImVec2(elbow.pixel), at, colour32(colour, 0.45f), 1.2f * pen.scale);
-  }
   if (dragged) pen.draw->AddCircleFilled(at, 15 * pen.scale, colour32(colour, 0.22f), 32);
-  const float grow = hovered || dragged ? 1.35f : 1.0f,
-              r = (goal.goal.kind == GoalKind::Pole ? 5.0f : 6.5f) * grow * pen.scale;
+  const float grow = hovered || dragged ? 1.35f : 1.0f, r = (wish ? 5.0f : 6.5f) * grow * pen.scale;
   const ImU32 white = IM_COL32(255, 255, 255, 240), ink = colour32(colour);
   if (goal.state == GoalState::Pinned) {
     pen.draw->AddRectFilled({at.x - r, at.y - r}, {at.x + r, at.y + r}, white, 2 * pen.scale);
     pen.draw->AddRectFilled({at.x - r + 1.6f * pen.scale, at.y - r + 1.6f * pen.scale},
                             {at.x + r - 1.6f * pen.scale, at.y + r - 1.6f * pen.scale}, ink, 2 * pen.scale);
-  } else if (goal.goal.kind == GoalKind::Pole) {
+  } else if (wish) {
     pen.draw->AddQuadFilled({at.x, at.y - r - pen.scale}, {at.x + r + pen.scale, at.y},
                             {at.x, at.y + r + pen.scale}, {at.x - r - pen.scale, at.y}, white);
     const float q = r - 1.2f * pen.scale;
@@ -295,6 +328,12 @@ void drawMarks(Sandbox& sandbox) {
           {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text);
   }
   drawConstraint(pen, sandbox);
+  if (const auto balance = s.session->balanceGoal(); balance && s.show().handles && !s.shownFrames) {
+    GoalMark mark;
+    goalType(balance->kind)
+        .mark(*balance, {s.session->skeleton(), s.session->q(), s.session->frames()}, mark);
+    drawMark(pen, sandbox, mark, pen.colours.pinned, false);
+  }
   if (s.show().handles && (!s.shownFrames || s.handlesOnShown))
     for (const SceneGoal& goal : s.session->goals())
       if (isGoalShown(sandbox, goal)) drawGoal(pen, sandbox, goal);

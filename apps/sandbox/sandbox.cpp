@@ -13,6 +13,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "solvers/lab/sweep.h"
 
 namespace gelenk {
 namespace {
@@ -75,6 +76,7 @@ SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
     s.layeredMesh->setSculpture(*s.muscles);
     return s.layeredMesh.get();
   }
+  poseSkin(*s.session->skin(), sandbox.shownFrames(), s.pose);  // a menu may have opened another model
   return s.mesh.get();
 }
 
@@ -143,7 +145,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   } else {
     adopt(std::make_unique<Session>(std::move(model), reference), false);
     s.theme() = options.theme;
-    s.session->setSolver(options.solver);
+    s.session->setSolver(withParameters({options.solver}, options.settings).front());
   }
   if (isLecture)
     for (const auto& panel : s.panels) panel->openFile(*this, options.model);
@@ -190,7 +192,7 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   s.bounds = fromFile ? boundsOfFrame(*this) : box;
   if (!fromFile) frameEverything(*this, false);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
-  for (const std::string& note : s.session->model().notes) say(note);
+  for (const Note& note : s.session->model().notes) say(note.line());
 }
 
 bool Sandbox::open(const ModelReference& reference) {
@@ -221,7 +223,8 @@ Document Sandbox::document() const {
   return document;
 }
 
-bool Sandbox::saveSceneTo(const std::string& path) {
+bool Sandbox::saveSceneTo(const std::string& name) {
+  const std::string path = isScene(name) ? name : name + ".json";  // that it may be opened again
   try {
     writeScene(path, document(), session().model());
     state_->scenePath = path;
