@@ -176,8 +176,9 @@ class SolvePanel final : public Panel {
   /// Millimetres, or degrees where the goal asks for an angle alone or the angle is what is missed.
   static void showError(const Sandbox::State& s, const SceneGoal& goal) {
     const GoalError error = s.session->judged(goal.id);
-    const bool isAngle = error.position == 0.0 || (error.position < s.session->reachedWithin() &&
-                                                   error.orientation > Session::reachedAngle);
+    const bool isAngle =
+        (error.position == 0.0 && error.orientation > 0.0) ||
+        (error.position < s.session->reachedWithin() && error.orientation > Session::reachedAngle);
     ImGui::TextColored(
         distanceColour(s.colours(), std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0)), "%s",
         isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
