@@ -14,6 +14,7 @@
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
+#include "solvers/problem/goal_text.h"
 
 namespace gelenk {
 namespace {
@@ -178,8 +179,7 @@ SceneGoal readGoal(const JsonEntry& entry, const Model& model) {
   }
   if (const std::string why = whyInvalid(goal, model.skeleton); !why.empty())
     entry.fail("a goal that can be asked of the model", why);
-  goal.axisInJoint.normalize();
-  goal.direction.normalize();
+  normaliseDirections(goal);
   out.state = entry.at("state").oneOf(stateNames);
   if (out.state == GoalState::Dragged) out.state = GoalState::Held;
   out.handle = entry.at("handle").boolean();
