@@ -177,7 +177,9 @@ class TwoLinkSolver final : public IkSolver {
       report.residual = at.residual().norm();
       return report;
     }
-    at.moveTo(projectToLimits(*problem.skeleton, problem.start));
+    VectorXd first = projectToLimits(*problem.skeleton, problem.start);
+    MovingJoints(problem).restore(first);
+    at.moveTo(first);
     if (trace != TraceLevel::Off)
       report.trace.push_back(
           {.q = trace == TraceLevel::Full ? at.q() : VectorXd(), .residual = at.residual().norm()});
