@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
@@ -48,11 +48,11 @@ class RealFiles : public ::testing::Test {
 
   /// As on the command line, notes and all.
   void run(std::vector<std::string> words) {
-    CLI::App app;
-    addNoteOptions(app);
-    addCommands(app);
-    std::reverse(words.begin(), words.end());
-    app.parse(words);
+    CommandLine line("", "");
+    Command program = line.root();
+    addNoteOptions(program);
+    addCommands(program);
+    line.parse(std::move(words));
   }
 
  private:
@@ -120,7 +120,7 @@ TEST_F(RealFiles, StrictMakesEveryNoteAnErrorBeforeAnythingIsWrittenButLetsFacts
   EXPECT_FALSE(fs::exists(path("a.bvh")));
   run({"--strict", "convert", inputs + "tube.obj", path("tube.glb"), "--skeleton", inputs + "tube.skel"});
   EXPECT_TRUE(fs::exists(path("tube.glb")));
-  EXPECT_THROW(run({"--strict", "--quiet", "info", inputs + "tube.obj"}), CLI::ExcludesError);
+  EXPECT_THROW(run({"--strict", "--quiet", "info", inputs + "tube.obj"}), UsageError);
   run({"--quiet", "convert", inputs + "frames_less.bvh", path("a.bvh")});
   EXPECT_TRUE(fs::exists(path("a.bvh")));
 }
