@@ -84,7 +84,7 @@ void printList() {
       fmt::print("    .{:<19} {:g}{}{}, {:g} to {:g} ({}): {}\n", p.name, p.value, p.unit == "1" ? "" : " ",
                  p.unit == "1" ? "" : p.unit, p.lower, p.upper, p.source, p.meaning);
   }
-  fmt::print("  {:<20} serial-pose on serial chains, hybrid elsewhere, see docs/solvers\n", "default");
+  fmt::print("  {:<20} serial-pose on serial chains, drag elsewhere, see docs/solvers\n", "default");
   fmt::print("problem sets\n");
   for (const ProblemSetEntry& entry : problemSetCatalogue())
     fmt::print("  {:<20} {}; level: {}\n", entry.name, entry.title, entry.levels);

@@ -112,7 +112,8 @@ void printTable(const Model& model, const Frames& frames) {
 
 void run(const Request& request) {
   const Model model = openModel(request.model);
-  const VectorXd q = configurationOf(model.skeleton, request);
+  VectorXd q = configurationOf(model.skeleton, request);
+  applyMimics(model.skeleton, model.mimics, q);
   const Frames frames = forwardKinematics(model.skeleton, q);
   if (request.asJson)
     demandNoNotes(request.model, notesOf(model, q));
@@ -132,7 +133,7 @@ void addFkCommand(Command& app) {
       "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
   command.flag("--degrees", request->degrees, "Angles after --q are in degrees");
   command.flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
-  const auto motion = addMotionTableOptions(*command);
+  const auto motion = addMotionTableOptions(command);
   command.run([request, motion] {
     if (motion->wanted() && (!request->q.empty() || request->asJson))
       throw std::invalid_argument(

@@ -33,15 +33,15 @@ void printFrame(const std::string& frame, const Imported& imported, const Frames
 
 std::shared_ptr<MotionTableRequest> addMotionTableOptions(Command& command) {
   auto request = std::make_shared<MotionTableRequest>();
-  command.add_option("--amc", request->amc,
+  command.option("--amc", request->amc,
                      "Motion for an ASF skeleton: prints every bone of every frame as CSV");
-  command.add_option("--asf", request->asf, "Skeleton of an AMC");
-  command.add_option("--clip", request->clip,
+  command.option("--asf", request->asf, "Skeleton of an AMC");
+  command.option("--clip", request->clip,
                      "Which motion of a file that names several; default: the first");
-  command.add_option("--frame", request->frame, "Only this frame of the motion, from 1").positive();
-  command.add_option("--unit", request->unit,
+  command.option("--frame", request->frame, "Only this frame of the motion, from 1").positive();
+  command.option("--unit", request->unit,
                      "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command.add_flag("--csv", request->csv,
+  command.flag("--csv", request->csv,
                    "Print CSV: frame, bone or joint, start and end position in metres");
   return request;
 }

@@ -43,7 +43,7 @@ std::vector<Goal> openGoals(const Request& request, const Model& model) {
       request.rods ? std::make_shared<const Masses>(rodMasses(model.skeleton)) : model.masses;
   std::vector<Goal> goals;
   for (const std::string& text : request.goals)
-    if (isOpenGoal(text)) goals.push_back(parseGoal(text, model.skeleton, masses));
+    if (isOpenGoal(text)) goals.push_back(goalFromText(text, model.skeleton, masses));
   return goals;
 }
 
@@ -75,23 +75,14 @@ std::vector<TypedGoal> goalsAskedFor(const Request& request, const Model& model)
   return goals;
 }
 
-VectorXd startOf(const Request& request, const Skeleton& skeleton) {
-  if (request.start.empty()) return skeleton.rest();
-  if (static_cast<int>(request.start.size()) != skeleton.nq())
-    throw std::invalid_argument(
-        fmt::format("--start needs {} values for this model, {} given", skeleton.nq(), request.start.size()));
-  VectorXd q = VectorXd::Map(request.start.data(), skeleton.nq());
-  if (!q.allFinite()) throw std::invalid_argument("--start must be finite numbers");
-  if (request.degrees()) {
+Eigen::VectorXd startOf(const Request& request, const Skeleton& skeleton) {
+  std::vector<double> values = request.start;
+  if (request.degrees() && static_cast<int>(values.size()) == skeleton.nq()) {
     const std::vector<char> angle = coordinateIsAngle(skeleton);
-    for (Eigen::Index k = 0; k < q.size(); ++k)
-      if (angle[k]) q[k] *= M_PI / 180.0;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (angle[k]) values[k] *= M_PI / 180.0;
   }
-  for (int i = 0; i < skeleton.jointCount(); ++i)
-    if (skeleton.joint(i).ball && !(std::abs(ballRotation(skeleton, q, i).norm() - 1.0) < 1e-3))
-      throw std::invalid_argument(
-          fmt::format("the start's quaternion of '{}' must have length 1", skeleton.joint(i).name));
-  return q;
+  return startConfiguration(values, skeleton, "--start");
 }
 
 /// Positions are met, orientations come as close as they then can: orientations weigh next to nothing, from
@@ -208,7 +199,7 @@ bool solve(const Request& request) {
       orientation = std::max(orientation, error.orientation);
       goals.push_back({{"joint", skeleton.joint(problem.goals[g].joint).name},
                        {"kind", goalType(problem.goals[g].kind).name},
-                       {"goal", writeGoal(problem.goals[g], skeleton)},
+                       {"goal", goalToText(problem.goals[g], skeleton)},
                        {"weight", problem.goals[g].weight},
                        {"position_error", error.position},
                        {"orientation_error", error.orientation}});

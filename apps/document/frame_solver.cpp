@@ -3,7 +3,6 @@
 #include "apps/document/session.h"
 #include "kinematics/configuration.h"
 #include "solvers/tree/drag_solver.h"
-#include "solvers/tree/hybrid_solver.h"
 
 namespace gelenk {
 namespace {

@@ -76,6 +76,7 @@ SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
     s.layeredMesh->setSculpture(*s.muscles);
     return s.layeredMesh.get();
   }
+  poseSkin(*s.session->skin(), sandbox.shownFrames(), s.pose);  // a menu may have opened another model
   return s.mesh.get();
 }
 
@@ -222,7 +223,8 @@ Document Sandbox::document() const {
   return document;
 }
 
-bool Sandbox::saveSceneTo(const std::string& path) {
+bool Sandbox::saveSceneTo(const std::string& name) {
+  const std::string path = isScene(name) ? name : name + ".json";  // that it may be opened again
   try {
     writeScene(path, document(), session().model());
     state_->scenePath = path;

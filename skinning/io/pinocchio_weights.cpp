@@ -71,7 +71,7 @@ BoneWeights readPinocchioWeights(const std::string& path, int boneCount, int ver
 
 BoneWeights readPinocchioWeights(const std::string& path, int boneCount, const Mesh& mesh) {
   const std::string text = readFile(path);
-  const auto rows = splitRows(text, file);
+  const auto rows = splitRows(text, path);
   const int vertices = static_cast<int>(mesh.positions.size());
   std::string explanation;
   if (const int unused = topology(mesh).unreferencedVertices;

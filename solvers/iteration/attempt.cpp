@@ -104,7 +104,7 @@ Attempt::Rest Attempt::rest() {
 /// differences of the slope.
 Eigen::MatrixXd Attempt::curvature() {
   const bool exact = std::all_of(problem_.goals.begin(), problem_.goals.end(), [](const Goal& goal) {
-    return goal.kind != GoalKind::Aim && goal.kind != GoalKind::Pole;
+    return goalType(goal.kind).addHessian != nullptr;
   });
   if (exact) return at.hessian();
   constexpr double h = 1e-5;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kinematics/configuration.h"
+#include "solvers/problem/goal_type.h"
 
 namespace gelenk {
 namespace {
@@ -16,11 +17,16 @@ int dimensions(const Joint& joint) { return static_cast<int>(joint.axes.size()) 
 MovingJoints::MovingJoints(const IkProblem& problem)
     : skeleton_(problem.skeleton), moves_(problem.skeleton->jointCount(), 0) {
   for (const Goal& goal : problem.goals) {
-    if (goal.kind == GoalKind::Posture) std::fill(moves_.begin(), moves_.end(), 1);
-    int joint = goal.joint;
-    if (goal.kind == GoalKind::Pole && !skeleton_->children(joint).empty())
-      joint = skeleton_->children(joint).front();
-    for (; joint >= 0; joint = skeleton_->parent(joint)) moves_[joint] = 1;
+    const GoalType& type = goalType(goal.kind);
+    if (!type.joints) {
+      std::fill(moves_.begin(), moves_.end(), 1);
+      continue;
+    }
+    if (!whyMisplaced(goal, *skeleton_).empty()) continue;
+    std::vector<int> ends;
+    type.joints(goal, *skeleton_, ends);
+    for (int joint : ends)
+      for (; joint >= 0; joint = skeleton_->parent(joint)) moves_[joint] = 1;
   }
   all_ = std::all_of(moves_.begin(), moves_.end(), [](char moves) { return moves; });
   if (all_) return;

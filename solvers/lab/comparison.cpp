@@ -22,6 +22,7 @@
 #include "kinematics/io/csv.h"
 #include "kinematics/io/text_file.h"
 #include "solvers/iteration/evaluator.h"
+#include "solvers/problem/goal_type.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
 
@@ -333,7 +334,6 @@ std::string hex(std::uint64_t value) {
 /// What is known before the first solve: problem_sets.csv, goals.csv, solvers.csv. Returns the first.
 std::vector<SetRow> writeProblems(const std::vector<LoadedSet>& sets, const ComparisonPlan& plan,
                                   const std::string& folder) {
-  static constexpr const char* kinds[] = {"position", "orientation", "pose", "aim", "pole", "posture"};
   std::vector<SetRow> rows;
   std::string goals = goalsHeader, checks = csvHeader<SetRow>(), solvers = solversHeader;
   for (const LoadedSet& set : sets) {
@@ -349,7 +349,7 @@ std::vector<SetRow> writeProblems(const std::vector<LoadedSet>& sets, const Comp
         std::vector<std::string> fields{set.name,
                                         std::to_string(one.index),
                                         std::to_string(g + 1),
-                                        kinds[static_cast<int>(goal.kind)],
+                                        std::string(goalType(goal.kind).name),
                                         one.skeleton->joint(goal.joint).name,
                                         csvNumber(goal.weight)};
         for (double x : goal.pointInJoint) fields.push_back(csvNumber(x));

@@ -120,7 +120,7 @@ Role parseRole(std::string_view text) {
   fail("a role is one of " + words + ", not '" + std::string(text) + "'");
 }
 
-Goal parseGoal(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses) {
+Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses) {
   const auto words = splitWords(text);
   if (words.empty()) fail("a goal begins with its kind");
   const GoalType& type = goalType(words[0]);
@@ -167,7 +167,14 @@ Goal parseGoal(std::string_view text, const Skeleton& skeleton, std::shared_ptr<
   return goal;
 }
 
-std::string writeGoal(const Goal& goal, const Skeleton& skeleton) {
+bool namesAKind(std::string_view text) {
+  const auto words = splitWords(text);
+  for (const GoalType* type : goalTypes())
+    if (!words.empty() && words[0] == type->name) return true;
+  return false;
+}
+
+std::string goalToText(const Goal& goal, const Skeleton& skeleton) {
   const GoalType& type = goalType(goal.kind);
   std::string text(type.name);
   for (const GoalField& field : type.fields)

@@ -14,10 +14,13 @@ namespace gelenk {
 /// posture as nq numbers; metres. Fields as in GoalType::fields; those that are optional may be left out, and
 /// every kind takes name, weight, role (drag, hold, pin) and priority. masses: of the model, for kinds that
 /// need them; may be null. Throws std::invalid_argument that says what is wrong and what there is.
-Goal parseGoal(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses = {});
+Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses = {});
+
+/// Whether such a text begins with the name of a kind.
+bool namesAKind(std::string_view text);
 
 /// The same in the other direction, numbers exact.
-std::string writeGoal(const Goal& goal, const Skeleton& skeleton);
+std::string goalToText(const Goal& goal, const Skeleton& skeleton);
 
 /// One line a kind: name, fields (optional ones in brackets) and what it asks for; for help texts.
 std::string describeGoalTypes();

@@ -133,8 +133,6 @@ struct DragModel {
 
 /// How the drag solver serves a type: by points with targets, or by a smooth cost of sums of carried points.
 struct DragForm {
-  /// Joints whose way to the root takes part.
-  void (*joints)(const Goal&, const Skeleton&, std::vector<int>& out) = nullptr;
   /// Points, at most four.
   void (*points)(const Goal&, const Skeleton&, DragPoints& out) = nullptr;
   /// Of types whose first point's target follows the pose: what it depends on, and where it is (world).
@@ -203,6 +201,8 @@ struct GoalType {
   /// Beyond what the fields say: why such a goal makes no sense on the skeleton. Empty where it does.
   std::string (*whyNot)(const Goal&, const Skeleton&) = nullptr;
 
+  /// Joints whose way to the root takes part: the others stay. None: all take part.
+  void (*joints)(const Goal&, const Skeleton&, std::vector<int>& out) = nullptr;
   DragForm drag;
 
   /// The point that is drawn to the target, world.

@@ -10,7 +10,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "solvers/iteration/attempt.h"
-#include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/moving_joints.h"
 #include "solvers/problem/judge.h"
 #include "solvers/problem/support.h"
 
@@ -129,7 +129,7 @@ void DragSolver::rebuild(std::span<const Goal> goals) {
         old.joint = -1;  // taken
         break;
       }
-    if (form.joints) form.joints(goal, skeleton(), joints_);
+    if (memory.type->joints) memory.type->joints(goal, skeleton(), joints_);
     if (form.points) {
       DragPoints list;
       form.points(goal, skeleton(), list);
@@ -565,8 +565,8 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   const std::span<const Goal> goals = problem.goals;
   constexpr Pull byOwnWeight{.drag = 1.0, .pin = 1.0, .cut = unlimited};
-  constexpr double fade = 0.1, lastPosture = 1e-10;
-  constexpr double smallestStep = 1e-9;  // without posture: at rest
+  constexpr double fade = 0.1, lastPosture = 1e-10;  // of the posture's pull, a step
+  constexpr double smallestStep = 1e-9;              // without posture: at rest
   constexpr int mostStuck = 3;
   reset(problem.start);
   report_.counters = {};
@@ -583,6 +583,7 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
       ++report_.counters.restarts;
     }
     setTargets(goals, byOwnWeight);
+    const int mostIterations = report_.counters.iterations + budget.maxIterations;
     DragDescent::Settings settings{.lambda = options_.posture, .smallestStep = 1e-14};
     int stuck = 0;
     for (;; settings.lambda = settings.lambda > lastPosture ? fade * settings.lambda : 0.0) {
@@ -591,7 +592,7 @@ IkReport DragSolver::solve(const IkProblem& problem, const Budget& budget, Trace
                 options_.roundings * problem.orientationTolerance)
                 ? Stop::Converged
                 : Stop::Budget;
-      if (why == Stop::Converged || report_.counters.iterations >= budget.maxIterations ||
+      if (why == Stop::Converged || report_.counters.iterations >= mostIterations ||
           seconds() > budget.maxSeconds)
         break;
       const double before = trace == TraceLevel::Off ? 0.0 : residual();
@@ -625,7 +626,6 @@ namespace {
 class ColdDrag final : public IkSolver {
  public:
   explicit ColdDrag(const DragParameters& parameters) : p_(parameters) {}
-
   std::string whyUnsupported(const IkProblem& problem) const override {
     for (const Goal& goal : problem.goals)
       if (const std::string why = whyMisplaced(goal, *problem.skeleton); !why.empty()) return why;
@@ -640,13 +640,15 @@ class ColdDrag final : public IkSolver {
     // Its own objective holds posture too, and may rest on a place that meets the goals or on a saddle of
     // them.
     IkProblem below = problem;
-    for (int saddles = 0; saddles < 20; ++saddles) {
+    Budget rest = budget;
+    rest.restarts = 0;
+    while (report.counters.iterations < budget.maxIterations * (1 + budget.restarts)) {
       if (report.why != Stop::Stationary || judge(problem, report.q).solved) break;
       VectorXd lower;
       report.why = whyAtRest(problem, report.q, &lower);
       if (lower.size() == 0) break;
       below.start = lower;
-      IkReport next = solver.solve(below, budget, trace);
+      IkReport next = solver.solve(below, rest, trace);
       next.counters += report.counters;
       next.seconds += report.seconds;
       next.trace.insert(next.trace.begin(), report.trace.begin(), report.trace.end());

@@ -173,7 +173,6 @@ struct DragParameters {
           "Orientations count as three points on arms of this length, in body units."}});
   }
 };
-
 /// The drag solver's steps as a cold solve of the catalogue: DragSolver::solve. docs/solvers/drag.md.
 std::unique_ptr<IkSolver> makeDrag(const DragParameters& parameters = {});
 

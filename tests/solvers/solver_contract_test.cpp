@@ -220,7 +220,7 @@ std::pair<double, double> lowestCurvature(const IkProblem& problem, const Vector
 TEST_P(SolverContract, OnlyAMinimumIsCalledStationary) {
   forEachProblem(problemCount(), 16, [&](const Owned& owned, const IkReport& report) {
     std::set<int> priorities;
-    for (const Goal& goal : owned.problem.goals) priorities.insert(goal.priority);
+    for (const Goal& goal : owned.problem.goals) priorities.insert(goal.servedAs());
     if (report.why != Stop::Stationary || priorities.size() > 1) return;  // an order of goals has no one cost
     const auto [lowest, size] = lowestCurvature(owned.problem, report.q);
     EXPECT_GE(lowest, -1e-5 * size);

@@ -34,21 +34,21 @@ void mark(const Goal& goal, const GoalPlace& at, GoalMark& mark) {
 
 }  // namespace
 
-const GoalType centreOfMassGoal{
-    .kind = GoalKind::CentreOfMass,
-    .name = "centre-of-mass",
-    .title = "Centre of mass",
-    .asks = "The centre of mass is at a place.",
-    .fields = fields,
-    .needsMasses = true,
-    .movesWithPose = true,
-    .rows = rows<3>,
-    .residual = residual,
-    .jacobian = jacobian,
-    .error = positionError,
-    .drag = {.joints = heavyJoints, .sums = 1, .carried = carriedMass, .model = model},
-    .reached = massReached,
-    .capture = capture,
-    .mark = mark};
+const GoalType centreOfMassGoal{.kind = GoalKind::CentreOfMass,
+                                .name = "centre-of-mass",
+                                .title = "Centre of mass",
+                                .asks = "The centre of mass is at a place.",
+                                .fields = fields,
+                                .needsMasses = true,
+                                .movesWithPose = true,
+                                .rows = rows<3>,
+                                .residual = residual,
+                                .jacobian = jacobian,
+                                .error = positionError,
+                                .joints = heavyJoints,
+                                .drag = {.sums = 1, .carried = carriedMass, .model = model},
+                                .reached = massReached,
+                                .capture = capture,
+                                .mark = mark};
 
 }  // namespace gelenk

@@ -60,6 +60,13 @@ std::string whyNot(const Goal& goal, const Skeleton& skeleton) {
          "' has not both";
 }
 
+/// The child's own motion counts where it slides: only its origin is looked at.
+void joints(const Goal& goal, const Skeleton& skeleton, std::vector<int>& out) {
+  out.push_back(goal.joint);
+  const int child = childOf(goal, skeleton);
+  for (const AxisDof& dof : skeleton.joint(child).axes)
+    if (dof.kind == AxisDof::Kind::Translation) out.push_back(child);
+}
 void points(const Goal& goal, const Skeleton&, DragPoints& out) {
   out.add({.at = {.joint = goal.joint}, .target = goal.target});
 }
@@ -83,25 +90,23 @@ void mark(const Goal& goal, const GoalPlace& at, GoalMark& mark) {
 
 }  // namespace
 
-const GoalType poleGoal{.kind = GoalKind::Pole,
-                        .name = "pole",
-                        .title = "Pole",
-                        .asks = "An elbow or a knee lies on the side of a point.",
-                        .fields = fields,
-                        .movesWithPose = true,
-                        .preference = 0.1,
-                        .rows = rows<1>,
-                        .residual = residual,
-                        .jacobian = jacobian,
-                        .error = positionError,
-                        .whyNot = whyNot,
-                        .drag = {.joints = oneJoint,
-                                 .points = points,
-                                 .references = references,
-                                 .follow = follow,
-                                 .measured = false},
-                        .reached = reached,
-                        .capture = capture,
-                        .mark = mark};
+const GoalType poleGoal{
+    .kind = GoalKind::Pole,
+    .name = "pole",
+    .title = "Pole",
+    .asks = "An elbow or a knee lies on the side of a point.",
+    .fields = fields,
+    .movesWithPose = true,
+    .preference = 0.1,
+    .rows = rows<1>,
+    .residual = residual,
+    .jacobian = jacobian,
+    .error = positionError,
+    .whyNot = whyNot,
+    .joints = joints,
+    .drag = {.points = points, .references = references, .follow = follow, .measured = false},
+    .reached = reached,
+    .capture = capture,
+    .mark = mark};
 
 }  // namespace gelenk

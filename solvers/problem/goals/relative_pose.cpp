@@ -82,7 +82,8 @@ const GoalType relativePoseGoal{
     .jacobian = jacobian,
     .error = poseError,
     .whyNot = relativePositionGoal.whyNot,
-    .drag = {.joints = twoJoints, .sums = 4, .carried = carried, .model = model},
+    .joints = twoJoints,
+    .drag = {.sums = 4, .carried = carried, .model = model},
     .reached = pointReached,
     .capture = capture,
     .mark = mark};

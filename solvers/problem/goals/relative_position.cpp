@@ -50,20 +50,20 @@ void mark(const Goal& goal, const GoalPlace& at, GoalMark& mark) {
 
 }  // namespace
 
-const GoalType relativePositionGoal{
-    .kind = GoalKind::RelativePosition,
-    .name = "relative-position",
-    .title = "Point on point",
-    .asks = "A point of a joint stays on a point of another joint.",
-    .fields = fields,
-    .rows = rows<3>,
-    .residual = residual,
-    .jacobian = jacobian,
-    .error = positionError,
-    .whyNot = whyNot,
-    .drag = {.joints = twoJoints, .sums = 1, .carried = carried, .model = model},
-    .reached = pointReached,
-    .capture = capture,
-    .mark = mark};
+const GoalType relativePositionGoal{.kind = GoalKind::RelativePosition,
+                                    .name = "relative-position",
+                                    .title = "Point on point",
+                                    .asks = "A point of a joint stays on a point of another joint.",
+                                    .fields = fields,
+                                    .rows = rows<3>,
+                                    .residual = residual,
+                                    .jacobian = jacobian,
+                                    .error = positionError,
+                                    .whyNot = whyNot,
+                                    .joints = twoJoints,
+                                    .drag = {.sums = 1, .carried = carried, .model = model},
+                                    .reached = pointReached,
+                                    .capture = capture,
+                                    .mark = mark};
 
 }  // namespace gelenk

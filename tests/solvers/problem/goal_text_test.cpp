@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 
 std::string refusal(std::string_view text, const Skeleton& skeleton) {
   try {
-    parseGoal(text, skeleton);
+    goalFromText(text, skeleton);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -30,8 +30,8 @@ TEST(GoalText, EveryKindIsReadBackAsItWasWritten) {
     goal.priority = 3;
     goal.axisInJoint.normalize();
     goal.orientation.normalize();
-    const Goal back = parseGoal(writeGoal(goal, skeleton), skeleton, goal.masses);
-    EXPECT_EQ(writeGoal(back, skeleton), writeGoal(goal, skeleton)) << type->name;
+    const Goal back = goalFromText(goalToText(goal, skeleton), skeleton, goal.masses);
+    EXPECT_EQ(goalToText(back, skeleton), goalToText(goal, skeleton)) << type->name;
     EXPECT_EQ(back.weight, goal.weight);
     EXPECT_EQ(back.role, Role::Pin);
     EXPECT_EQ(back.servedAs(), 3);
