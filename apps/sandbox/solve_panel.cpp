@@ -152,10 +152,10 @@ class SolvePanel final : public Panel {
     const bool isAngle =
         goal.goal.kind == GoalKind::Orientation || goal.goal.kind == GoalKind::Aim ||
         (error.position < s.session->reachedWithin() && error.orientation > Session::reachedAngle);
-    ImGui::TextColored(
-        distanceColour(s.colours(), std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0)), "%s",
-        isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
-                : formatLength(error.position).c_str());
+    const double missed = std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0);
+    ImGui::TextColored(toImVec4(distanceColour(markColours(s.theme()), missed)), "%s",
+                       isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
+                               : formatLength(error.position).c_str());
   }
 
   static void goals(Sandbox& sandbox) {
@@ -165,7 +165,7 @@ class SolvePanel final : public Panel {
     if (ImGui::BeginTable("##goals", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
       for (const SceneGoal& goal : s.session->goals()) {
-        if (!isGoalShown(sandbox, goal)) continue;
+        if (!isGoalShown(sandbox.session(), goal)) continue;
         ImGui::PushID(static_cast<int>(goal.id));
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
@@ -212,7 +212,7 @@ class SolvePanel final : public Panel {
     float target[3];
     for (int k = 0; k < 3; ++k) target[k] = static_cast<float>(goal.goal.target[k]);
     ImGui::SetNextItemWidth(-1);
-    if (ImGui::DragFloat3("##target", target, static_cast<float>(1e-3 * s.size), 0, 0, "%.3f")) {
+    if (ImGui::DragFloat3("##target", target, static_cast<float>(1e-3 * s.size()), 0, 0, "%.3f")) {
       Eigen::Vector3d point = goal.goal.target;
       for (int k = 0; k < 3; ++k)
         if (static_cast<float>(point[k]) != target[k]) point[k] = target[k];
