@@ -162,7 +162,7 @@ Skin bodySkin(const Skeleton& skeleton, const BodyAroundOptions& options) {
 }
 
 std::uint64_t bodySkinKey(const Skeleton& skeleton) {
-  constexpr double methodVersion = 1.0;
+  constexpr double methodVersion = 2.0;
   std::vector<double> facts{methodVersion};
   const Frames rest = restFrames(skeleton);
   for (int i = 0; i < skeleton.jointCount(); ++i) {

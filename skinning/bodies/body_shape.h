@@ -85,7 +85,7 @@ class BodyShape {
   FieldSample sample(const Eigen::Vector3d& p, const Region& region) const;
 
   const std::vector<BodyPart>& parts() const { return parts_; }
-  /// A box that holds the surface.
+  /// A box that holds every part; blends may bulge out of it by some of their width.
   Eigen::AlignedBox3d bounds() const { return bounds_; }
 
  private:

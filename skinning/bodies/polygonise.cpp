@@ -67,6 +67,28 @@ class Warp {
     return q;
   }
 
+  /// A box that holds every q with W(q) in the given box. Stage for stage q_d = p_d + sum kappa L tanh(r / L)
+  /// / r (q - c)_d, and tanh(r) / r falls with r >= |(q - c)_d|: so q_d <= t implies q_d <= max p_d + sum
+  /// kappa L tanh(max(t - c_d, 0) / L). Begun with the largest pull there can be, each round tightens a true
+  /// bound.
+  Eigen::AlignedBox3d preimage(Eigen::AlignedBox3d box) const {
+    for (auto stage = stages_.rbegin(); stage != stages_.rend(); ++stage)
+      for (int d = 0; d < 3; ++d)
+        for (const double sign : {-1.0, 1.0}) {
+          double& face = sign < 0.0 ? box.min()[d] : box.max()[d];
+          const double from = sign * face, farthest = std::abs(stage->strength) * stage->reach;
+          double bound = from + farthest * static_cast<double>(stage->centres.size());
+          for (int i = 0; i < 30 && stage->strength > 0.0; ++i) {
+            double pulls = 0.0;
+            for (const Vector3d& c : stage->centres)
+              pulls += farthest * std::tanh(std::max(bound - sign * c[d], 0.0) / stage->reach);
+            bound = from + pulls;
+          }
+          face = sign * bound;
+        }
+    return box;
+  }
+
   /// q with W(q) = p, by fixed-point iteration.
   Vector3d back(Vector3d p) const {
     for (auto stage = stages_.rbegin(); stage != stages_.rend(); ++stage) {
@@ -92,8 +114,9 @@ class Warp {
 // --------------------------------------------------------------------------------------------------------
 // Cells and loops
 
-// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2 & 1); edge 4 d + k runs along axis d from its k-th
-// low corner.
+Vector3i corner(int c) { return {c & 1, c >> 1 & 1, c >> 2 & 1}; }
+
+/// Corners of the edges: edge 4 d + k runs along axis d from its k-th low corner.
 constexpr std::array<std::array<int, 2>, 12> cellEdges = {
     {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
@@ -168,31 +191,14 @@ class Grid {
   Grid(const BodyShape& shape, const PolygoniseOptions& options)
       : shape_(shape), options_(options), warp_(options.lenses) {
     if (!(options.cell > 0.0)) throw std::invalid_argument("the cell of a grid must be positive");
-    Eigen::AlignedBox3d box;
-    const Eigen::AlignedBox3d body = shape.bounds();
-    constexpr int steps = 6;  // the preimage of a box is bounded by the preimage of its faces
-    for (int i = 0; i <= steps; ++i)
-      for (int j = 0; j <= steps; ++j)
-        for (int k = 0; k <= steps; ++k) {
-          if (i % steps && j % steps && k % steps) continue;
-          const Vector3d t = Vector3d(i, j, k) / steps;
-          box.extend(warp_.back(body.min() + t.cwiseProduct(body.sizes())));
-        }
-    const double h = options.cell;
-    origin_ = box.min().array() - 2.0 * h;
-    const Vector3d size = box.sizes().array() + 4.0 * h;
-    double cells = 1.0;
-    for (int d = 0; d < 3; ++d) {
-      cells *= std::ceil(size[d] / (side * h)) * side;
-      if (!(cells <= 0x1p28)) throw std::invalid_argument("the grid has too many cells: take larger ones");
-      blocks_[d] = std::max(1, static_cast<int>(std::ceil(size[d] / (side * h))));
-    }
-    if (options.symmetric) {
-      blocks_.x() = 1 + std::max(1, static_cast<int>(std::ceil((box.max().x() + 2.0 * h) / (side * h))));
-      origin_.x() = (0.5 - side) * h;
-    }
-    block_.resize(static_cast<std::size_t>(blocks_.prod()));
-    fill();
+    Eigen::AlignedBox3d box = warp_.preimage(shape.bounds());
+    do {  // where parts blend the surface bulges out of the box of the parts
+      layOut(box);
+      fill();
+      activateMixedCells();
+      box.min().array() -= side * options.cell;
+      box.max().array() += side * options.cell;
+    } while (surfaceReachesTheRim());
   }
 
   const Warp& warp() const { return warp_; }
@@ -203,6 +209,9 @@ class Grid {
 
   Vector3i firstSample(int b) const {
     return side * Vector3i(b % blocks_.x(), b / blocks_.x() % blocks_.y(), b / (blocks_.x() * blocks_.y()));
+  }
+  Vector3i sampleOf(int b, int k) const {
+    return firstSample(b) + Vector3i(k % side, k / side % side, k / (side * side));
   }
   /// Block of a sample, or -1 outside the grid.
   int blockOf(const Vector3i& s) const {
@@ -220,6 +229,23 @@ class Grid {
   Vector3d point(const Vector3d& sample) const { return origin_ + options_.cell * sample; }
 
  private:
+  void layOut(const Eigen::AlignedBox3d& box) {
+    const double h = options_.cell;
+    origin_ = box.min().array() - 2.0 * h;
+    const Vector3d size = box.sizes().array() + 4.0 * h;
+    double cells = 1.0;
+    for (int d = 0; d < 3; ++d) {
+      cells *= std::ceil(size[d] / (side * h)) * side;
+      if (!(cells <= 0x1p28)) throw std::invalid_argument("the grid has too many cells: take larger ones");
+      blocks_[d] = std::max(1, static_cast<int>(std::ceil(size[d] / (side * h))));
+    }
+    if (options_.symmetric) {
+      blocks_.x() = 1 + std::max(1, static_cast<int>(std::ceil((box.max().x() + 2.0 * h) / (side * h))));
+      origin_.x() = (0.5 - side) * h;
+    }
+    block_.assign(static_cast<std::size_t>(blocks_.prod()), Block{});
+  }
+
   void fill() {
     const double radius = 0.5 * std::sqrt(3.0) * side * options_.cell;
     parallelFor(blockCount(), options_.threads, [&](int b) {
@@ -229,30 +255,78 @@ class Grid {
       const Vector3d p = warp_(middle);
       double inBody = 0.0;  // radius of the warped block
       for (int c = 0; c < 8; ++c) {
-        const Vector3d corner =
-            middle + 0.5 * side * options_.cell * Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
-        inBody = std::max(inBody, 1.15 * (warp_(corner) - p).norm());
+        const Vector3d end = middle.array() + side * options_.cell * (corner(c).cast<double>().array() - 0.5);
+        inBody = std::max(inBody, 1.15 * (warp_(end) - p).norm());
       }
       Block& block = block_[b];
       block.region = shape_.region(p, std::min(inBody, radius));
       const double value = shape_.value(p, block.region);
       block.inside = value < 0.0;
-      block.active = std::abs(value) <= 1.6 * std::min(inBody, radius);
-      if (!block.active) return;
-      block.values.resize(volume);
-      for (int k = 0; k < volume; ++k) {
-        const Vector3i s = first + Vector3i(k % side, k / side % side, k / (side * side));
-        block.values[k] = shape_.value(warp_(point(s.cast<double>())), block.region);
-      }
+      if (std::abs(value) <= 1.6 * std::min(inBody, radius)) activate(b);
     });
-    if (!options_.symmetric) return;
-    for (int b = 0; b < blockCount(); ++b) {  // the mirrored layer
+    mirrorFirstLayer();
+  }
+
+  void activate(int b) {
+    Block& block = block_[b];
+    block.active = true;
+    block.values.resize(volume);
+    for (int k = 0; k < volume; ++k)
+      block.values[k] = shape_.value(warp_(point(sampleOf(b, k).cast<double>())), block.region);
+  }
+
+  void mirrorFirstLayer() {
+    for (int b = 0; b < blockCount() && options_.symmetric; ++b) {
       if (firstSample(b).x() != 0) continue;
       const Block& right = block_[b + 1];
       block_[b] = right;
       for (int k = 0; right.active && k < volume; ++k)
         block_[b].values[k] = right.values[k - k % side + (side - 1 - k % side)];
     }
+  }
+
+  /// Blocks were left out by a bound on how fast F grows. Where it fails, a cell between such a block and
+  /// another sees both signs: sample those too, until no such cell is left.
+  void activateMixedCells() {
+    const auto isMixed = [&](const Vector3i& cell) {
+      bool in = false, out = false;
+      for (int c = 0; c < 8; ++c) (value(cell + corner(c)) < 0.0 ? in : out) = true;
+      return in && out;
+    };
+    const auto meetsItsLike = [&](int b) {  // all blocks that share its last samples' cells are as it is
+      for (int c = 1; c < 8; ++c) {
+        const int other = blockOf(firstSample(b) + side * corner(c));
+        const bool inside = other >= 0 && block_[other].inside, active = other >= 0 && block_[other].active;
+        if (active || inside != block_[b].inside) return false;
+      }
+      return true;
+    };
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (int b = 0; b < blockCount(); ++b) {
+        if (block_[b].active || firstSample(b).x() / side < firstLayer() || meetsItsLike(b)) continue;
+        bool mixed = false;
+        for (int k = 0; k < volume && !mixed; ++k) mixed = isMixed(sampleOf(b, k));
+        if (mixed) activate(b), changed = true;
+      }
+      if (changed) mirrorFirstLayer();
+    }
+  }
+
+  /// A sample of the outermost layer lies inside. The mirrored layer is no rim.
+  bool surfaceReachesTheRim() const {
+    const Vector3i last = side * blocks_.array() - 1;
+    for (int b = 0; b < blockCount(); ++b) {
+      const Vector3i first = firstSample(b);
+      const bool atRim = (first.array() == 0).any() || (first.array() + side > last.array()).any();
+      if (!atRim || (!block_[b].active && !block_[b].inside)) continue;
+      for (int k = 0; k < volume; ++k) {
+        const Vector3i s = sampleOf(b, k);
+        const bool low = (s.x() == 0 && !options_.symmetric) || s.y() == 0 || s.z() == 0;
+        if ((low || (s.array() == last.array()).any()) && value(s) < 0.0) return true;
+      }
+    }
+    return false;
   }
 
   const BodyShape& shape_;
@@ -277,7 +351,7 @@ struct Surface {
 int patternOf(const Grid& grid, const Vector3i& cell, std::array<double, 8>& values) {
   int pattern = 0;
   for (int c = 0; c < 8; ++c) {
-    values[c] = grid.value(cell + Vector3i(c & 1, c >> 1 & 1, c >> 2 & 1));
+    values[c] = grid.value(cell + corner(c));
     if (values[c] < 0.0) pattern |= 1 << c;
   }
   return pattern;
@@ -292,7 +366,7 @@ Surface contour(Grid& grid, bool symmetric) {
     if (!grid.block(b).active) continue;
     grid.block(b).firstVertex.assign(volume, -1);
     for (int k = 0; k < volume; ++k) {
-      const Vector3i cell = grid.firstSample(b) + Vector3i(k % side, k / side % side, k / (side * side));
+      const Vector3i cell = grid.sampleOf(b, k);
       if (cell.x() < firstX) continue;
       const int pattern = patternOf(grid, cell, values);
       if (pattern == 0 || pattern == 255) continue;
@@ -328,7 +402,7 @@ Surface contour(Grid& grid, bool symmetric) {
   for (int b = 0; b < grid.blockCount(); ++b) {
     if (!grid.block(b).active) continue;
     for (int k = 0; k < volume; ++k) {
-      const Vector3i s = grid.firstSample(b) + Vector3i(k % side, k / side % side, k / (side * side));
+      const Vector3i s = grid.sampleOf(b, k);
       if (symmetric && s.x() < side) continue;
       const bool inside = grid.value(s) < 0.0;
       for (int d = 0; d < 3; ++d) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "kinematics/configuration.h"
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/notation/planar_chain.h"
 #include "kinematics/notation/robots.h"
@@ -77,6 +78,25 @@ TEST(BodyAround, SoDoRandomTrees) {
     std::mt19937_64 random(seed);
     const Skeleton tree = testing::randomSkeleton(random, 3 + 4 * seed);
     expectBody(tree, bodyAround(tree), "seed " + std::to_string(seed));
+  }
+}
+
+TEST(BodyAround, SoDoesTheFigureWhateverPoseItRestsIn) {
+  const Skeleton figure = mannequin();
+  for (int seed = 1; seed <= trees; ++seed) {
+    std::mt19937_64 random(seed);
+    const Frames posed = forwardKinematics(figure, randomWithinLimits(figure, random));
+    std::vector<Joint> joints = figure.joints();  // hands and feet, where the lenses are, anywhere
+    for (int i = 0; i < figure.jointCount(); ++i)
+      joints[i].parentFromZero =
+          i == 0 ? posed[0] : posed[figure.parent(i)].inverse(Eigen::Isometry) * posed[i];
+    const Skeleton crouched(joints);
+    const Mesh mesh = bodyAround(crouched);
+    EXPECT_TRUE(topology(mesh).closed() && topology(mesh).manifold()) << "seed " << seed;
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& p : mesh.positions) box.extend(p);
+    for (const Bone& bone : bonesOf(crouched, restFrames(crouched)))
+      EXPECT_TRUE(box.contains(bone.from) && box.contains(bone.to)) << "seed " << seed;
   }
 }
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/configuration.h"
 #include "skinning/bodies/mannequin_body.h"
+#include "tests/kinematics/random_skeleton.h"
 
 namespace gelenk {
 namespace {
@@ -51,6 +53,57 @@ TEST(Polygonise, AnyPatternOfTouchingBallsGivesAManifold) {
     const MeshTopology facts = topology(polygonise(BodyShape(parts), {.cell = cell, .relaxationRounds = 0}));
     EXPECT_TRUE(facts.closed()) << cell;
     EXPECT_TRUE(facts.manifold()) << cell;
+  }
+}
+
+TEST(Polygonise, NoLensMakesTheGridLoseAPieceOfTheBody) {
+  for (int seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    std::vector<BodyPart> parts;  // a star of thin rods whose tips, at the rim, lie under two lenses each
+    std::vector<GridLens> lenses;
+    for (int i = 0; i < 4; ++i) {
+      BodyPart part{.form = BodyPart::Form::RoundCone, .parent = i == 0 ? -1 : 0};
+      part.b = (0.5 + 0.5 * uniform01(random)) * testing::randomUnit(random);
+      part.radiusA = part.radiusB = 0.03;
+      part.blend = part.siblingBlend = 0.01;
+      parts.push_back(part);
+      for (int k = 0; k < 2; ++k)
+        lenses.push_back(
+            {{part.b + 0.01 * testing::randomUnit(random)}, 2.5, 0.08 + 0.04 * uniform01(random)});
+    }
+    const BodyShape shape(parts);
+    const PolygoniseOptions coarse{.cell = 0.015, .relaxationRounds = 1};
+    PolygoniseOptions magnified = coarse;
+    magnified.lenses = lenses;
+    const Mesh plain = polygonise(shape, coarse), through = polygonise(shape, magnified);
+    EXPECT_TRUE(topology(through).closed() && topology(through).manifold());
+    Eigen::AlignedBox3d plainBox, throughBox;
+    for (const Vector3d& p : plain.positions) plainBox.extend(p);
+    for (const Vector3d& p : through.positions) throughBox.extend(p);
+    // Both lie on F = 0: the boxes differ by what a chord of a cell cuts off a tip of radius 0.03.
+    EXPECT_LT((plainBox.max() - throughBox.max()).cwiseAbs().maxCoeff(), 0.005);
+    EXPECT_LT((plainBox.min() - throughBox.min()).cwiseAbs().maxCoeff(), 0.005);
+    EXPECT_NEAR(enclosedVolume(through), enclosedVolume(plain), 0.1 * enclosedVolume(plain));
+  }
+}
+
+TEST(Polygonise, ABlendThatBulgesOutOfItsPartsStaysClosed) {
+  for (const double blend : {0.5, 2.0, 8.0}) {
+    std::vector<BodyPart> parts;  // ten balls of radius 0.5 in one place, each blended with the one before
+    for (int i = 0; i < 10; ++i) {
+      parts.push_back({.form = BodyPart::Form::RoundCone, .parent = i - 1, .blend = i == 0 ? 0.0 : blend});
+      parts.back().b = parts.back().a;
+      parts.back().radiusA = parts.back().radiusB = 0.5;
+    }
+    // By hand: F = |p| - 0.5 - k s, s the sum of (1 - s)^2 / 4 over the nine blends.
+    double s = 0.0;
+    for (int i = 1; i < 10; ++i) s += (1.0 - s) * (1.0 - s) / 4.0;
+    const double radius = 0.5 + blend * s;
+    const Mesh mesh = polygonise(BodyShape(parts), {.cell = radius / 10.0});
+    EXPECT_TRUE(topology(mesh).closed() && topology(mesh).manifold()) << blend;
+    EXPECT_EQ(topology(mesh).eulerCharacteristic(), 2) << blend;
+    for (const Vector3d& p : mesh.positions) ASSERT_NEAR(p.norm(), radius, 1e-6 * radius) << blend;
   }
 }
 
