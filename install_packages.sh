@@ -4,10 +4,10 @@
 #   ./install_packages.sh test    that and what the tests need
 set -euo pipefail
 packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libceres-dev libcli11-dev libfmt-dev nlohmann-json3-dev
-          libepoxy-dev libglm-dev libglfw3-dev libimgui-dev libfreetype-dev libstb-dev libpng-dev libtinygltf-dev
+          libepoxy-dev libglm-dev libglfw3-dev libimgui-dev libfreetype-dev libstb-dev libpng-dev libtinygltf-dev libassimp-dev
           liburdfdom-dev fonts-roboto-unhinted libgl1-mesa-dri libegl1 libgl1 ffmpeg gnuplot-nox)
 if [ "${1:-run}" = test ]; then
-  packages+=(clang-14 libclang-rt-14-dev llvm-14 libgtest-dev libgmock-dev libbenchmark-dev libassimp-dev
+  packages+=(clang-14 libclang-rt-14-dev llvm-14 libgtest-dev libgmock-dev libbenchmark-dev
              liborocos-kdl-dev xvfb xauth xdotool x11-utils)
 fi
 missing=()

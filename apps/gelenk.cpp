@@ -1,27 +1,15 @@
-#include <CLI/CLI.hpp>
-#include <cstdio>
-#include <exception>
-
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
+#include "apps/document/notes.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Gelenk: a kinematics and inverse-kinematics research sandbox"};
-  app.set_version_flag("--version", "gelenk " GELENK_VERSION);
-  app.require_subcommand(1);
-  gelenk::addCommands(app);
+  gelenk::CommandLine line("Gelenk: a kinematics and inverse-kinematics research sandbox",
+                           "gelenk " GELENK_VERSION);
+  gelenk::Command program = line.root();
+  gelenk::addNoteOptions(program);
+  gelenk::addCommands(program);
 #ifdef GELENK_GRAPHICS
-  gelenk::addGraphicsCommands(app);
+  gelenk::addGraphicsCommands(program);
 #endif
-
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::RuntimeError& answer) {
-    return answer.get_exit_code();  // a command's own: 2 of a problem that was not solved
-  } catch (const CLI::Error& error) {
-    return app.exit(error) == 0 ? 0 : 1;  // --help and --version are no mistakes
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "gelenk: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return line.run(argc, argv);
 }

@@ -1,5 +1,18 @@
-# How the code is compiled: levels of optimisation and precompiled headers.
-#
+# How the code is compiled: the compiler cache, levels of optimisation and precompiled headers.
+
+# ccache finds objects and precompiled headers again from any folder that holds a copy of this tree. A precompiled header
+# is part of what it compares, so that must come out the same each time: GCC writes it by addresses, which setarch -R keeps.
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+      CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1 CCACHE_INODECACHE=1)
+  execute_process(COMMAND setarch -R true RESULT_VARIABLE status OUTPUT_QUIET ERROR_QUIET)
+  if(status EQUAL 0)
+    list(APPEND CMAKE_CXX_COMPILER_LAUNCHER setarch -R)
+  endif()
+  list(APPEND CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
 # Hot code (kernels, evaluators, forward kinematics, blending, muscles) takes the level of the build type, -O3 for Release;
 # what a person waits for once (files, commands, panels, reports, tests) takes -O1, which compiles faster. GCC compiles a
 # file at the level that its precompiled header was made with, so each level has headers of its own.
@@ -15,9 +28,9 @@ function(gelenk_precompile target)
   else()
     target_precompile_headers(${target} PRIVATE ${GELENK_STANDARD_HEADERS} ${ARGN})
   endif()
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # for ccache: name the header in preprocessed text, keep times out of it
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # GCC 12 forgets which precompiled headers are the system's and reports them; clang's builds still look for these faults.
-    target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-ignored-attributes -Wno-array-bounds -Wno-stringop-overflow)
+    target_compile_options(${target} PRIVATE -Wno-ignored-attributes -Wno-array-bounds -Wno-stringop-overflow)
   else()
     target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
   endif()
@@ -41,8 +54,10 @@ function(gelenk_library name)
   set(target gelenk_${name})
   add_library(${target}_cold OBJECT ${part_COLD})
   add_library(${target} STATIC ${part_HOT} $<TARGET_OBJECTS:${target}_cold>)
+  add_library(Gelenk::${name} ALIAS ${target})
   foreach(half ${target} ${target}_cold)
     target_include_directories(${half} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+    target_compile_features(${half} PUBLIC cxx_std_20)
     target_link_libraries(${half} ${part_LINK})
   endforeach()
   if(name STREQUAL kinematics)

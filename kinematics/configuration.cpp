@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 
 namespace gelenk {
@@ -22,14 +23,6 @@ void putQuaternion(VectorXd& q, int at, const Quaterniond& r) {
 
 int ballIndex(const Skeleton& skeleton, int joint) {
   return skeleton.qIndex(joint) + static_cast<int>(skeleton.joint(joint).axes.size());
-}
-
-Vector3d projectBall(const BallLimit& limit, Vector3d c) {
-  const Vector2d offset = c.head<2>() - limit.swingCentre;
-  if (offset.cwiseQuotient(limit.swingRadii).squaredNorm() > 1.0)
-    c.head<2>() = limit.swingCentre + nearestOnEllipse(limit.swingRadii, offset);
-  c.z() = std::clamp(c.z(), limit.twistLower, limit.twistUpper);
-  return c;
 }
 
 double range(const AxisDof& dof, bool upper) {
@@ -157,7 +150,7 @@ void projectToLimits(const Skeleton& skeleton, const VectorXd& q, VectorXd& out)
     if (!joint.ball) continue;
     Quaterniond rotation = quaternionAt(q, at).normalized();
     if (joint.ballLimit && limitViolation(skeleton, q, i) > 0.0)
-      rotation = fromSwingTwistCoordinates(projectBall(*joint.ballLimit, swingTwistCoordinates(rotation)));
+      rotation = fromSwingTwistCoordinates(intoBall(*joint.ballLimit, swingTwistCoordinates(rotation)));
     putQuaternion(out, at, rotation);
   }
 }

@@ -73,6 +73,19 @@ Eigen::Matrix3d swingTwistJacobian(const Eigen::Quaterniond& q) {
   return E;
 }
 
+double squaredAngleAcross(double theta) {
+  // The series is exact to rounding below 1e-4, where the next term is theta^4 / 720 < 2e-19.
+  return theta < 1e-4 ? 1.0 - theta * theta / 12.0 : 0.5 * theta / std::tan(0.5 * theta);
+}
+
+Eigen::Matrix3d squaredAngleHessian(const Vector3d& logR) {
+  const double theta = logR.norm();
+  if (theta < 1e-12) return Eigen::Matrix3d::Identity();
+  const Vector3d u = logR / theta;
+  const double across = squaredAngleAcross(theta);
+  return across * Eigen::Matrix3d::Identity() + (1.0 - across) * u * u.transpose();
+}
+
 Quaterniond rotationBetween(const Vector3d& a, const Vector3d& b) {
   const Vector3d from = a.normalized(), to = b.normalized();
   // (1 + a.b, a x b) has the half angle; |from + to| measures 1 + a.b without cancellation near antiparallel.

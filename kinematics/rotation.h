@@ -30,6 +30,13 @@ Eigen::Quaterniond fromSwingTwistCoordinates(const Eigen::Vector3d& c);
 /// of exactly pi.
 Eigen::Matrix3d swingTwistJacobian(const Eigen::Quaterniond& q);
 
+/// Hessian of 1/2 |log R|^2 in exponential coordinates about R with log R = theta u:
+/// u u^T + (theta / 2) cot(theta / 2) (I - u u^T). The same for R exp(d) and exp(d) R. Positive below a half
+/// turn.
+Eigen::Matrix3d squaredAngleHessian(const Eigen::Vector3d& logR);
+/// Its factor across u, (theta / 2) cot(theta / 2); exact at 0.
+double squaredAngleAcross(double theta);
+
 /// Smallest rotation that turns direction a into direction b (neither need be a unit vector, neither may be
 /// zero). Antiparallel directions have no unique axis: one perpendicular to a is chosen.
 Eigen::Quaterniond rotationBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);

@@ -2,16 +2,19 @@
 
 namespace gelenk {
 
-void addCompareCommand(CLI::App& app);
-void addConvertCommand(CLI::App& app);
-void addFkCommand(CLI::App& app);
-void addInfoCommand(CLI::App& app);
-void addLectureCommand(CLI::App& app);
-void addMotionCommand(CLI::App& app);
-void addMusclesCommand(CLI::App& app);
-void addSolveCommand(CLI::App& app);
+void addCompareCommand(Command& app);
+void addConvertCommand(Command& app);
+void addFkCommand(Command& app);
+void addInfoCommand(Command& app);
+void addLectureCommand(Command& app);
+void addMotionCommand(Command& app);
+void addMusclesCommand(Command& app);
+void addPathCommand(Command& app);
+void addRigCommand(Command& app);
+void addSolveCommand(Command& app);
+void addSolutionsCommand(Command& app);
 
-void addCommands(CLI::App& app) {
+void addCommands(Command& app) {
   addCompareCommand(app);
   addConvertCommand(app);
   addFkCommand(app);
@@ -19,6 +22,9 @@ void addCommands(CLI::App& app) {
   addLectureCommand(app);
   addMotionCommand(app);
   addMusclesCommand(app);
+  addPathCommand(app);
+  addRigCommand(app);
+  addSolutionsCommand(app);
   addSolveCommand(app);
 }
 

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/reproductions.h"
 #include "apps/commands/solver_colour.h"
@@ -13,6 +13,7 @@
 #include "kinematics/io/text_file.h"
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
+#include "solvers/lab/sweep.h"
 #include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
@@ -20,7 +21,9 @@ namespace {
 
 struct Request {
   std::string model = "panda";
-  std::vector<std::string> sets, solvers, effectors;
+  std::vector<std::string> sets;  ///< of problems, D1, or of a parameter, dls.lambda=0.1
+  std::vector<std::string> solvers, effectors, sweeps;
+  int restarts = -1;  ///< not given: one attempt, and the restarts that `solve` has
   ComparisonPlan plan;
   double budgetMilliseconds = 0.0;
   std::string out, shard = "1/1", goal, reproduce;
@@ -75,9 +78,13 @@ class Progress {
 
 void printList() {
   fmt::print("solvers\n");
-  for (const SolverEntry& entry : solverCatalogue())
+  for (const SolverEntry& entry : solverCatalogue()) {
     fmt::print("  {:<20} {} ({})\n", entry.name, entry.title, entry.reference);
-  fmt::print("  {:<20} the pose solver for serial chains, see docs/solvers\n", "default");
+    for (const Parameter& p : entry.parameters)
+      fmt::print("    .{:<19} {:g}{}{}, {:g} to {:g} ({}): {}\n", p.name, p.value, p.unit == "1" ? "" : " ",
+                 p.unit == "1" ? "" : p.unit, p.lower, p.upper, p.source, p.meaning);
+  }
+  fmt::print("  {:<20} serial-pose on serial chains, drag elsewhere, see docs/solvers\n", "default");
   fmt::print("problem sets\n");
   for (const ProblemSetEntry& entry : problemSetCatalogue())
     fmt::print("  {:<20} {}; level: {}\n", entry.name, entry.title, entry.levels);
@@ -104,12 +111,42 @@ void parseShard(const std::string& text, ComparisonPlan& plan) {
   plan.shards = n;
 }
 
+/// The restarts that `gelenk solve` has.
+constexpr int usualRestarts = 50;
+
+/// --set takes sets of problems and values of parameters: the latter have a dot before their equals sign.
+bool isSetting(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  return equals != text.npos && text.substr(0, equals).find('.') != text.npos;
+}
+
+void report(const Results& results, const std::string& folder, const std::string& commandLine) {
+  const Report report = writeReport(folder, results, reportStyle(commandLine));
+  if (!report.note.empty()) fmt::print(stderr, "gelenk: {}\n", report.note);
+  fmt::print("{}", report.table);
+  for (const SetRow& set : results.sets) fmt::print("checksum {} {}\n", set.set, set.checksum);
+  fmt::print("{}\n", (std::filesystem::path(folder) / "report.html").string());
+}
+
 void compare(Request& request, const std::string& commandLine) {
   if (request.list) return printList();
   if (!request.reproduce.empty()) return reproduce(request.reproduce, request.out, reportStyle(commandLine));
   ComparisonPlan& plan = request.plan;
-  plan.sets = request.sets.empty() ? std::vector<std::string>{"D1"} : request.sets;
-  plan.solvers = request.solvers.empty() ? allSolvers() : request.solvers;
+  std::vector<std::string> settings;
+  for (const std::string& text : request.sets) (isSetting(text) ? settings : plan.sets).push_back(text);
+  if (plan.sets.empty()) plan.sets = {"D1"};
+  if (request.restarts >= 0) {
+    plan.budget.restarts = request.restarts;
+  } else {  // two questions: how good is one attempt, and what does a user get
+    std::vector<std::string> both;
+    for (const std::string& set : plan.sets) {
+      both.push_back(set);
+      if (!setChoice(set).restarts) both.push_back(fmt::format("{}[restarts={}]", set, usualRestarts));
+    }
+    plan.sets = both;
+  }
+  if (request.solvers.empty() && request.sweeps.empty()) request.solvers = allSolvers();
+  plan.solvers = withParameters(request.solvers, settings, request.sweeps);
   if (request.budgetMilliseconds < 0.0 || std::isnan(request.budgetMilliseconds))
     throw std::invalid_argument("--budget-ms must not be negative");
   if (request.budgetMilliseconds > 0.0) plan.budget.maxSeconds = 1e-3 * request.budgetMilliseconds;
@@ -122,73 +159,60 @@ void compare(Request& request, const std::string& commandLine) {
   LabModel lab =
       labModel(model.name, model.skeleton, request.effectors.empty() ? model.handles : request.effectors);
   if (!request.goal.empty()) lab.pose = request.goal == "pose";
-  runComparison(plan, lab, request.out, Progress());
-  if (const std::string note = writeReport(request.out, reportStyle(commandLine)); !note.empty())
-    fmt::print(stderr, "gelenk: {}\n", note);
-  fmt::print("{}", summaryTable(request.out));
-  for (const std::string& set : plan.sets)
-    fmt::print("checksum {} {:016x}\n", set,
-               checksum(makeProblems(problemSet(set), lab, plan.problems, plan.seed, plan.tolerance)));
-  fmt::print("{}\n", (std::filesystem::path(request.out) / "report.html").string());
+  report(runComparison(plan, lab, request.out, Progress()), request.out, commandLine);
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out, const std::string& commandLine) {
-  mergeComparisons(folders, out);
-  if (const std::string note = writeReport(out, reportStyle(commandLine)); !note.empty())
-    fmt::print(stderr, "gelenk: {}\n", note);
-  fmt::print("{}{}\n", summaryTable(out), (std::filesystem::path(out) / "report.html").string());
+  report(mergeComparisons(folders, out), out, commandLine);
 }
 
 }  // namespace
 
-void addCompareCommand(CLI::App& app) {
+void addCompareCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command =
-      app.add_subcommand("compare", "Compare solvers on frozen problem sets and write a report");
+  Command command = app.command("compare", "Compare solvers on frozen problem sets and write a report");
   ComparisonPlan& plan = request->plan;
-  command->add_option("--model", request->model, "Built-in model or file")->capture_default_str();
-  command->add_option("--set", request->sets, "Problem set, D1 to D7 (repeatable; default D1)");
-  command->add_option("--solver", request->solvers, "Solver by name, or default (repeatable; default: all)");
-  command->add_option("--effector", request->effectors,
-                      "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
+  command.option("--model", request->model, "Built-in model or file").showDefault();
+  command.option("--set", request->sets,
+                 "Problem set, D1 to D7, or D1[restarts=50] (default D1), or the value of a parameter, "
+                 "dls.lambda=0.1 (repeatable)");
+  command.option("--sweep", request->sweeps,
+                 "Runs a grid over a parameter: dls.lambda=0.01:1:log9, or lin9 (repeatable)");
+  command.option("--solver", request->solvers,
+                 "Solver by name, default, or dls[lambda=0.1] (repeatable; default: all)");
+  command.option("--effector", request->effectors,
+                 "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
   command
-      ->add_option("--goal", request->goal,
-                   "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
-      ->check(CLI::IsMember({"position", "pose"}));
-  command->add_option("--problems", plan.problems, "Problems of each set")->capture_default_str();
-  command->add_option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers")
-      ->capture_default_str();
-  command->add_option("--tolerance", plan.tolerance, "Metres and radians, on the error itself")
-      ->capture_default_str();
-  command->add_option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt")
-      ->capture_default_str();
-  command->add_option(
-      "--budget-ms", request->budgetMilliseconds,
-      "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
-  command->add_option("--restarts", plan.budget.restarts, "Random restarts after the first attempt")
-      ->capture_default_str();
+      .option("--goal", request->goal,
+              "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
+      .oneOf({"position", "pose"});
+  command.option("--problems", plan.problems, "Problems of each set").showDefault();
+  command.option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers").showDefault();
+  command.option("--tolerance", plan.tolerance, "Metres and radians, on the error itself").showDefault();
+  command.option("--max-iterations", plan.budget.maxIterations, "Iterations of one attempt").showDefault();
+  command.option("--budget-ms", request->budgetMilliseconds,
+                 "Time of one solve in milliseconds; 0: no limit (answers then never depend on the machine)");
+  command.option("--restarts", request->restarts,
+                 "Random restarts after the first attempt (default: every set twice, with none and with 50)");
   command
-      ->add_option("--seeds", plan.seeds,
-                   "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for "
-                   "those that only restart")
-      ->capture_default_str();
-  command->add_option("--repeat", plan.repeat, "Solves a problem; the shortest time counts")
-      ->capture_default_str();
-  command->add_option("--traces", plan.traces, "Problems of each set whose residual curves are kept")
-      ->capture_default_str();
-  command->add_option("--shard", request->shard,
-                      "K/N: only the K-th of N parts; join them with 'compare merge'");
-  command->add_option("--out", request->out, "Folder for the results; an interrupted run continues there");
-  command->add_option("--reproduce", request->reproduce, "An experiment from the literature, see --list");
-  command->add_flag("--list", request->list, "List solvers, problem sets, reproductions and models");
-  CLI::App* merging =
-      command->add_subcommand("merge", "Join the folders of all shards: merge --out DIR SHARD...");
-  merging->add_option("--out", request->out, "Folder for the joined results")->required();
-  merging->add_option("shards", request->mergeFolders, "Folders of the shards")->required();
-  command->callback([request, merging] {
-    if (!merging->parsed()) compare(*request, typedCommand());
+      .option("--seeds", plan.seeds,
+              "Solver seeds, for solvers that draw random numbers; 0: 20 for stochastic methods, 1 for "
+              "those that only restart")
+      .showDefault();
+  command.option("--repeat", plan.repeat, "Solves a problem; the shortest time counts").showDefault();
+  command.option("--traces", plan.traces, "Problems of each set whose residual curves are kept")
+      .showDefault();
+  command.option("--shard", request->shard, "K/N: only the K-th of N parts; join them with 'compare merge'");
+  command.option("--out", request->out, "Folder for the results; an interrupted run continues there");
+  command.option("--reproduce", request->reproduce, "An experiment from the literature, see --list");
+  command.flag("--list", request->list, "List solvers, problem sets, reproductions and models");
+  Command merging = command.command("merge", "Join the folders of all shards: merge --out DIR SHARD...");
+  merging.option("--out", request->out, "Folder for the joined results").required();
+  merging.option("shards", request->mergeFolders, "Folders of the shards").required();
+  command.run([request, merging] {
+    if (!merging.given()) compare(*request, typedCommand());
   });
-  merging->callback([request] { merge(request->mergeFolders, request->out, typedCommand()); });
+  merging.run([request] { merge(request->mergeFolders, request->out, typedCommand()); });
 }
 
 }  // namespace gelenk

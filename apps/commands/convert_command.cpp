@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
 #include "apps/document/session.h"
 #include "kinematics/io/dh_text.h"
@@ -82,7 +82,8 @@ Skeleton places(Model& model) {
                       .parent = parent < 0 ? -1 : now[parent],
                       .parentFromZero = Eigen::Isometry3d(Eigen::Translation3d(offset))});
   }
-  if (!left.empty()) model.notes.push_back("left out, since they lie in their parents' places: " + left);
+  if (!left.empty())
+    tell(model.notes, "left-out", "left out, since they lie in their parents' places: " + left);
   return Skeleton(std::move(joints));
 }
 
@@ -135,14 +136,17 @@ void write(Imported& imported, FileKind kind, const Request& request) {
       if (!request.unitOut.empty())
         throw std::invalid_argument("glTF is in metres by definition; leave --unit-out away");
       std::vector<GltfClip> clips;
-      if (imported.model.clip) clips.push_back({imported.model.name, *imported.model.clip});
+      if (request.companions.clip.empty() && request.frame == 0) clips = imported.clips;
+      if (clips.empty() && imported.model.clip)
+        clips.push_back({imported.model.clipName.empty() ? imported.model.name : imported.model.clipName,
+                         *imported.model.clip});
       return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr, clips);
     }
     case FileKind::ObjMesh: {
       if (!imported.model.skin)
         throw std::invalid_argument("'" + request.in + "' has no body to write as OBJ");
       Mesh mesh = imported.model.skin->mesh;
-      if (imported.model.clip || request.frame > 0)
+      if (imported.model.clip || request.frame > 0 || !restsAsBound(imported.model))
         mesh.positions = linearBlendSkin(*imported.model.skin,
                                          forwardKinematics(skeleton, poseOf(imported, request.frame)))
                              .positions;
@@ -175,13 +179,15 @@ void holdStillTranslations(Model& model) {
   if (held.joints.empty()) return;
   model.skeleton = std::move(held.skeleton);
   model.clip = std::move(held.clip);
-  model.notes.push_back(
-      fmt::format("position channels that stand still became offsets (joints: {})", held.joints.size()));
+  tellFact(model.notes, "still-positions",
+           fmt::format("position channels that stand still became offsets (joints: {})", held.joints.size()));
 }
 
 /// A mesh alone: another unit, another axis up.
 void convertMesh(const Request& request) {
-  Mesh mesh = readMesh(request.in);
+  std::vector<Note> notes;
+  Mesh mesh = readMesh(request.in, &notes);
+  sayNotes(request.in, notes);
   const auto unit = [](const std::string& text) { return text.empty() ? 1.0 : metresPerUnit(text); };
   const double quarterTurns = (request.upOut == "z") - (request.upIn == "z");
   const Eigen::Matrix3d newFromOld =
@@ -236,8 +242,12 @@ void run(const Request& request) {
   }
   if ((kind == FileKind::Asf || kind == FileKind::Amc) && imported.model.clip)
     holdStillTranslations(imported.model);
+  if (kind == FileKind::Gltf && request.companions.clip.empty() &&
+      request.frame == 0)  // all of them are written
+    std::erase_if(imported.model.notes, [](const Note& note) { return note.kind == "several-motions"; });
+  demandNoNotes(request.in, imported.model.notes);
   write(imported, *kind, request);
-  for (const std::string& note : imported.model.notes) fmt::print(stderr, "note: {}\n", note);
+  sayNotes(request.in, imported.model.notes);
   fmt::print("{}: {}, from {} joints{}\n", request.out, describe(*kind), imported.model.skeleton.jointCount(),
              imported.model.clip ? fmt::format(", {} frame{} at {:.6g} Hz", imported.model.clip->frameCount(),
                                                imported.model.clip->frameCount() == 1 ? "" : "s",
@@ -247,36 +257,34 @@ void run(const Request& request) {
 
 }  // namespace
 
-void addConvertCommand(CLI::App& app) {
+void addConvertCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("convert", "Convert between skeletons, motions and skinned models");
-  command
-      ->add_option("in", request->in,
-                   "A file, a scene of the sandbox (.json) or the name of a built-in model")
-      ->required();
-  command->add_option("out", request->out, "The file to write; its extension is the format")->required();
+  Command command = app.command("convert", "Convert between skeletons, motions and skinned models");
+  command.option("in", request->in, "A file, a scene of the sandbox (.json) or the name of a built-in model")
+      .required();
+  command.option("out", request->out, "The file to write; its extension is the format").required();
   Companions& files = request->companions;
-  command->add_option("--skeleton", files.skeleton, "Skeleton of an OBJ");
-  command->add_option("--weights", files.weights, "Weights of an OBJ");
-  command->add_option("--asf", files.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
-  command->add_option("--amc", files.amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", files.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
-  command->add_option("--figure", files.figure, "Figure of a tutorial pose");
-  command->add_option("--unit-in", request->unitIn,
-                      "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command->add_option("--unit-out", request->unitOut, "Unit of OUT; default: m, for ASF CMU's (length 0.45)");
-  command->add_option("--up-in", request->upIn, "The axis that points up in IN")
-      ->check(CLI::IsMember({"y", "z"}));
-  command->add_option("--up-out", request->upOut, "The axis that shall point up in OUT")
-      ->check(CLI::IsMember({"y", "z"}));
+  command.option("--skeleton", files.skeleton, "Skeleton of an OBJ");
+  command.option("--weights", files.weights, "Weights of an OBJ");
+  command.option("--asf", files.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
+  command.option("--amc", files.amc, "Motion for the ASF skeleton");
+  command.option("--mapping", files.mapping, "Bones on joints, lines 'bone ... : joint joint ...'");
+  command.option("--figure", files.figure, "Figure of a tutorial pose");
+  command.option("--unit-in", request->unitIn,
+                 "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command.option("--unit-out", request->unitOut, "Unit of OUT; default: m, for ASF CMU's (length 0.45)");
+  command.option("--up-in", request->upIn, "The axis that points up in IN").oneOf({"y", "z"});
+  command.option("--up-out", request->upOut, "The axis that shall point up in OUT").oneOf({"y", "z"});
   command
-      ->add_option("--bvh-positions", request->bvhPositions,
-                   "What position channels mean: stand in place of OFFSET or are added to it")
-      ->check(CLI::IsMember({"auto", "replace", "add"}));
-  command->add_option("--fps", request->fps, "Frame rate of an AMC; default 120")->check(CLI::PositiveNumber);
-  command->add_option("--end", request->end, "Last joint of the chain that a DH table shall hold");
-  command->add_option("--frame", request->frame, "Write only this frame, from 1")->check(CLI::PositiveNumber);
-  command->callback([request] { run(*request); });
+      .option("--bvh-positions", request->bvhPositions,
+              "What position channels mean: stand in place of OFFSET or are added to it")
+      .oneOf({"auto", "replace", "add"});
+  command.option("--fps", request->fps, "Frame rate of an AMC; default 120").positive();
+  command.option("--clip", files.clip,
+                 "Which motion of a file that names several; default: all to glTF, else the first");
+  command.option("--end", request->end, "Last joint of the chain that a DH table shall hold");
+  command.option("--frame", request->frame, "Write only this frame, from 1").positive();
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

@@ -1,11 +1,12 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
+#include "apps/commands/motion_table.h"
 #include "apps/document/model.h"
-#include "apps/document/motion_table.h"
+#include "apps/document/notes.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 
@@ -61,13 +62,15 @@ VectorXd configurationOf(const Skeleton& skeleton, const Request& request) {
 }
 
 /// Joints outside their limits are posed all the same; the user is told.
-std::vector<std::string> warningsOf(const Skeleton& skeleton, const VectorXd& q) {
-  std::vector<std::string> warnings;
+std::vector<Note> notesOf(const Model& model, const VectorXd& q) {
+  std::vector<Note> notes = model.notes;
+  const Skeleton& skeleton = model.skeleton;
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (const double excess = limitViolation(skeleton, q, i); excess > 1e-12)
-      warnings.push_back(fmt::format("'{}' lies {:.6g} outside its limits (radians or metres)",
-                                     skeleton.joint(i).name, excess));
-  return warnings;
+      tell(notes, "outside-limits",
+           fmt::format("'{}' lies {:.6g} outside its limits (radians or metres)", skeleton.joint(i).name,
+                       excess));
+  return notes;
 }
 
 void printJson(const Model& model, const VectorXd& q, const Frames& frames) {
@@ -85,11 +88,11 @@ void printJson(const Model& model, const VectorXd& q, const Frames& frames) {
   const json out{{"model", model.name},
                  {"q", std::vector<double>(q.begin(), q.end())},
                  {"joints", joints},
-                 {"warnings", warningsOf(model.skeleton, q)}};
+                 {"notes", asJson(notesOf(model, q))}};
   fmt::print("{}\n", out.dump(2));
 }
 
-void printTable(const Model& model, const VectorXd& q, const Frames& frames) {
+void printTable(const Model& model, const Frames& frames) {
   std::size_t width = 5;
   for (const Joint& joint : model.skeleton.joints()) width = std::max(width, joint.name.size());
   fmt::print("{:<{}}  {:>37}   {}\n", "joint", width, "position x y z [m]",
@@ -105,31 +108,32 @@ void printTable(const Model& model, const VectorXd& q, const Frames& frames) {
         model.skeleton.joint(i).name, width, clean(p.x()), clean(p.y()), clean(p.z()), clean(r.w()),
         clean(r.x()), clean(r.y()), clean(r.z()), clean(turn.x()), clean(turn.y()), clean(turn.z()));
   }
-  for (const std::string& warning : warningsOf(model.skeleton, q))
-    fmt::print(stderr, "gelenk: warning: {}\n", warning);
 }
 
 void run(const Request& request) {
   const Model model = openModel(request.model);
   const VectorXd q = configurationOf(model.skeleton, request);
   const Frames frames = forwardKinematics(model.skeleton, q);
-  request.asJson ? printJson(model, q, frames) : printTable(model, q, frames);
+  if (request.asJson)
+    demandNoNotes(request.model, notesOf(model, q));
+  else
+    sayNotes(request.model, notesOf(model, q));
+  request.asJson ? printJson(model, q, frames) : printTable(model, frames);
 }
 
 }  // namespace
 
-void addFkCommand(CLI::App& app) {
+void addFkCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command =
-      app.add_subcommand("fk", "Forward kinematics: world position and orientation of every joint");
-  command->add_option("model", request->model, "Name of a built-in model, or a file")->required();
-  command->add_option(
+  Command command = app.command("fk", "Forward kinematics: world position and orientation of every joint");
+  command.option("model", request->model, "Name of a built-in model, or a file").required();
+  command.option(
       "--q", request->q,
       "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
-  command->add_flag("--degrees", request->degrees, "Angles after --q are in degrees");
-  command->add_flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
-  const auto motion = addMotionTableOptions(*command);
-  command->callback([request, motion] {
+  command.flag("--degrees", request->degrees, "Angles after --q are in degrees");
+  command.flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
+  const auto motion = addMotionTableOptions(command);
+  command.run([request, motion] {
     if (motion->wanted() && (!request->q.empty() || request->asJson))
       throw std::invalid_argument(
           "--q and --json are of one pose; they do not go with --csv, --amc, --asf, --frame and --unit");

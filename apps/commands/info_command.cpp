@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "kinematics/forward_kinematics.h"
+#include "skinning/blend/linear_blend.h"
 #include "skinning/io/obj.h"
 
 namespace gelenk {
@@ -30,31 +32,33 @@ std::string counted(int n, const std::string& one, const std::string& many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-void addMesh(const Mesh& mesh, json& facts) {
+/// positions: where the vertices stand, for the bounds.
+void addMesh(const Mesh& mesh, const std::vector<Eigen::Vector3d>& positions, json& facts,
+             std::vector<Note>& notes) {
   const MeshTopology shape = topology(mesh);
   Eigen::AlignedBox3d box;
-  for (const auto& p : mesh.positions) box.extend(p);
+  for (const auto& p : positions) box.extend(p);
   facts["vertices"] = shape.vertices;
   facts["triangles"] = shape.triangles;
   facts["components"] = shape.components;
   facts["closed"] = shape.closed();
   facts["manifold"] = shape.manifold();
   facts["bounds"] = boundsOf(box);
-  json& warnings = facts["warnings"];
-  const auto warn = [&](int n, const std::string& one, const std::string& many) {
-    if (n > 0) warnings.push_back(counted(n, one, many));
+  const auto look = [&](const char* kind, int n, const std::string& one, const std::string& many) {
+    if (n > 0) tellFact(notes, kind, counted(n, one, many));
   };
-  warn(shape.boundaryEdges, "edge lies on one triangle only: the surface is open",
+  look("mesh-open", shape.boundaryEdges, "edge lies on one triangle only: the surface is open",
        "edges lie on one triangle only: the surface is open");
-  warn(shape.nonManifoldEdges,
+  look("mesh-not-manifold", shape.nonManifoldEdges,
        "edge is not manifold (more than two triangles, or two that disagree on orientation)",
        "edges are not manifold (more than two triangles, or two that disagree on orientation)");
-  warn(shape.nonManifoldVertices, "vertex joins several fans of triangles",
+  look("mesh-not-manifold", shape.nonManifoldVertices, "vertex joins several fans of triangles",
        "vertices join several fans of triangles");
-  warn(shape.unreferencedVertices, "vertex belongs to no triangle", "vertices belong to no triangle");
-  warn(shape.degenerateTriangles, "triangle has no area", "triangles have no area");
+  look("mesh-loose", shape.unreferencedVertices, "vertex belongs to no triangle",
+       "vertices belong to no triangle");
+  look("mesh-flat", shape.degenerateTriangles, "triangle has no area", "triangles have no area");
   if (shape.closed() && shape.manifold() && enclosedVolume(mesh) < 0.0)
-    warnings.push_back("the triangles face inwards");
+    tellFact(notes, "mesh-inwards", "the triangles face inwards");
 }
 
 void addSkeleton(const Skeleton& skeleton, json& facts) {
@@ -68,7 +72,7 @@ void addSkeleton(const Skeleton& skeleton, json& facts) {
 }
 
 /// How long, how fast, and where the motion leaves the model's own limits: told, never clamped.
-void addMotion(const Skeleton& skeleton, const MotionClip& clip, json& facts) {
+void addMotion(const Skeleton& skeleton, const MotionClip& clip, json& facts, std::vector<Note>& notes) {
   facts["frames"] = clip.frameCount();
   facts["framesPerSecond"] = clip.framesPerSecond;
   facts["seconds"] = clip.duration();
@@ -86,27 +90,38 @@ void addMotion(const Skeleton& skeleton, const MotionClip& clip, json& facts) {
   facts["limitedSamples"] = samples;
   facts["samplesOutsideLimits"] = outside;
   if (outside > 0)
-    facts["warnings"].push_back(fmt::format(
-        "{} of {} limited values ({:.1f} %) lie outside the model's own limits; playback keeps them", outside,
-        samples, 100.0 * outside / samples));
+    tellFact(
+        notes, "outside-limits",
+        fmt::format("{} of {} limited values ({:.1f} %) lie outside the model's own limits; playback keeps "
+                    "them",
+                    outside, samples, 100.0 * outside / samples));
 }
 
-json factsOf(const Request& request) {
-  json facts{{"file", request.file}, {"warnings", json::array()}, {"notes", json::array()}};
+json factsOf(const Request& request, std::vector<Note>& notes) {
+  json facts{{"file", request.file}};
   const auto kind = fileKind(request.file);
   facts["format"] = kind ? describe(*kind) : "model";
   if ((kind == FileKind::ObjMesh || kind == FileKind::Nurbs) && request.companions.skeleton.empty()) {
-    addMesh(readMesh(request.file), facts);
+    const Mesh mesh = readMesh(request.file, &notes);
+    addMesh(mesh, mesh.positions, facts, notes);
     return facts;
   }
   ImportOptions options;
   if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
   const Imported imported = importFiles(request.file, request.companions, options);
   const Model& model = imported.model;
-  if (model.skin) addMesh(model.skin->mesh, facts);
+  notes = model.notes;
+  if (model.skin)
+    addMesh(model.skin->mesh, linearBlendSkin(*model.skin, restFrames(model.skeleton)).positions, facts,
+            notes);
   addSkeleton(model.skeleton, facts);
-  if (imported.model.clip) addMotion(model.skeleton, *imported.model.clip, facts);
-  for (const std::string& note : model.notes) facts["notes"].push_back(note);
+  if (imported.model.clip) addMotion(model.skeleton, *imported.model.clip, facts, notes);
+  if (!model.clipName.empty()) facts["motion"] = model.clipName;
+  for (const GltfClip& clip : imported.clips)
+    facts["motions"].push_back({{"name", clip.name},
+                                {"frames", clip.clip.frameCount()},
+                                {"framesPerSecond", clip.clip.framesPerSecond},
+                                {"seconds", clip.clip.duration()}});
   return facts;
 }
 
@@ -114,7 +129,7 @@ std::string corner(const json& p) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
 }
 
-void print(const json& facts) {
+void print(const json& facts, const std::vector<Note>& notes) {
   fmt::print("{}: {}\n", facts["file"].get<std::string>(), facts["format"].get<std::string>());
   if (facts.contains("joints"))
     fmt::print("  joints     {} ({} degrees of freedom), root '{}'\n", facts["joints"].get<int>(),
@@ -126,40 +141,50 @@ void print(const json& facts) {
                facts["closed"].get<bool>() ? "closed" : "open",
                facts["manifold"].get<bool>() ? "manifold" : "not manifold");
   if (facts.contains("frames"))
-    fmt::print("  motion     {} at {:.6g} Hz, {:.3f} s\n",
+    fmt::print("  motion     {}{} at {:.6g} Hz, {:.3f} s\n",
+               facts.contains("motion") ? "'" + facts["motion"].get<std::string>() + "', " : "",
                counted(facts["frames"].get<int>(), "frame", "frames"), facts["framesPerSecond"].get<double>(),
                facts["seconds"].get<double>());
+  if (facts.contains("motions") && facts["motions"].size() > 1)
+    for (const json& motion : facts["motions"])
+      fmt::print("             '{}': {} at {:.6g} Hz, {:.3f} s\n", motion["name"].get<std::string>(),
+                 counted(motion["frames"].get<int>(), "frame", "frames"),
+                 motion["framesPerSecond"].get<double>(), motion["seconds"].get<double>());
   fmt::print("  bounds     {} to {} m\n", corner(facts["bounds"]["lower"]), corner(facts["bounds"]["upper"]));
-  for (const json& note : facts["notes"]) fmt::print("  note       {}\n", note.get<std::string>());
-  for (const json& warning : facts["warnings"]) fmt::print("  warning    {}\n", warning.get<std::string>());
+  if (!notesAreQuiet())
+    for (const Note& note : notes) fmt::print("  note       {}\n", note.line());
 }
 
 void run(const Request& request) {
-  const json facts = factsOf(request);
+  std::vector<Note> notes;
+  json facts = factsOf(request, notes);
+  demandNoNotes(request.file, notes);
+  facts["notes"] = asJson(notes);
   if (request.asJson)
     fmt::print("{}\n", facts.dump(2));
   else
-    print(facts);
+    print(facts, notes);
 }
 
 }  // namespace
 
-void addInfoCommand(CLI::App& app) {
+void addInfoCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand("info", "What is in a file or a built-in model");
-  command->add_option("file", request->file, "A file, or the name of a built-in model")->required();
-  command->add_option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
-  command->add_option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
-  command->add_option("--asf", request->companions.asf,
-                      "ASF skeleton of an AMC, or to lay a fitted skeleton on");
-  command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", request->companions.mapping,
-                      "Bones on joints, lines 'bone ... : joint joint ...'");
-  command->add_option("--figure", request->companions.figure, "Figure of a tutorial pose");
-  command->add_option("--unit", request->unit,
-                      "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command->add_flag("--json", request->asJson, "Print JSON");
-  command->callback([request] { run(*request); });
+  Command command = app.command("info", "What is in a file or a built-in model");
+  command.option("file", request->file, "A file, or the name of a built-in model").required();
+  command.option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
+  command.option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
+  command.option("--asf", request->companions.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");
+  command.option("--amc", request->companions.amc, "Motion for the ASF skeleton");
+  command.option("--mapping", request->companions.mapping,
+                 "Bones on joints, lines 'bone ... : joint joint ...'");
+  command.option("--figure", request->companions.figure, "Figure of a tutorial pose");
+  command.option("--unit", request->unit,
+                 "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command.option("--clip", request->companions.clip,
+                 "Which motion of a file that names several; default: the first");
+  command.flag("--json", request->asJson, "Print JSON");
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/lecture/example.h"
 
@@ -119,21 +119,20 @@ void run(const Request& request) {
   const auto bad = std::count_if(rows.begin(), rows.end(), [](const Row& row) { return !row.verdict.ok; });
   if (!request.asJson && !request.asMarkdown)
     fmt::print("{} of {} agree with the lecture\n", rows.size() - static_cast<std::size_t>(bad), rows.size());
-  if (bad > 0) throw CLI::RuntimeError(1);
+  if (bad > 0) throw ExitStatus{1};
 }
 
 }  // namespace
 
-void addLectureCommand(CLI::App& app) {
+void addLectureCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command =
-      app.add_subcommand("lecture", "Every example of the lecture, printed against computed values");
-  command->add_option("id", request->id, "One topic or one example; all where it is left out");
-  command->add_flag("--steps", request->steps, "Print the whole derivation with every intermediate value");
-  command->add_flag("--list", request->list, "List topics and examples");
-  command->add_flag("--json", request->asJson, "Print JSON: an array of objects");
-  command->add_flag("--markdown", request->asMarkdown, "Print a Markdown table");
-  command->callback([request] { run(*request); });
+  Command command = app.command("lecture", "Every example of the lecture, printed against computed values");
+  command.option("id", request->id, "One topic or one example; all where it is left out");
+  command.flag("--steps", request->steps, "Print the whole derivation with every intermediate value");
+  command.flag("--list", request->list, "List topics and examples");
+  command.flag("--json", request->asJson, "Print JSON: an array of objects");
+  command.flag("--markdown", request->asMarkdown, "Print a Markdown table");
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <cmath>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
+#include "apps/document/notes.h"
 #include "apps/document/second_clip.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/bvh.h"
@@ -16,7 +18,9 @@ namespace {
 struct Request {
   std::string in, out;
   Companions companions;
-  std::string onto, then, layer;
+  std::string onto, then, layer, unit, up = "auto";
+  std::vector<std::string> keep;
+  double scale = 0.0;
   std::vector<std::string> bones, limbs;
   double weight = 1.0;
   bool additive = false;
@@ -71,8 +75,9 @@ void write(const Request& request, const Imported& imported, const MotionClip& c
   if (kind == FileKind::Amc) return writeFile(request.out, formatAmc(skeleton, clip));
   if (kind == FileKind::Bvh) return writeFile(request.out, formatBvh(skeleton, clip));
   if (kind == FileKind::Gltf)
-    return writeGltf(request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr,
-                     {{imported.model.name, clip}});
+    return writeGltf(
+        request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr,
+        {{imported.model.clipName.empty() ? imported.model.name : imported.model.clipName, clip}});
   throw std::invalid_argument("'" + request.out + "': a motion can be written as .amc, .bvh, .gltf or .glb");
 }
 
@@ -81,7 +86,7 @@ MotionClip second(const Request& request, const Imported& imported, const Motion
                   const std::string& path) {
   const FittedClip fitted =
       clipFor(imported.model, clip.framesPerSecond, path, request.in, request.companions);
-  for (const std::string& note : fitted.notes) fmt::print("{}\n", note);
+  sayNotes(path, fitted.notes);
   return fitted.clip;
 }
 
@@ -94,21 +99,42 @@ std::vector<int> layerJoints(const Skeleton& skeleton, const Request& request) {
 }
 
 /// The model that the motion shall move in place of its own.
-Imported carriedOnto(const std::string& model, const Imported& from) {
-  Imported target = importFiles(model);
-  const RetargetedClip carried = retargeted(from.model.skeleton, *from.model.clip, target.model.skeleton);
-  fmt::print("{}: {}; path scaled by {:.4f}{}\n", model, describe(carried.matching), carried.scale,
-             carried.rootMoves ? "" : ", but no joint can carry it");
+Imported carriedOnto(const Request& request, const Imported& from) {
+  Imported target = importFiles(request.onto);
+  sayNotes(request.onto, target.model.notes);
+  RetargetOptions options{.targetUp = target.model.up};
+  if (request.scale > 0.0) options.scale = request.scale;
+  if (request.up != "auto")
+    options.sourceUp = request.up == "z" ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  for (const std::string& part : request.keep) (part == "feet" ? options.keepFeet : options.keepHands) = true;
+  const RetargetedClip carried =
+      retargeted(from.model.skeleton, *from.model.clip, target.model.skeleton, options);
+  if (request.scale == 0.0 && (carried.scale < smallestUsualScale || carried.scale > largestUsualScale))
+    throw std::invalid_argument(
+        fmt::format("the path would be scaled by {:.4g}, which lies outside {:.1g} to {:.1g}: if '{}' is in "
+                    "another unit, say "
+                    "so with --unit; else give the factor with --scale",
+                    carried.scale, smallestUsualScale, largestUsualScale, request.in));
+  std::vector<Note> notes = describe(target.model.skeleton, carried, carried.clip.framesPerSecond);
+  if (request.scale > 0.0) std::erase_if(notes, [](const Note& note) { return note.kind == "path-scale"; });
+  demandNoNotes(request.in, notes);
+  if (!notesAreQuiet())
+    for (const Note& note : notes) fmt::print("{}: {}\n", request.onto, note.text);
   target.model.clip = carried.clip;
+  target.clips.clear();
   return target;
 }
 
 void run(const Request& request) {
   if (request.out.empty() && !request.footPlant)
     throw std::invalid_argument("nothing would come of it: give -o FILE, or --foot-plant to see its numbers");
-  Imported imported = importFiles(request.in, request.companions);
+  ImportOptions options;
+  if (request.rate > 0.0) options.sampleAt = request.rate;
+  if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
+  Imported imported = importFiles(request.in, request.companions, options);
+  sayNotes(request.in, imported.model.notes);
   if (!imported.model.clip) throw std::invalid_argument("'" + request.in + "' has no motion");
-  if (!request.onto.empty()) imported = carriedOnto(request.onto, imported);
+  if (!request.onto.empty()) imported = carriedOnto(request, imported);
   const Skeleton& skeleton = imported.model.skeleton;
   MotionClip clip = *imported.model.clip;
   if (!request.then.empty())
@@ -133,7 +159,8 @@ void run(const Request& request) {
     printChange(skeleton, clip, planted, feet);
     clip = planted;
   }
-  if (request.rate > 0.0) clip = resampled(skeleton, clip, request.rate);
+  if (request.rate > 0.0 && std::abs(clip.framesPerSecond - request.rate) > 1e-9 * request.rate)
+    clip = resampled(skeleton, clip, request.rate);
   if (!request.out.empty()) {
     write(request, imported, clip);
     fmt::print("{}: {} frames at {:.6g} Hz\n", request.out, clip.frameCount(), clip.framesPerSecond);
@@ -142,48 +169,59 @@ void run(const Request& request) {
 
 }  // namespace
 
-void addMotionCommand(CLI::App& app) {
+void addMotionCommand(Command& app) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.command(
       "motion", "Edit a motion: cross-fade, layer, smooth, plant the feet, resample, carry to another model");
-  command->add_option("in", request->in, "A file with a motion, or an ASF with --amc")->required();
-  command->add_option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
-  command->add_option("--amc", request->companions.amc, "Motion for the ASF skeleton");
-  command->add_option("--asf", request->companions.asf, "ASF skeleton of an AMC");
-  command->add_option("--then", request->then, "A second motion to fade into");
-  command->add_option("--fade", request->fade, "Seconds of the cross-fade")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  CLI::Option* layer = command->add_option(
+  command.option("in", request->in, "A file with a motion, or an ASF with --amc").required();
+  command.option("-o,--out", request->out, "The file to write: .amc, .bvh, .gltf or .glb");
+  command.option("--amc", request->companions.amc, "Motion for the ASF skeleton");
+  command.option("--asf", request->companions.asf, "ASF skeleton of an AMC");
+  command.option("--clip", request->companions.clip,
+                 "Which motion of a file that names several; default: the first");
+  command.option("--then", request->then, "A second motion to fade into");
+  command.option("--fade", request->fade, "Seconds of the cross-fade").positive().showDefault();
+  const Option layer = command.option(
       "--layer", request->layer, "A second motion to lay over the first; it repeats where it is shorter");
-  command->add_option("--weight", request->weight, "Share of the layer, 0 to 1 (more for an additive one)")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str()
-      ->needs(layer);
-  command->add_option("--bones", request->bones, "Joints that take part in the layer; default: all")
-      ->needs(layer);
-  command->add_option("--limbs", request->limbs, "Joints that take part with all below them")->needs(layer);
+  command.option("--weight", request->weight, "Share of the layer, 0 to 1 (more for an additive one)")
+      .nonNegative()
+      .showDefault()
+      .needs(layer);
+  command.option("--bones", request->bones, "Joints that take part in the layer; default: all").needs(layer);
+  command.option("--limbs", request->limbs, "Joints that take part with all below them").needs(layer);
   command
-      ->add_flag("--additive", request->additive,
-                 "The layer's departure from the rest pose goes on top of the first motion")
-      ->needs(layer);
-  command->add_option("--onto", request->onto,
-                      "Carry the motion to this model, by joints of equal names: a built-in name, or a file "
-                      "that holds a skeleton");
-  command->add_option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--foot-plant", request->footPlant,
-                    "Hold planted feet still and above the floor; prints before and after");
-  command->add_option("--feet", request->feet, "Joints at the balls of the feet; default: ltoes, rtoes");
-  command->add_option("--floor", request->plant.floor, "Height of the floor (y), metres")
-      ->capture_default_str();
+      .flag("--additive", request->additive,
+            "The layer's departure from the rest pose goes on top of the first motion")
+      .needs(layer);
+  command.option("--unit", request->unit,
+                 "Unit of IN: m dm cm mm in ft, or metres; default: what the format says, else m");
+  Option onto = command.option("--onto", request->onto,
+                               "Carry the motion to this model, by joints of equal names: a "
+                               "built-in name, or a file that holds a skeleton");
   command
-      ->add_option("--planted-below", request->plant.plantedBelow,
-                   "A ball of the foot slower than this stands, m/s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--fps", request->rate, "Resample to this frame rate")->check(CLI::PositiveNumber);
-  command->callback([request] { run(*request); });
+      .option("--scale", request->scale, "Of the path when it is carried over; default: from the legs' bones")
+      .positive()
+      .needs(onto);
+  command.option("--up-in", request->up, "The axis that points up in IN; auto: along which the body stands")
+      .oneOf({"auto", "y", "z"})
+      .showDefault()
+      .needs(onto);
+  command.option("--keep", request->keep, "Keep feet or hands where the motion has them, scaled")
+      .oneOf({"feet", "hands"})
+      .commas()
+      .needs(onto);
+  command.option("--low-pass", request->lowPass, "Zero-phase low-pass, cut-off in Hz").positive();
+  command.flag("--foot-plant", request->footPlant,
+               "Hold planted feet still and above the floor; prints before and after");
+  command.option("--feet", request->feet, "Joints at the balls of the feet; default: ltoes, rtoes");
+  command.option("--floor", request->plant.floor, "Height of the floor (y), metres").showDefault();
+  command
+      .option("--planted-below", request->plant.plantedBelow,
+              "A ball of the foot slower than this stands, m/s")
+      .positive()
+      .showDefault();
+  command.option("--fps", request->rate, "Resample to this frame rate").positive();
+  command.run([request] { run(*request); });
 }
 
 }  // namespace gelenk

@@ -2,11 +2,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/muscle_report.h"
 #include "apps/document/model_files.h"
@@ -117,17 +117,17 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addMusclesCommand(CLI::App& app) {
+void addMusclesCommand(Command& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("muscles",
-                                         "Measure muscle layers against linear blending: volume, folding, "
-                                         "self-intersection, sections (CSV and SVG)");
-  command->add_option("model", options->model, "Built-in model or body file")->capture_default_str();
-  command->add_option("--skeleton", options->skeleton, "Skeleton of an OBJ body");
-  command->add_option("--weights", options->weights, "Weights of an OBJ body; heat weights where not given");
-  command->add_option("--limb", options->limb, "Joints of the limb, e.g. upperarm_l,lowerarm_l,hand_l");
-  command->add_option("--out", options->out, "Folder for the tables and plots")->capture_default_str();
-  command->callback([options] { run(*options); });
+  Command command = app.command("muscles",
+                                "Measure muscle layers against linear blending: volume, folding, "
+                                "self-intersection, sections (CSV and SVG)");
+  command.option("model", options->model, "Built-in model or body file").showDefault();
+  command.option("--skeleton", options->skeleton, "Skeleton of an OBJ body");
+  command.option("--weights", options->weights, "Weights of an OBJ body; heat weights where not given");
+  command.option("--limb", options->limb, "Joints of the limb, e.g. upperarm_l,lowerarm_l,hand_l");
+  command.option("--out", options->out, "Folder for the tables and plots").showDefault();
+  command.run([options] { run(*options); });
 }
 
 }  // namespace gelenk

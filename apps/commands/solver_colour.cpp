@@ -25,8 +25,8 @@ Eigen::Vector3f solverColour(std::string_view solver) {
       0x5b2a9d};
   std::size_t index = 0;
   for (const SolverEntry& entry : solverCatalogue()) {
-    if (entry.name == "hybrid") continue;
-    if (entry.name == solver) return fromHex(palette[index % palette.size()]);
+    if (entry.name == "drag") continue;
+    if (entry.name == solver.substr(0, solver.find('['))) return fromHex(palette[index % palette.size()]);
     ++index;
   }
   return fromHex(0x0072b2);  // blue

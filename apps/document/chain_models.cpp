@@ -109,9 +109,10 @@ Model dhModel(const DhTable& table) {
   if (size > 0.0)
     model.skin = chainSkin(model.name, model.skeleton);
   else
-    model.notes.push_back("all frames stand at one point: there is nothing to put a body around");
-  model.notes.push_back(fmt::format("{} Denavit-Hartenberg convention, {} rows, {} parameters (4 n + 3)",
-                                    toString(table.convention), table.rows.size(), parameterCount(table)));
+    tell(model.notes, "no-body", "all frames stand at one point: there is nothing to put a body around");
+  tellFact(model.notes, "dh-convention",
+           fmt::format("{} Denavit-Hartenberg convention, {} rows, {} parameters (4 n + 3)",
+                       toString(table.convention), table.rows.size(), parameterCount(table)));
   return model;
 }
 

@@ -64,8 +64,9 @@ struct Edits {
 /// The method that follows the goals, and what was set of any method's parameters (radians, metres), by the
 /// method's name.
 struct SolverChoice {
-  std::string name = "hybrid";
+  std::string name = "drag";
   std::map<std::string, std::map<std::string, double, std::less<>>> parameters = {};
+  bool balance = false;  ///< the centre of mass stays over the soles, where the model has both
 };
 
 /// What is drawn.

@@ -25,21 +25,18 @@ class WarmSolver final : public FrameSolver {
   std::unique_ptr<IkSolver> solver_;
 };
 
-/// The stateful drag solver. Priority 0 marks pins, see Session::problem.
+/// The stateful drag solver.
 class DragFrameSolver final : public FrameSolver {
  public:
-  explicit DragFrameSolver(std::shared_ptr<const Skeleton> skeleton)
-      : skeleton_(std::move(skeleton)), solver_(*skeleton_, options()) {}
+  DragFrameSolver(std::shared_ptr<const Skeleton> skeleton, const DragParameters& parameters)
+      : skeleton_(std::move(skeleton)), solver_(*skeleton_, options(parameters)) {}
 
   IkReport frame(const IkProblem& problem) override {
     if (fresh_) solver_.reset(problem.start);
     fresh_ = false;
-    goals_.clear();
-    for (const Goal& goal : problem.goals) {
-      goals_.push_back({.goal = goal, .role = goal.priority == 0 ? GoalRole::Pin : GoalRole::Drag});
-      if (goal.priority == 0)
-        goals_.back().goal.weight = 1.0;  // pins have their weight in the solver's options
-    }
+    goals_ = problem.goals;
+    for (Goal& goal : goals_)
+      if (goal.role == Role::Pin) goal.weight = 1.0;  // pins have their weight in the solver's options
     return settle(problem.start);
   }
   void reset() override { fresh_ = true; }
@@ -69,10 +66,12 @@ class DragFrameSolver final : public FrameSolver {
 
   /// A pelvis pushed 4 cm down on straight legs needs 14 mm against the posture's pull: with the default
   /// correction of at most 10 mm it comes to rest 4 mm above a target that it can reach.
-  static DragOptions options() {
+  static DragOptions options(const DragParameters& parameters) {
     DragOptions options;
+    options.posture = parameters.posture;
+    options.poseArm = parameters.poseArm;
     options.dragBias = 0.04;
-    // Three times the default: of eleven targets 1 to 3 m out of reach two ended in a cycle of 0.03 rad a
+    // Twice the default: of eleven targets 1 to 3 m out of reach two ended in a cycle of 0.03 rad a
     // frame without it, none with it, and a hand led at 3 cm a frame stays within 0.1 mm of its target either
     // way.
     options.change = 0.01;
@@ -81,22 +80,24 @@ class DragFrameSolver final : public FrameSolver {
 
   std::shared_ptr<const Skeleton> skeleton_;  // before the solver that refers to it
   DragSolver solver_;
-  std::vector<DragGoal> goals_;
+  std::vector<Goal> goals_;
   bool fresh_ = true;
 };
 
 }  // namespace
 
 std::vector<std::string> frameSolverNames() {
-  std::vector<std::string> names{"hybrid"};
+  std::vector<std::string> names{"drag"};
   for (const SolverEntry& entry : solverCatalogue())
-    if (entry.name != "hybrid") names.emplace_back(entry.name);
+    if (entry.name != "drag") names.emplace_back(entry.name);
   return names;
 }
 
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name,
                                              std::shared_ptr<const Skeleton> skeleton) {
-  if (name == "hybrid") return std::make_unique<DragFrameSolver>(std::move(skeleton));
+  const SolverSpec spec = solverSpec(name);
+  if (spec.entry->name == "drag")
+    return std::make_unique<DragFrameSolver>(std::move(skeleton), withValues<DragParameters>(spec.values));
   return std::make_unique<WarmSolver>(name, std::move(skeleton));
 }
 

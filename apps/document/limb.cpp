@@ -16,16 +16,4 @@ std::optional<int> limbMiddle(const Skeleton& skeleton, int joint) {
   return std::nullopt;
 }
 
-Eigen::Vector3d polePoint(const Skeleton& skeleton, const Frames& frames, int middle) {
-  const Eigen::Vector3d a = frames[skeleton.parent(middle)].translation();
-  const Eigen::Vector3d b = frames[middle].translation();
-  const Eigen::Vector3d c =
-      skeleton.children(middle).empty() ? b : frames[skeleton.children(middle).front()].translation();
-  const double length = (b - a).norm() + (c - b).norm();
-  Eigen::Vector3d side = b - a;
-  if (const Eigen::Vector3d u = c - a; u.norm() > 0.0) side -= u * u.dot(b - a) / u.squaredNorm();
-  if (side.norm() < 1e-6 * length) side = frames[middle].linear().col(1);
-  return b + 0.5 * length * side.normalized();
-}
-
 }  // namespace gelenk

@@ -11,9 +11,4 @@ namespace gelenk {
 /// axes (a shoulder, a hip). nullopt where there is none.
 std::optional<int> limbMiddle(const Skeleton& skeleton, int joint);
 
-/// Where the pole handle of an elbow or knee is drawn: on the side to which the limb is bent, at half the
-/// limb's length from the middle joint. A limb that is straight to 1e-6 of its length has no side; the middle
-/// joint's own y axis is taken. World, metres.
-Eigen::Vector3d polePoint(const Skeleton& skeleton, const Frames& frames, int middle);
-
 }  // namespace gelenk

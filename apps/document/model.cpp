@@ -27,6 +27,8 @@ Model figureModel() {
   Model model{.name = "figure", .skeleton = mannequin()};
   model.skin = cachedSkin(cacheFolder(), "figure", mannequinSkinKey(model.skeleton),
                           [&] { return makeMannequinSkin(model.skeleton); });
+  model.masses = std::make_shared<const Masses>(mannequinMasses(model.skeleton));
+  model.soles = mannequinSoles(model.skeleton);
   model.handles = mannequinHandles();
   model.pins = {"foot_l", "foot_r"};
   return model;
@@ -54,7 +56,7 @@ Model withBody(Model model) {
     model.skin = cachedSkin(cacheFolder(), name, bodySkinKey(model.skeleton),
                             [&] { return bodySkin(model.skeleton); });
   } catch (const std::exception& error) {
-    model.notes.push_back(fmt::format("no body around the bones: {}", error.what()));
+    tell(model.notes, "no-body", fmt::format("no body around the bones: {}", error.what()));
   }
   return model;
 }

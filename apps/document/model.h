@@ -1,10 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
+#include "kinematics/notation/mannequin_masses.h"
 #include "kinematics/skeleton.h"
 #include "skinning/skin.h"
 
@@ -18,11 +21,14 @@ struct Model {
   bool planar = false;  ///< moves in the x-y plane: seen from above by default
   Eigen::Vector3d up =
       Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
-  std::optional<MotionClip> clip = {};    ///< a motion that came with it, for players; never clamped
-  std::vector<std::string> handles = {};  ///< joints that get a drag handle; empty: the end-effectors
+  std::optional<MotionClip> clip = {};        ///< a motion that came with it, for players; never clamped
+  std::string clipName = {};                  ///< the file's own name of that motion, where it has one
+  std::vector<std::string> clipNames = {};    ///< of all motions in the file, among which --clip chooses
+  std::shared_ptr<const Masses> masses = {};  ///< null: unknown
+  std::vector<FootPoint> soles = {};          ///< what it stands on, where it can keep its balance
+  std::vector<std::string> handles = {};      ///< joints that get a drag handle; empty: the end-effectors
   std::vector<std::string> pins = {};  ///< handles that are pinned when the model is opened, such as the feet
-  std::vector<std::string> notes =
-      {};  ///< facts worth telling, such as the weight lost by keeping four influences
+  std::vector<Note> notes = {};
 };
 
 /// Built-in models by name ("figure", "planar", robots), else a file by its extension.

@@ -120,8 +120,8 @@ double metresPerUnit(const std::string& unit) {
   return *value;
 }
 
-Mesh readMesh(const std::string& path) {
-  if (fileKind(path) != FileKind::Nurbs) return readObj(path);
+Mesh readMesh(const std::string& path, std::vector<Note>* notes) {
+  if (fileKind(path) != FileKind::Nurbs) return readObj(path, notes);
   const NurbsSurface surface = readNurbs(path);
   const auto cells = [](const std::vector<double>& knots, int degree, int count) {
     int spans = 0;
@@ -137,8 +137,8 @@ Mesh readMesh(const std::string& path) {
 
 namespace {
 
-Mesh meshInMetres(const std::string& path, double metresPerUnit) {
-  Mesh mesh = readMesh(path);
+Mesh meshInMetres(const std::string& path, double metresPerUnit, std::vector<Note>* notes = nullptr) {
+  Mesh mesh = readMesh(path, notes);
   for (auto& p : mesh.positions) p *= metresPerUnit;
   return mesh;
 }
@@ -151,30 +151,42 @@ bool saysItsUnit(const std::string& path) {
 
 }  // namespace
 
+namespace {
+
+void tellWeightLoss(std::vector<Note>& notes, const WeightLoss& loss, std::size_t vertices) {
+  const std::string text = fmt::format(
+      "four largest weights kept, bones that turn about one joint counted together: {:.2f} % of "
+      "the weight lost on average, {:.1f} % at most ({} of {} vertices had more)",
+      100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, vertices);
+  loss.verticesOverFour > 0 ? tell(notes, "weights-lost", text) : tellFact(notes, "weights-lost", text);
+}
+
+}  // namespace
+
 Model openBody(const std::string& objPath, const std::string& skeletonPath,
                const std::optional<std::string>& weightsPath, double metresPerUnit) {
-  Mesh mesh = meshInMetres(objPath, metresPerUnit);
+  std::vector<Note> meshNotes;
+  Mesh mesh = meshInMetres(objPath, metresPerUnit, &meshNotes);
   Model model =
       importFiles(skeletonPath, {},
                   {.metresPerUnit = saysItsUnit(skeletonPath) ? std::nullopt : std::optional(metresPerUnit)})
           .model;
   model.name = stem(objPath);
+  tell(model.notes, meshNotes);
   const Frames rest = restFrames(model.skeleton);
   SparseWeights weights;
   if (weightsPath) {
     weights = jointWeights(readPinocchioWeights(*weightsPath, model.skeleton.jointCount() - 1, mesh),
                            model.skeleton);
   } else {
-    weights = boneHeatWeights(mesh, bonesOf(model.skeleton, rest));
-    model.notes.push_back("no weights file: weights by heat diffusion on the surface");
+    const std::vector<Bone> bones = bonesOf(model.skeleton, rest, mesh);
+    weights = boneHeatWeights(mesh, bones);
+    tellFact(model.notes, "heat-weights", "no weights file: weights by heat diffusion on the surface");
+    tell(model.notes, rigNotes(model.skeleton, bones, mesh));
   }
   WeightLoss loss;
   auto influences = fourLargest(weights, model.skeleton.jointCount(), &loss);
-  model.notes.push_back(
-      fmt::format("four largest weights kept, bones that turn about one joint counted together: {:.2f} % of "
-                  "the weight lost on "
-                  "average, {:.1f} % at most ({} of {} vertices had more)",
-                  100.0 * loss.mean, 100.0 * loss.max, loss.verticesOverFour, mesh.positions.size()));
+  tellWeightLoss(model.notes, loss, mesh.positions.size());
   model.skin = bindSkin(std::move(mesh), rest, std::move(influences));
   return model;
 }
@@ -193,12 +205,6 @@ Model rotated(Model model, const Eigen::Quaterniond& worldFromOld) {
 }
 
 namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return list;
-}
 
 /// CMU's bones on Pinocchio's human where both have those names, else by equal names.
 std::vector<BonePath> pathsFor(const AsfSkeleton& asf, const Skeleton& fitted) {
@@ -241,19 +247,20 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
                                 transferred.skeleton.jointCount(), &loss);
   result.model.skin = bindSkin(std::move(mesh), transferred.bindFrames, std::move(influences));
   auto& notes = result.model.notes;
-  notes.push_back(
-      fmt::format("four largest weights kept: {:.2f} % of the weight lost on average, {:.1f} % at most",
-                  100.0 * loss.mean, 100.0 * loss.max));
+  tellWeightLoss(notes, loss, result.model.skin->mesh.positions.size());
   if (!transferred.unmatchedBones.empty())
-    notes.push_back("bones of the ASF skeleton without a fitted counterpart (they follow their parent): " +
-                    joined(transferred.unmatchedBones));
+    tell(notes, "unmatched-bones",
+         "bones of the ASF skeleton without a fitted counterpart (they follow their parent): " +
+             listed(transferred.unmatchedBones, 100));
   if (!transferred.unmatchedJoints.empty())
-    notes.push_back("fitted joints whose bone lies on no ASF bone: " + joined(transferred.unmatchedJoints));
+    tell(notes, "unmatched-joints",
+         "fitted joints whose bone lies on no ASF bone: " + listed(transferred.unmatchedJoints, 100));
   if (!files.amc.empty()) {
     const MotionClip clip = readAmc(files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
     result.model.clip = withScaledRoot(transferred.skeleton, clip, transferred.heightRatio);
-    notes.push_back(fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights",
-                                transferred.heightRatio));
+    tellFact(notes, "path-scaled",
+             fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights",
+                         transferred.heightRatio));
   }
   return result;
 }
@@ -270,6 +277,27 @@ std::string figureBeside(const std::string& posePath) {
     throw std::invalid_argument(fmt::format(
         "'{}' needs the figure it belongs to: give it with --figure ({} lie beside it)", posePath, count));
   return found;
+}
+
+/// The motion of that name, or the first one, which is told where there are others.
+void chooseClip(const std::string& path, const std::string& name, Imported& imported) {
+  Model& model = imported.model;
+  for (const GltfClip& clip : imported.clips) model.clipNames.push_back(clip.name);
+  const auto chosen =
+      name.empty() ? imported.clips.begin()
+                   : std::ranges::find_if(imported.clips, [&](const GltfClip& c) { return c.name == name; });
+  if (!name.empty() && chosen == imported.clips.end())
+    throw std::invalid_argument(imported.clips.empty()
+                                    ? "'" + path + "' has no motion: --clip cannot choose one"
+                                    : "'" + path + "' has no motion '" + name +
+                                          "'; there are: " + listed(model.clipNames, 1000));
+  if (chosen == imported.clips.end()) return;
+  model.clip = chosen->clip;
+  model.clipName = chosen->name;
+  if (name.empty() && imported.clips.size() > 1)
+    tell(model.notes, "several-motions",
+         fmt::format("{} motions: {}; '{}' is taken, --clip chooses another", model.clipNames.size(),
+                     listed(model.clipNames, 12), model.clipName));
 }
 
 Imported importOne(const std::string& path, FileKind kind, const Companions& files,
@@ -307,7 +335,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       const std::string figurePath = !isPose                 ? path
                                      : !files.figure.empty() ? files.figure
                                                              : figureBeside(path);
-      if (isPose && files.figure.empty()) model.notes.push_back("figure: " + figurePath);
+      if (isPose && files.figure.empty()) tellFact(model.notes, "figure", "figure: " + figurePath);
       TutorialSkeleton tutorial = readTutorialSkeleton(figurePath);
       for (auto& position : tutorial.positions) position *= unit;
       result.figure = toSkeleton(tutorial);
@@ -319,11 +347,12 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       break;
     }
     case FileKind::Gltf: {
-      GltfModel gltf = readGltf(path);
+      GltfModel gltf = readGltf(path, {.framesPerSecond = options.sampleAt});
       model.skeleton = std::move(gltf.skeleton);
       model.skin = std::move(gltf.skin);
       model.notes = gltf.notes;
-      if (!gltf.clips.empty()) result.model.clip = gltf.clips.front().clip;
+      result.clips = std::move(gltf.clips);
+      chooseClip(path, files.clip, result);
       if (options.metresPerUnit)
         throw std::invalid_argument("glTF is in metres by definition; another unit cannot be given");
       break;
@@ -332,6 +361,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       UrdfModel urdf = openUrdf(path);
       model.skeleton = std::move(urdf.skeleton);
       model.skin = std::move(urdf.skin);
+      if (urdf.masses) model.masses = std::make_shared<const Masses>(*std::move(urdf.masses));
       model.notes = urdf.notes;
       model.up = Eigen::Vector3d::UnitZ();
       break;
@@ -364,7 +394,48 @@ void standWhereMotionBegins(Model& model) {
   model.skeleton = Skeleton(model.skeleton.joints(), rest);
 }
 
+/// Largest extent of the body (else of the joints) in the pose it stands in, metres.
+double extentOf(const Model& model) {
+  Eigen::AlignedBox3d box;
+  const Eigen::VectorXd q = model.clip ? Eigen::VectorXd(model.clip->q.col(0)) : model.skeleton.rest();
+  for (const auto& frame : forwardKinematics(model.skeleton, q)) box.extend(frame.translation());
+  return box.sizes().maxCoeff();
+}
+
 }  // namespace
+
+std::vector<Note> modelNotes(const Model& model) {
+  std::vector<Note> notes;
+  const double extent = extentOf(model);
+  constexpr double largest = 6.0, smallest = 0.05;
+  if (extent > largest || (extent > 0.0 && extent < smallest)) {
+    std::string guess;
+    for (const char* unit : {"dm", "cm", "mm", "in", "ft"})
+      if (const double size = extent * metresPerUnit(unit); guess.empty() && size > 1.2 && size < 2.3)
+        guess = fmt::format("; in {} it would be {:.3g} m", unit, size);
+    tell(notes, "unit-suspect",
+         fmt::format("the joints span {:.3g} m: is the unit another one{}?", extent, guess));
+  }
+  std::vector<std::string> locked, unmoved;
+  const Skeleton& skeleton = model.skeleton;
+  std::vector<bool> moved(skeleton.jointCount(), false);
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    const Joint& joint = skeleton.joint(i);
+    const bool own = joint.ball || std::any_of(joint.axes.begin(), joint.axes.end(),
+                                               [](const AxisDof& dof) { return dof.lower < dof.upper; });
+    if (!own && !joint.axes.empty() && !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
+      locked.push_back(joint.name);
+    moved[i] = own || (joint.parent >= 0 && moved[joint.parent]);
+    if (!moved[i] && i > 0) unmoved.push_back(joint.name);
+  }
+  if (!locked.empty())
+    tell(notes, "joint-locked", "joints that their limits hold in one place: " + listed(locked),
+         static_cast<int>(locked.size()));
+  if (!unmoved.empty())
+    tellFact(notes, "joint-unmoved",
+             fmt::format("joints that no degree of freedom moves: {}", listed(unmoved)));
+  return notes;
+}
 
 Imported importFiles(const std::string& nameOrFile, const Companions& companions,
                      const ImportOptions& options) {
@@ -383,8 +454,11 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
   if (options.framesPerSecond && *kind != FileKind::Amc && companions.amc.empty())
     throw std::invalid_argument("'" + nameOrFile +
                                 "' says its own frame rate; another one can be given for an AMC only");
+  if (!companions.clip.empty() && kind != FileKind::Gltf)
+    throw std::invalid_argument("'" + nameOrFile + "' does not name its motions: --clip is for glTF");
   Imported result = importOne(nameOrFile, *kind, companions, options);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
+  tell(result.model.notes, modelNotes(result.model));
   if (options.zUp) {
     result.model.up = Eigen::Vector3d::UnitY();
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));

@@ -10,6 +10,7 @@
 #include "kinematics/io/bvh.h"
 #include "kinematics/io/tutorial_skeleton.h"
 #include "kinematics/motion/motion_clip.h"
+#include "skinning/io/gltf.h"
 
 namespace gelenk {
 
@@ -33,7 +34,7 @@ enum class FileKind {
 std::optional<FileKind> fileKind(const std::string& path);
 /// The triangles of an OBJ or of a NURBS surface (12 cells a knot span, 8 to 400 in each direction). Throws
 /// ParseError.
-Mesh readMesh(const std::string& path);
+Mesh readMesh(const std::string& path, std::vector<Note>* notes = nullptr);
 /// "Pinocchio skeleton" and the like, for messages and `gelenk info`.
 std::string describe(FileKind kind);
 /// The extensions that are known, for messages.
@@ -43,6 +44,7 @@ std::string knownExtensions();
 struct ImportOptions {
   std::optional<double> metresPerUnit = {};    ///< default: what the format says, else 1
   std::optional<double> framesPerSecond = {};  ///< of an AMC; default 120
+  std::optional<double> sampleAt = {};         ///< Hz: of motions that frames cannot hold (steps, splines)
   bool zUp = false;                            ///< the file has z up; turned to y up
   BvhPositions bvhPositions = BvhPositions::Automatic;
 };
@@ -54,6 +56,7 @@ double metresPerUnit(const std::string& unit);
 /// A model, with its motion where the files hold one (model.clip), and what its formats know beyond it.
 struct Imported {
   Model model;
+  std::vector<GltfClip> clips = {};     ///< all motions of a file that names its motions
   std::optional<AsfSkeleton> asf = {};  ///< bones and their ends, where the skeleton is an ASF's
   std::optional<TutorialFigure> figure =
       {};  ///< the order of joints in the file, where the skeleton is the tutorial's
@@ -66,6 +69,11 @@ struct Imported {
 /// ParseError and std::invalid_argument.
 Imported importFiles(const std::string& nameOrFile, const Companions& companions = {},
                      const ImportOptions& options = {});
+
+/// What looks wrong about a model's sizes and joints: a body larger than 6 m or smaller than 5 cm
+/// ("unit-suspect", with the unit that would make a person of it), joints that their limits hold in one place
+/// ("joint-locked"), and, as a fact, joints that no degree of freedom moves ("joint-unmoved").
+std::vector<Note> modelNotes(const Model& model);
 
 /// The model itself, with a body of its own where it has none. Throws ParseError and std::invalid_argument.
 Model readModel(const ModelReference& reference);

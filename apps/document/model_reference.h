@@ -11,6 +11,7 @@ struct Companions {
   std::string amc = {};
   std::string mapping = {};  ///< BonePath lines; default: CMU's bones on Pinocchio's human
   std::string figure = {};   ///< of a tutorial pose
+  std::string clip = {};     ///< which motion of a file that names several; default: the first
   bool operator==(const Companions&) const = default;
 };
 

@@ -27,21 +27,16 @@ constexpr std::array<std::pair<GoalState, const char*>, 4> stateNames{{{GoalStat
                                                                        {GoalState::Held, "held"},
                                                                        {GoalState::Dragged, "dragged"},
                                                                        {GoalState::Pinned, "pinned"}}};
-constexpr std::array<std::pair<GoalKind, const char*>, 6> kindNames{{{GoalKind::Position, "position"},
-                                                                     {GoalKind::Orientation, "orientation"},
-                                                                     {GoalKind::Pose, "pose"},
-                                                                     {GoalKind::Aim, "aim"},
-                                                                     {GoalKind::Pole, "pole"},
-                                                                     {GoalKind::Posture, "posture"}}};
 constexpr std::array<std::pair<Theme, const char*>, 2> themeNames{
     {{Theme::Light, "light"}, {Theme::Dark, "dark"}}};
 
-constexpr std::array<std::pair<std::string Companions::*, const char*>, 6> companionNames{
+constexpr std::array<std::pair<std::string Companions::*, const char*>, 7> companionNames{
     {{&Companions::skeleton, "skeleton"},
      {&Companions::weights, "weights"},
      {&Companions::asf, "asf"},
      {&Companions::amc, "amc"},
      {&Companions::mapping, "mapping"},
+     {&Companions::clip, "clip"},
      {&Companions::figure, "figure"}}};
 constexpr std::array<std::pair<bool Playback::*, const char*>, 7> playbackNames{
     {{&Playback::loop, "loop"},
@@ -67,7 +62,15 @@ int readJoint(const JsonEntry& entry, const Skeleton& skeleton) {
 
 void requireSolver(const JsonEntry& entry, const std::string& name) {
   const auto known = frameSolverNames();
-  if (std::ranges::count(known, name)) return;
+  if (std::ranges::count(known, name.substr(0, name.find('[')))) {
+    try {
+      makeSolver(name);
+    } catch (const std::invalid_argument& error) {
+      entry.fail("a solver and values of its parameters",
+                 std::string("one that is refused: ") + error.what());
+    }
+    return;
+  }
   std::string list;
   for (const std::string& solver : known) list += (list.empty() ? "" : ", ") + solver;
   entry.fail("one of the solvers " + list, "'" + name + "'");
@@ -104,17 +107,53 @@ Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
 
 // --- goals
 
+Json fieldToJson(int joint, const Skeleton& skeleton) { return skeleton.joint(joint).name; }
+Json fieldToJson(double value, const Skeleton&) { return value; }
+Json fieldToJson(const Eigen::Vector3d& value, const Skeleton&) { return toJson(value); }
+Json fieldToJson(const Eigen::Quaterniond& value, const Skeleton&) { return toJson(value); }
+Json fieldToJson(const Eigen::VectorXd& value, const Skeleton&) { return toJson(value); }
+Json fieldToJson(const std::vector<Eigen::Vector3d>& value, const Skeleton&) {
+  Json list = Json::array();
+  for (const Eigen::Vector3d& p : value) list.push_back(toJson(p));
+  return list;
+}
+
+void readField(const JsonEntry& entry, const Skeleton& skeleton, int& joint) {
+  joint = readJoint(entry, skeleton);
+}
+void readField(const JsonEntry& entry, const Skeleton&, double& value) { value = entry.number(); }
+void readField(const JsonEntry& entry, const Skeleton&, Eigen::Vector3d& value) { value = entry.point(); }
+void readField(const JsonEntry& entry, const Skeleton&, Eigen::Quaterniond& value) {
+  value = entry.unitQuaternion();
+}
+void readField(const JsonEntry& entry, const Skeleton& skeleton, Eigen::VectorXd& value) {
+  value = entry.vector(skeleton.nq());
+}
+void readField(const JsonEntry& entry, const Skeleton&, std::vector<Eigen::Vector3d>& value) {
+  value.clear();
+  for (const JsonEntry& p : entry.list()) value.push_back(p.point());
+}
+
+GoalKind readKind(const JsonEntry& entry) {
+  std::string known;
+  for (const GoalType* type : goalTypes()) {
+    if (entry.text() == type->name) return type->kind;
+    known += (known.empty() ? "" : ", ") + std::string(type->name);
+  }
+  entry.fail("one of " + known, "'" + entry.text() + "'");
+}
+
 Json toJson(const SceneGoal& sceneGoal, const Skeleton& skeleton) {
   const Goal& goal = sceneGoal.goal;
   const GoalState state = sceneGoal.state == GoalState::Dragged ? GoalState::Held : sceneGoal.state;
-  Json entry{{"id", static_cast<int>(sceneGoal.id)}, {"name", goal.name},
-             {"kind", nameIn(kindNames, goal.kind)}, {"joint", skeleton.joint(goal.joint).name},
-             {"point", toJson(goal.pointInJoint)},   {"target", toJson(goal.target)},
-             {"state", nameIn(stateNames, state)},   {"handle", sceneGoal.handle}};
-  if (goal.kind == GoalKind::Orientation || goal.kind == GoalKind::Pose)
-    entry["orientation"] = toJson(goal.orientation);
-  if (goal.kind == GoalKind::Aim) entry["axis"] = toJson(goal.axisInJoint);
-  if (goal.kind == GoalKind::Posture) entry["posture"] = toJson(goal.posture);
+  Json entry{{"id", static_cast<int>(sceneGoal.id)},
+             {"name", goal.name},
+             {"kind", goalType(goal.kind).name},
+             {"state", nameIn(stateNames, state)},
+             {"handle", sceneGoal.handle}};
+  for (const GoalField& field : goalType(goal.kind).fields)
+    entry[std::string(field.name)] =
+        std::visit([&](auto member) { return fieldToJson(goal.*member, skeleton); }, field.member);
   if (sceneGoal.surface.triangle >= 0)
     entry["surface"] = {{"triangle", sceneGoal.surface.triangle},
                         {"barycentric", toJson(sceneGoal.surface.barycentric)}};
@@ -126,16 +165,24 @@ SceneGoal readGoal(const JsonEntry& entry, const Model& model) {
   Goal& goal = out.goal;
   out.id = GoalId{entry.at("id").integer(1, 1'000'000'000)};
   goal.name = entry.at("name").text();
-  goal.kind = entry.at("kind").oneOf(kindNames);
-  goal.joint = readJoint(entry.at("joint"), model.skeleton);
-  goal.pointInJoint = entry.at("point").point();
-  goal.target = entry.at("target").point();
+  goal.kind = readKind(entry.at("kind"));
+  goal.masses = model.masses;
+  for (const GoalField& field : goalType(goal.kind).fields) {
+    const std::string name(field.name);
+    if (const auto e = entry.find(name.c_str()))
+      std::visit([&](auto member) { readField(*e, model.skeleton, goal.*member); }, field.member);
+    else if (!field.optional)
+      entry.at(name.c_str());  // says that it is missing
+    else if (field.meaning == GoalField::Meaning::End)
+      goal.end = goal.target;
+  }
+  if (const std::string why = whyInvalid(goal, model.skeleton); !why.empty())
+    entry.fail("a goal that can be asked of the model", why);
+  goal.axisInJoint.normalize();
+  goal.direction.normalize();
   out.state = entry.at("state").oneOf(stateNames);
   if (out.state == GoalState::Dragged) out.state = GoalState::Held;
   out.handle = entry.at("handle").boolean();
-  if (const auto e = entry.find("orientation")) goal.orientation = e->unitQuaternion();
-  if (const auto e = entry.find("axis")) goal.axisInJoint = e->point().normalized();
-  if (const auto e = entry.find("posture")) goal.posture = e->vector(model.skeleton.nq());
   if (const auto e = entry.find("surface")) {
     const int triangles = model.skin ? static_cast<int>(model.skin->mesh.triangles.size()) : 0;
     out.surface.triangle = e->at("triangle").integer(0, triangles - 1);
@@ -378,16 +425,23 @@ Json toJson(const SolverChoice& solver) {
   Json parameters = Json::object();
   for (const auto& [method, values] : solver.parameters)
     for (const auto& [name, value] : values) parameters[method][name] = value;
-  return {{"name", solver.name}, {"parameters", parameters}};
+  return {{"name", solver.name}, {"parameters", parameters}, {"balance", solver.balance}};
 }
 
 SolverChoice readSolver(const JsonEntry& from) {
-  SolverChoice solver{.name = from.at("name").text()};
+  SolverChoice solver{.name = std::string(presentName(from.at("name").text()))};
+  if (const auto balance = from.find("balance")) solver.balance = balance->boolean();
   requireSolver(from.at("name"), solver.name);
   if (const auto parameters = from.find("parameters"))
     for (const auto& [method, values] : parameters->members()) {
-      requireSolver(*parameters, method);
-      for (const auto& [name, value] : values.members()) solver.parameters[method][name] = value.number();
+      const std::string solverName(presentName(method));
+      requireSolver(*parameters, solverName);
+      for (const auto& [name, value] : values.members()) solver.parameters[solverName][name] = value.number();
+      try {
+        validate(solverName, solverEntry(solverName).parameters, solver.parameters[solverName]);
+      } catch (const std::invalid_argument& error) {
+        values.fail("values of parameters", std::string("some that are refused: ") + error.what());
+      }
     }
   return solver;
 }
@@ -456,7 +510,7 @@ LabSettings readLab(const JsonEntry& from) {
   lab.sideBySide = from.at("side_by_side").boolean();
   lab.solvers.clear();
   for (const JsonEntry& entry : from.at("solvers").list()) {
-    lab.solvers.push_back(entry.text());
+    lab.solvers.emplace_back(presentName(entry.text()));
     requireSolver(entry, lab.solvers.back());
   }
   if (lab.solvers.empty() || lab.solvers.size() > LabSettings::mostSolvers)

@@ -22,6 +22,7 @@ bool sameJoints(const Skeleton& a, const Skeleton& b) {
 }
 
 Imported open(const std::string& path, const std::string& modelFile, Companions companions) {
+  companions.clip.clear();  // it is the model's
   if (fileKind(path) != FileKind::Amc) return importFiles(path);
   const auto kind = fileKind(modelFile);
   companions.amc = path;
@@ -32,20 +33,53 @@ Imported open(const std::string& path, const std::string& modelFile, Companions 
   return importFiles(path, companions);
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 12;
-  std::string list;
-  for (std::size_t k = 0; k < names.size() && k < most; ++k) list += (k ? ", " : "") + names[k];
-  return names.size() > most ? list + fmt::format(" and {} more", names.size() - most) : list;
-}
-
 }  // namespace
 
 std::string describe(const JointMatching& matching) {
   std::string words = fmt::format("{} joints carried over by name", matching.matches.size());
-  if (!matching.unmatchedTarget.empty()) words += "; nothing moves " + listed(matching.unmatchedTarget);
-  if (!matching.unmatchedSource.empty()) words += "; not used are " + listed(matching.unmatchedSource);
+  if (!matching.unmatchedTarget.empty()) words += "; nothing moves " + listed(matching.unmatchedTarget, 12);
+  if (!matching.unmatchedSource.empty()) words += "; not used are " + listed(matching.unmatchedSource, 12);
   return words;
+}
+
+std::vector<Note> describe(const Skeleton& target, const RetargetedClip& carried, double framesPerSecond) {
+  std::vector<Note> notes;
+  tellFact(notes, "retargeted",
+           describe(carried.matching) + fmt::format("; path scaled by {:.4f}", carried.scale) +
+               (carried.rootMoves ? "" : ", but no joint can carry it"));
+  if (carried.scale < smallestUsualScale || carried.scale > largestUsualScale)
+    tell(notes, "path-scale",
+         fmt::format("a path scaled by {:.4g} is unusual: is the motion in another unit?", carried.scale));
+  if (carried.sourceUp.z() > 0.5) tellFact(notes, "up-axis", "the motion stands along z: turned to y");
+  constexpr double stands = 0.8;
+  if (carried.uprightness < stands)
+    tell(notes, "no-stance",
+         "the motion never stands upright along y or z: directions of bones are compared in its most upright "
+         "pose");
+  else if (carried.standingFrame >= 0)
+    tellFact(notes, "standing-frame",
+             fmt::format("its zero pose is no stance: directions of bones are compared in frame {}",
+                         carried.standingFrame + 1));
+  constexpr double degree = M_PI / 180.0, worthTelling = 0.5 * degree;
+  std::vector<std::string> left;
+  for (const RemainingAngle& angle : carried.remaining)
+    if (angle.largest > worthTelling)
+      left.push_back(fmt::format("{} {:.1f} (at most {:.1f})", target.joint(angle.joint).name,
+                                 angle.mean / degree, angle.largest / degree));
+  tellFact(notes, "remaining-angle",
+           left.empty()
+               ? fmt::format("all {} matched bones point as the motion's do, to 0.5 degrees",
+                             carried.remaining.size())
+               : "degrees that are left on average between bones and the motion's: " + listed(left, 100));
+  for (const KeptPlace& kept : carried.kept)
+    tellFact(notes, "kept-place",
+             fmt::format("{}: {:.2f} mm from its place on average, {:.2f} at most",
+                         target.joint(kept.joint).name, 1e3 * kept.mean, 1e3 * kept.largest) +
+                 (kept.contactFrames == 0
+                      ? ""
+                      : fmt::format("; standing it slides {:.4f} m/s, the motion's {:.4f}",
+                                    kept.targetSlide * framesPerSecond, kept.sourceSlide * framesPerSecond)));
+  return notes;
 }
 
 FittedClip clipFor(const Model& model, double framesPerSecond, const std::string& path,
@@ -54,14 +88,15 @@ FittedClip clipFor(const Model& model, double framesPerSecond, const std::string
   if (!other.model.clip) throw std::invalid_argument("'" + path + "' has no motion");
   FittedClip result{.clip = *other.model.clip, .notes = {}};
   if (!sameJoints(other.model.skeleton, model.skeleton)) {
-    RetargetedClip carried = retargeted(other.model.skeleton, result.clip, model.skeleton);
+    RetargetedClip carried =
+        retargeted(other.model.skeleton, result.clip, model.skeleton, {.targetUp = model.up});
+    tell(result.notes, describe(model.skeleton, carried, result.clip.framesPerSecond));
     result.clip = std::move(carried.clip);
-    result.notes.push_back(path + ": " + describe(carried.matching) +
-                           fmt::format("; path scaled by {:.4f}", carried.scale));
   }
   if (std::abs(result.clip.framesPerSecond - framesPerSecond) > 1e-9 * framesPerSecond) {
-    result.notes.push_back(fmt::format("{}: resampled from {:.6g} to {:.6g} Hz", path,
-                                       result.clip.framesPerSecond, framesPerSecond));
+    tellFact(result.notes, "resampled",
+             fmt::format("{}: resampled from {:.6g} to {:.6g} Hz", path, result.clip.framesPerSecond,
+                         framesPerSecond));
     result.clip = resampled(model.skeleton, result.clip, framesPerSecond);
   }
   return result;

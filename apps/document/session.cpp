@@ -11,17 +11,17 @@
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 #include "kinematics/symmetry.h"
+#include "solvers/problem/support.h"
 
 namespace gelenk {
 namespace {
 
-constexpr double heldWeight = 1.0;
 constexpr double pinWeight =
     300.0;  // on the squared error: a pin yields 300 times less than the hand that pulls
-constexpr double poleWeight = 0.1;
 
-bool hasOrientation(const Goal& goal) {
-  return goal.kind == GoalKind::Pose || goal.kind == GoalKind::Orientation;
+bool has(const Goal& goal, GoalField::Meaning meaning) {
+  return std::ranges::any_of(goalType(goal.kind).fields,
+                             [&](const GoalField& field) { return field.meaning == meaning; });
 }
 
 bool isEffective(const SceneGoal& goal) { return goal.state != GoalState::Free; }
@@ -116,16 +116,12 @@ void Session::place(const Eigen::VectorXd& q) {
 }
 
 /// The goal asks for what is now.
-void Session::holdHere(SceneGoal& goal) const {
-  goal.goal.target = reached(goal);
-  goal.goal.orientation = Eigen::Quaterniond(frames_[goal.goal.joint].linear()).normalized();
-}
+void Session::holdHere(SceneGoal& goal) const { goalType(goal.goal.kind).capture(goal.goal, here()); }
 
 /// After the pose was set directly: targets, orientations and anchors become what they are now.
 void Session::followPose() {
   for (SceneGoal& goal : document_.edits.goals) {
-    if (goal.goal.kind == GoalKind::Posture) goal.goal.posture = document_.edits.q;
-    if (goal.goal.kind != GoalKind::Aim) holdHere(goal);
+    if (goalType(goal.goal.kind).movesWithPose) holdHere(goal);
   }
   solver_->reset();
 }
@@ -227,9 +223,9 @@ void Session::anchorSurfaceGoals() {
 }
 
 Eigen::Vector3d Session::reached(const SceneGoal& goal) const {
-  if (goal.goal.kind == GoalKind::Pole) return polePoint(skeleton(), frames_, goal.goal.joint);
   if (goal.surface.triangle >= 0) return blendedPoint(goal.surface);
-  return frames_[goal.goal.joint] * goal.goal.pointInJoint;
+  const GoalType& type = goalType(goal.goal.kind);
+  return type.handleAtTarget ? goal.goal.target : type.reached(goal.goal, here());
 }
 Eigen::Vector3d Session::reached(GoalId id) const { return reached(goal(id)); }
 
@@ -248,9 +244,47 @@ GoalId Session::addGoal(Goal goal) {
   return addSceneGoal({.goal = std::move(goal), .state = GoalState::Held});
 }
 
+GoalId Session::addGoalOf(GoalKind kind, int joint, int otherJoint) {
+  const GoalType& type = goalType(kind);
+  Goal goal{.kind = kind,
+            .name = std::string(type.title),
+            .joint = joint,
+            .otherJoint = otherJoint,
+            .direction = model_->up,
+            .masses = model_->masses};
+  if (const std::string why = whyMisplaced(goal, skeleton()); !why.empty()) throw std::invalid_argument(why);
+  if (kind == GoalKind::Balance)
+    for (const FootPoint& sole : model_->soles) goal.polygon.push_back(frames_[sole.joint] * sole.inJoint);
+  goal.target = type.reached(goal, here());
+  type.capture(goal, here());
+  if (const std::string why = whyInvalid(goal, skeleton()); !why.empty()) throw std::invalid_argument(why);
+  return addGoal(std::move(goal));
+}
+
+void Session::changeGoal(GoalId id, const Goal& asked) {
+  SceneGoal& goal = at(id);
+  Goal changed = asked;
+  changed.kind = goal.goal.kind;
+  changed.name = goal.goal.name;
+  changed.masses = model_->masses;
+  if (const std::string why = whyInvalid(changed, skeleton()); !why.empty()) throw std::invalid_argument(why);
+  changed.axisInJoint.normalize();
+  changed.direction.normalize();
+  goal.goal = std::move(changed);
+  if (goal.state == GoalState::Free) goal.state = GoalState::Held;
+}
+
+GoalMark Session::mark(GoalId id) const {
+  GoalMark mark;
+  const Goal& goal = this->goal(id).goal;
+  goalType(goal.kind).mark(goal, here(), mark);
+  return mark;
+}
+
 GoalId Session::addJointGoal(int joint) {
   for (const SceneGoal& goal : goals())
-    if (goal.goal.joint == joint && goal.goal.pointInJoint.isZero() && goal.goal.kind != GoalKind::Pole)
+    if (goal.goal.joint == joint && goal.goal.pointInJoint.isZero() &&
+        (goal.goal.kind == GoalKind::Position || goal.goal.kind == GoalKind::Pose))
       return goal.id;
   const GoalId id = addGoal({.joint = joint});
   holdHere(at(id));
@@ -273,7 +307,7 @@ GoalId Session::addSurfaceGoal(const SurfacePoint& point) {
 }
 
 GoalId Session::goalOf(const Grip& grip) {
-  if (const GoalId* goal = std::get_if<GoalId>(&grip)) return this->goal(*goal).id;
+  if (const GoalId* id = std::get_if<GoalId>(&grip)) return goal(*id).id;
   if (const JointGrip* joint = std::get_if<JointGrip>(&grip)) return addJointGoal(joint->joint);
   return addSurfaceGoal(std::get<SurfacePoint>(grip));
 }
@@ -299,7 +333,7 @@ void Session::setState(GoalId id, GoalState state) {
   SceneGoal& g = at(id);
   const bool wasFree = g.state == GoalState::Free;
   g.state = state;
-  if (wasFree && g.goal.kind != GoalKind::Aim) holdHere(g);
+  if (wasFree && goalType(g.goal.kind).movesWithPose) holdHere(g);
   // A pinned foot keeps its sole on the ground: handles other than the root's are pinned with their
   // orientation, where there are joints enough for it.
   if (g.goal.kind == GoalKind::Position && state == GoalState::Pinned && g.handle &&
@@ -349,12 +383,20 @@ GoalId Session::beginDrag(const Grip& grip) {
   endDrag();
   Drag drag{.goal = {}, .before = document_.edits};
   drag.goal = goalOf(grip);
+  if (const Goal& asked = goal(drag.goal).goal;
+      !has(asked, GoalField::Meaning::Target) && asked.kind != GoalKind::Orientation) {
+    // Nothing of it can be moved: take the point that it holds.
+    const bool whole = !has(asked, GoalField::Meaning::Joint);
+    drag.goal =
+        addGoal({.joint = whole ? 0 : asked.joint,
+                 .pointInJoint = whole ? frames_[0].inverse() * reached(drag.goal) : asked.pointInJoint});
+  }
   SceneGoal& g = at(drag.goal);
   // Points made for this drag go with it; what was pinned stays pinned; handles stay where they are put.
   drag.after = g.state == GoalState::Pinned ? GoalState::Pinned
                : g.handle                   ? GoalState::Held
                                             : GoalState::Free;
-  if (g.state == GoalState::Free || g.goal.kind == GoalKind::Position || g.goal.kind == GoalKind::Pose)
+  if (g.state == GoalState::Free || (goalType(g.goal.kind).movesWithPose && g.goal.kind != GoalKind::Pole))
     g.goal.target = reached(g);
   if (g.goal.kind == GoalKind::Pose)
     g.goal.orientation = Eigen::Quaterniond(frames_[g.goal.joint].linear()).normalized();
@@ -372,10 +414,13 @@ void Session::moveDrag(const Eigen::Vector3d& target) {
 }
 
 void Session::rotateDrag(const Eigen::Quaterniond& worldRotation) {
-  if (!drag_ || goal(drag_->goal).goal.kind == GoalKind::Pole) return;
+  if (!drag_) return;
+  const Goal& asked = goal(drag_->goal).goal;
+  if (!has(asked, GoalField::Meaning::Rotation) && asked.kind != GoalKind::Position) return;
   Goal& goal = at(drag_->goal).goal;
   drag_->moved = true;
-  if (!hasOrientation(goal)) goal.orientation = Eigen::Quaterniond(frames_[goal.joint].linear()).normalized();
+  if (!has(goal, GoalField::Meaning::Rotation))
+    goal.orientation = Eigen::Quaterniond(frames_[goal.joint].linear()).normalized();
   setOrientation(drag_->goal, worldRotation * goal.orientation);
 }
 
@@ -440,10 +485,28 @@ bool Session::redo() {
 
 // --- solver
 
-void Session::setSolver(const std::string& name) {
-  solver_ = makeFrameSolver(name, sharedSkeleton());
+void Session::setSolver(const std::string& text) {
+  SolverSpec spec = solverSpec(text);
+  const std::string name = spec.name;
+  if (const auto kept = document_.solver.parameters.find(name); kept != document_.solver.parameters.end())
+    for (const auto& [parameter, value] : kept->second)
+      if (!spec.values.count(parameter)) spec = withParameter(spec, parameter, value);
+  solver_ = makeFrameSolver(toText(spec), sharedSkeleton());
   asOpened_ = false;
-  document_.solver.name = std::string(name);
+  document_.solver.name = name;
+  document_.solver.parameters.erase(name);
+  if (!spec.values.empty()) document_.solver.parameters[name] = spec.values;
+}
+
+ParameterValues Session::parameters() const {
+  const auto found = document_.solver.parameters.find(document_.solver.name);
+  return found == document_.solver.parameters.end() ? ParameterValues() : found->second;
+}
+
+void Session::setParameters(const ParameterValues& values) {
+  solverEntry(document_.solver.name).make(values);  // throws before anything is changed
+  document_.solver.parameters[document_.solver.name] = values;
+  setSolver(std::string(document_.solver.name));
 }
 
 void Session::nextSolver(int direction) {
@@ -459,11 +522,46 @@ IkProblem Session::problem() const {
     if (!isEffective(goal)) continue;
     Goal g = goal.goal;
     const bool pinned = goal.state == GoalState::Pinned;
-    g.weight = pinned ? pinWeight : g.kind == GoalKind::Pole ? poleWeight : heldWeight;
-    g.priority = pinned ? 0 : 1;
+    g.weight = pinned ? pinWeight : goalType(g.kind).preference;
+    g.role = pinned ? Role::Pin : goal.state == GoalState::Dragged ? Role::Drag : Role::Hold;
     problem.goals.push_back(std::move(g));
   }
+  if (auto standing = balanceGoal()) problem.goals.push_back(*std::move(standing));
   return problem;
+}
+
+std::optional<Goal> Session::balanceGoal() const {
+  if (!balance() || support_.size() < 3) return std::nullopt;
+  return Goal{.kind = GoalKind::Balance,
+              .name = "balance",
+              .direction = model_->up,
+              .polygon = support_,
+              .masses = model_->masses,
+              .weight = pinWeight,
+              .role = Role::Pin};
+}
+
+void Session::setBalance(bool balance) {
+  asOpened_ = false;
+  document_.solver.balance = balance;
+}
+
+/// The hull of the soles that stand, 1 cm inwards. Feet that stay keep it, to the last bit.
+void Session::updateSupport() {
+  if (!balance()) return;
+  constexpr double margin = 0.01, standing = 0.03, still = 1e-4;  // metres, as DragOptions::balance has them
+  std::vector<Eigen::Vector3d> soles;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const FootPoint& sole : model_->soles) {
+    soles.push_back(frames_[sole.joint] * sole.inJoint);
+    lowest = std::min(lowest, soles.back().dot(model_->up));
+  }
+  std::erase_if(soles, [&](const Eigen::Vector3d& p) { return p.dot(model_->up) > lowest + standing; });
+  bool same = soles.size() == standing_.size();
+  for (std::size_t i = 0; same && i < soles.size(); ++i) same = (soles[i] - standing_[i]).norm() < still;
+  if (same) return;
+  standing_ = std::move(soles);
+  support_ = SupportPolygon::hull(standing_, model_->up).inset(margin).corners;
 }
 
 const FrameSolve& Session::step() {
@@ -473,6 +571,7 @@ const FrameSolve& Session::step() {
   };
   anchorSurfaceGoals();
   freeFollow();
+  updateSupport();
   lastSolve_ = {};
   const IkProblem problem = this->problem();
   if (problem.goals.empty()) return lastSolve_;
@@ -510,8 +609,8 @@ void Session::judgeFrame() {
 }
 
 std::string Session::makeUnsupportedReason(const IkProblem& problem) const {
-  return document_.solver.name == "hybrid" ? std::string()
-                                           : makeSolver(document_.solver.name)->whyUnsupported(problem);
+  return document_.solver.name == "drag" ? std::string()
+                                         : makeSolver(document_.solver.name)->whyUnsupported(problem);
 }
 
 std::vector<bool> Session::jointsAtLimit() const {

@@ -29,8 +29,8 @@ class FrameSolver {
   virtual void reset() {}
 };
 
-/// Names that makeFrameSolver knows: "hybrid" (the drag solver, the default) and every entry of
-/// solverCatalogue().
+/// Names that makeFrameSolver knows, with or without values of parameters in brackets (ik_solver.h): "drag"
+/// (the drag solver, the default) and every entry of solverCatalogue().
 std::vector<std::string> frameSolverNames();
 /// The solver keeps the skeleton alive. Throws std::invalid_argument that lists the names there are.
 std::unique_ptr<FrameSolver> makeFrameSolver(const std::string& name,
@@ -138,8 +138,16 @@ class Session {
   /// there is.
   GoalId addJointGoal(int joint);
   GoalId addSurfaceGoal(const SurfacePoint& point);
-  /// Any goal (Position, Pose, Pole, Aim), held. A repeated name gets a number.
+  /// Any goal, held. A repeated name gets a number.
   GoalId addGoal(Goal goal);
+  /// A goal of the kind on a joint (another one for goals between two), met where the model is. Throws
+  /// std::invalid_argument where the model has none.
+  GoalId addGoalOf(GoalKind kind, int joint, int otherJoint);
+  /// What a goal asks for, as a whole; kind and name stay. Throws std::invalid_argument, changing nothing,
+  /// where it cannot be asked of the model.
+  void changeGoal(GoalId goal, const Goal& asked);
+  /// What the goal looks like (GoalType::mark).
+  GoalMark mark(GoalId goal) const;
   void setTarget(GoalId goal, const Eigen::Vector3d& target);  ///< metres, world; a free goal becomes held
   void setOrientation(GoalId goal, const Eigen::Quaterniond& orientation);  ///< makes it a pose goal
   void clearOrientation(GoalId goal);
@@ -159,6 +167,8 @@ class Session {
 
   // --- history: every edit begins with remember(); the mutators above that start an edit do so themselves
   void remember() { history_.remember(edits()); }
+  /// Where the edit turned out to be one after it was made.
+  void rememberAs(Edits before) { history_.remember(std::move(before)); }
   bool undo();
   bool redo();
   bool canUndo() const { return history_.canUndo() || (drag_ && drag_->moved); }
@@ -167,8 +177,20 @@ class Session {
 
   // --- solver
   const std::string& solver() const { return document_.solver.name; }
-  void setSolver(const std::string& name);  ///< throws std::invalid_argument that lists the names
+  /// A name, or a name and values of its parameters in brackets, which it keeps from then on. Throws
+  /// std::invalid_argument that lists what there is.
+  void setSolver(const std::string& text);
+  /// Those of the present solver that are away from their defaults, and others in their place. Throws
+  /// likewise.
+  ParameterValues parameters() const;
+  void setParameters(const ParameterValues& values);
   void nextSolver(int direction = 1);
+  /// Whether the model can keep its balance (masses and soles), and whether it shall.
+  bool canBalance() const { return model_->masses && !model_->soles.empty(); }
+  bool balance() const { return document_.solver.balance && canBalance(); }
+  void setBalance(bool balance);
+  /// What balance() adds to the problem, while it stands.
+  std::optional<Goal> balanceGoal() const;
 
   /// One frame: solve towards the goals, warm from the present pose. A document that was opened stands as it
   /// was saved until something of its pose, goals, weights or solver is changed.
@@ -204,6 +226,8 @@ class Session {
   GoalId addSceneGoal(SceneGoal goal);
   Eigen::Vector3d reached(const SceneGoal& goal) const;
   void holdHere(SceneGoal& goal) const;
+  GoalPlace here() const { return {skeleton(), q(), frames_}; }
+  void updateSupport();
   Eigen::Vector3d blendedPoint(const SurfacePoint& point) const;
   std::string makeUnsupportedReason(const IkProblem& problem) const;
 
@@ -217,6 +241,7 @@ class Session {
   std::optional<Drag> drag_;
   std::unique_ptr<FrameSolver> solver_;
   FrameSolve lastSolve_;
+  std::vector<Eigen::Vector3d> standing_, support_;  ///< soles on the ground; their hull, inset
   bool asOpened_ = false;
   double reachedWithin_ = 1e-3;
 };

@@ -11,7 +11,7 @@
 #include "apps/lecture/slide_data.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
-#include "solvers/serial/nearest_solution.h"
+#include "solvers/ceres/nearest_solution.h"
 
 namespace gelenk {
 

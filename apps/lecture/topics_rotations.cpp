@@ -8,7 +8,7 @@
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/notation/euler.h"
 #include "kinematics/rotation.h"
-#include "solvers/methods/quaternion_chain.h"
+#include "solvers/ceres/quaternion_chain.h"
 
 namespace gelenk {
 namespace {

@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <numbers>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/muscle_report.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
 #include "apps/document/session.h"
 #include "apps/render/muscle_sheet.h"
@@ -204,6 +205,7 @@ class Studio {
  public:
   explicit Studio(const Request& request)
       : request_(request), viewport_(parseSize(request)), session_(openRequested(request)) {
+    sayNotes(request.input, session_.model().notes);
     context_.emplace();
     view_.emplace(session_, isScene(request.input) || request.frame > 0 ? SceneView::Ground::UnderMotion
                                                                         : SceneView::Ground::UnderRest);
@@ -307,72 +309,64 @@ void render(const Request& request) {
 
 }  // namespace
 
-void addRenderCommand(CLI::App& app) {
+void addRenderCommand(Command& app) {
   const auto request = std::make_shared<Request>();
-  CLI::App* command = app.add_subcommand(
-      "render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
-  command->add_option("input", request->input, "Built-in model, model file or scene (.json)")->required();
-  command->add_option("-o,--output", request->output, "Picture or video to write")->required();
-  command->add_option("--skeleton", request->files.skeleton, "Skeleton file that goes with an OBJ");
-  command->add_option("--weights", request->files.weights,
-                      "Weights file that goes with an OBJ and a skeleton");
-  command->add_option("--asf", request->files.asf,
-                      "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
-  command->add_option("--amc", request->files.amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", request->files.mapping,
-                      "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
-  command->add_option("--frame", request->frame, "Pose of this frame of the motion, from 1")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--bind-pose", request->bindPose,
-                    "The pose in which the skin is bound, where that is not the skeleton's rest pose");
-  command->add_option("--size", request->size, "Pixels at scale 1")->capture_default_str();
-  command->add_option("--scale", request->scale, "Enlarges the picture, and lines and marks with it")
-      ->check(CLI::Range(0.1, 8.0))
-      ->capture_default_str();
-  command->add_option("--theme", request->theme, "light or dark; otherwise the scene's")
-      ->check(CLI::IsMember({"light", "dark"}));
-  command->add_option("--view", request->view, "Standard direction")
-      ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}));
-  command->add_option("--azimuth", request->azimuth, "Degrees about the vertical, 0 from the front");
-  command->add_option("--elevation", request->elevation, "Degrees above the horizon")
-      ->check(CLI::Range(-90.0, 90.0));
-  command->add_option("--focus", request->focus, "Close-up of this joint");
-  command->add_option("--zoom", request->zoom, "Factor")->check(CLI::PositiveNumber);
-  command->add_flag("--orthographic", request->orthographic, "Without perspective");
-  command->add_option(
-      "--q", request->q,
-      "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
-  command->add_flag("--wireframe", request->wireframe, "Edges of the triangles");
-  command->add_flag("--bones", request->bones, "Skeleton through a translucent skin");
-  command->add_option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
-  command->add_flag("--joint-frames", request->jointFrames, "Axes of every joint");
+  Command command =
+      app.command("render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
+  command.option("input", request->input, "Built-in model, model file or scene (.json)").required();
+  command.option("-o,--output", request->output, "Picture or video to write").required();
+  command.option("--skeleton", request->files.skeleton, "Skeleton file that goes with an OBJ");
+  command.option("--weights", request->files.weights, "Weights file that goes with an OBJ and a skeleton");
+  command.option("--asf", request->files.asf,
+                 "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
+  command.option("--amc", request->files.amc, "Motion for the ASF skeleton");
+  command.option("--mapping", request->files.mapping,
+                 "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command.option("--clip", request->files.clip,
+                 "Which motion of a file that names several; default: the first");
+  command.option("--frame", request->frame, "Pose of this frame of the motion, from 1").positive();
+  command.flag("--bind-pose", request->bindPose,
+               "The pose in which the skin is bound, where that is not the skeleton's rest pose");
+  command.option("--size", request->size, "Pixels at scale 1").showDefault();
+  command.option("--scale", request->scale, "Enlarges the picture, and lines and marks with it")
+      .range(0.1, 8.0)
+      .showDefault();
+  command.option("--theme", request->theme, "light or dark; otherwise the scene's").oneOf({"light", "dark"});
+  command.option("--view", request->view, "Standard direction")
+      .oneOf({"front", "side", "top", "three-quarter"});
+  command.option("--azimuth", request->azimuth, "Degrees about the vertical, 0 from the front");
+  command.option("--elevation", request->elevation, "Degrees above the horizon").range(-90.0, 90.0);
+  command.option("--focus", request->focus, "Close-up of this joint");
+  command.option("--zoom", request->zoom, "Factor").positive();
+  command.flag("--orthographic", request->orthographic, "Without perspective");
+  command.option("--q", request->q,
+                 "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
+  command.flag("--wireframe", request->wireframe, "Edges of the triangles");
+  command.flag("--bones", request->bones, "Skeleton through a translucent skin");
+  command.option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
+  command.flag("--joint-frames", request->jointFrames, "Axes of every joint");
   command
-      ->add_option("--layers", request->layers,
-                   "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise "
-                   "the scene's")
-      ->check(CLI::IsMember({"none", "ffd", "muscle"}));
-  command->add_flag("--lattice", request->lattice, "Control planes of the muscle layers");
-  command->add_option("--muscle-sheet", request->muscleSheet,
-                      "Instead of one picture a sheet of this limb ('left arm', or joints "
-                      "shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
-  command->add_option("--turn", request->turns,
-                      "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an "
-                      "axis of its frame, from the pose; may be repeated");
-  command->add_flag("--no-ground", request->noGround, "Without the ground");
-  command->add_flag("--no-shadow", request->noShadow, "Without the shadow");
+      .option("--layers", request->layers,
+              "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise "
+              "the scene's")
+      .oneOf({"none", "ffd", "muscle"});
+  command.flag("--lattice", request->lattice, "Control planes of the muscle layers");
+  command.option("--muscle-sheet", request->muscleSheet,
+                 "Instead of one picture a sheet of this limb ('left arm', or joints "
+                 "shoulder,elbow,wrist): straight, 60, 120 degrees; LBS, FFD, FFD with muscle");
+  command.option("--turn", request->turns,
+                 "JOINT=DEGREES sets the first axis of a joint, JOINT.y=DEGREES turns a ball about an "
+                 "axis of its frame, from the pose; may be repeated");
+  command.flag("--no-ground", request->noGround, "Without the ground");
+  command.flag("--no-shadow", request->noShadow, "Without the shadow");
   command
-      ->add_option("--smoothing", request->smoothing,
-                   "Draw n x n pixels for one; otherwise what suits the renderer")
-      ->check(CLI::Range(1, 4));
-  command->add_option("--seconds", request->seconds, "Video: length of one turn")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--frames", request->frames, "Video: number of frames instead of --seconds")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--fps", request->framesPerSecond, "Video: frames a second")
-      ->check(CLI::Range(1, 240))
-      ->capture_default_str();
-  command->callback([request] { render(*request); });
+      .option("--smoothing", request->smoothing,
+              "Draw n x n pixels for one; otherwise what suits the renderer")
+      .range(1, 4);
+  command.option("--seconds", request->seconds, "Video: length of one turn").positive().showDefault();
+  command.option("--frames", request->frames, "Video: number of frames instead of --seconds").positive();
+  command.option("--fps", request->framesPerSecond, "Video: frames a second").range(1, 240).showDefault();
+  command.run([request] { render(*request); });
 }
 
 }  // namespace gelenk

@@ -1,11 +1,9 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
-
 namespace gelenk {
 
-void addRenderCommand(CLI::App& app);  ///< `gelenk render`
+class Command;
+
+void addRenderCommand(Command& app);  ///< `gelenk render`
 
 }  // namespace gelenk

@@ -6,6 +6,7 @@
 #include "apps/document/limb.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
+#include "solvers/problem/goal_type.h"
 
 namespace gelenk {
 namespace {
@@ -141,34 +142,62 @@ bool isGoalShown(const Session& session, const SceneGoal& goal) {
   });
 }
 
-void addGoals(Overlay& overlay, const Session& session, const Frames& frames, double size,
-              const MarkColours& colours, std::optional<GoalId> hovered) {
+namespace {
+
+/// What the goal's type says it looks like. Faint lines where it is looked at alone.
+void addMark(Overlay& overlay, const GoalMark& mark, const Colour& colour, bool looked) {
+  for (const GoalMark::Polygon& polygon : mark.polygons) {
+    if (polygon.corners.empty()) continue;
+    if (polygon.filled) overlay.fan(polygon.corners.front(), polygon.corners, withAlpha(colour, 0.16f), false);
+    overlay.polyline(polygon.corners, withAlpha(colour, 0.75f), 1.4f, true);
+  }
+  for (const GoalMark::Ring& ring : mark.rings) {
+    const Vector3d u = ring.normal.unitOrthogonal(), v = ring.normal.normalized().cross(u);
+    overlay.arc(ring.centre, u, v, ring.radius, withAlpha(colour, 0.7f), 1.4f);
+  }
+  for (const GoalMark::Segment& segment : mark.segments)
+    if (looked || segment.stress == GoalMark::Stress::Main)
+      overlay.line(segment.from, segment.to,
+                   withAlpha(colour, segment.stress == GoalMark::Stress::Main ? 0.6f : 0.45f), 1.4f);
+}
+
+}  // namespace
+
+void addGoals(Overlay& overlay, const Session& session, double size, const MarkColours& colours,
+              std::optional<GoalId> hovered, std::optional<GoalId> selected) {
   using Shape = Overlay::Shape;
   constexpr Colour white{1.0f, 1.0f, 1.0f, 0.95f};
+  if (const auto balance = session.balanceGoal()) {
+    GoalMark mark;
+    goalType(balance->kind).mark(*balance, {session.skeleton(), session.q(), session.frames()}, mark);
+    addMark(overlay, mark, colours.pinned, false);
+  }
   for (const SceneGoal& goal : session.goals()) {
     if (!isGoalShown(session, goal)) continue;
+    const GoalType& type = goalType(goal.goal.kind);
     const Vector3d reached = session.reached(goal.id);
     const bool dragged = session.dragged() == goal.id, active = goal.state != GoalState::Free,
-               pole = goal.goal.kind == GoalKind::Pole;
+               wish = type.preference < 1.0, looked = hovered == goal.id || dragged;
     const Colour colour = goal.state == GoalState::Pinned ? colours.pinned
-                          : pole                          ? colours.pole
+                          : wish                          ? colours.pole
                           : active                        ? colours.held
                                                           : colours.free;
-    if (const double error = session.error(goal.id); active && !pole && error > 2e-4 * size) {
+    if (active || wish) addMark(overlay, session.mark(goal.id), colour, looked || selected == goal.id);
+    if (const double error = session.error(goal.id);
+        active && !wish && type.movesWithPose && error > 2e-4 * size) {
       const Colour far = distanceColour(colours, 2.0 * error / size);
       overlay.line(reached, goal.goal.target, far, 1.6f);
       overlay.point(goal.goal.target, far, 10.0f, Shape::Ring);
     }
-    if (pole) overlay.line(frames[goal.goal.joint].translation(), reached, withAlpha(colour, 0.45f), 1.2f);
     if (dragged) overlay.point(reached, withAlpha(colour, 0.25f), 30.0f, Shape::Plain);
-    const float grow = hovered == goal.id || dragged ? 1.35f : 1.0f, d = (pole ? 10.0f : 13.0f) * grow;
+    const float d = (wish ? 10.0f : 13.0f) * (looked ? 1.35f : 1.0f);
     if (goal.goal.kind == GoalKind::Pose || goal.goal.kind == GoalKind::Orientation)
       overlay.point(reached, withAlpha(colour, 0.9f), d + 11.0f, Shape::Ring);
     const Shape shape = goal.state == GoalState::Pinned ? Shape::PlainSquare
-                        : pole                          ? Shape::Diamond
+                        : wish                          ? Shape::Diamond
                                                         : Shape::Plain;
-    overlay.point(reached, active || pole ? white : colour, d + 2.6f, shape);
-    overlay.point(reached, active || pole ? colour : white, d - 0.8f, shape);
+    overlay.point(reached, active || wish ? white : colour, d + 2.6f, shape);
+    overlay.point(reached, active || wish ? colour : white, d - 0.8f, shape);
   }
 }
 

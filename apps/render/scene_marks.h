@@ -24,9 +24,10 @@ Frames framesBeside(const Session& session, Frames worldFromJoint, double size);
 
 /// Goals that can be seen and taken now; pole handles only where their limb is held.
 bool isGoalShown(const Session& session, const SceneGoal& goal);
-/// Handles, pins, poles, and what is missed: discs are positions, squares pins, rings orientations, diamonds
-/// poles. hovered: drawn larger.
-void addGoals(Overlay& overlay, const Session& session, const Frames& worldFromJoint, double size,
-              const MarkColours& colours, std::optional<GoalId> hovered);
+/// Handles, pins and what is missed: discs are positions, squares pins, rings orientations, diamonds wishes
+/// such as poles; and what a goal's type says it looks like. hovered: drawn larger; what
+/// is hovered, dragged or selected shows the fainter lines of its type too.
+void addGoals(Overlay& overlay, const Session& session, double size, const MarkColours& colours,
+              std::optional<GoalId> hovered, std::optional<GoalId> selected);
 
 }  // namespace gelenk

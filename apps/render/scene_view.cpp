@@ -183,7 +183,7 @@ void SceneView::addMarks(const Session& session, const PictureExtras& extras, Re
     }
   }
   if (show.handles && ownPose_)
-    addGoals(scene.overlayOnTop, session, frames_, size_, colours, extras.hovered);
+    addGoals(scene.overlayOnTop, session, size_, colours, extras.hovered, extras.selected);
   if (rig_ && settings_->lattice)
     for (std::size_t l = 0; l < rig_->body().limbs.size(); ++l)
       if (settings_->shownLimb.empty() || settings_->shownLimb == rig_->body().limbs[l].name)

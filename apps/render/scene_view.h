@@ -28,7 +28,7 @@ struct PictureExtras {
   Overlay overlayOnTop = {};                                       ///< seen through everything
   std::vector<double> limitGlow = {};                              ///< a joint, 0 to 1: limits that light up
   int latticePlane = -1, latticePoint = -1;  ///< of the limb whose lattice is shown, drawn stronger
-  std::optional<GoalId> hovered = {};
+  std::optional<GoalId> hovered = {}, selected = {};  ///< drawn larger; with all that belongs to them
 };
 
 /// The one way from a document to a picture, for window, offscreen, replay and `gelenk render`. Holds what is

@@ -82,7 +82,7 @@ class BindingPanel final : public Panel {
     const Model& model = sandbox.session().model();
     if (!model.skin) return;
     neighbours_ = vertexNeighbours(model.skin->mesh);
-    bones_ = bonesOf(model.skeleton, bindFrames(model));
+    bones_ = bonesOf(model.skeleton, bindFrames(model), model.skin->mesh);
     for (const Limb& limb : limbsOf(model))
       layers_.emplace_back(limb.name, layerOf({limb.joints.begin(), limb.joints.end() - 1}));
     radius_ = 0.03 * sandbox.state().size();

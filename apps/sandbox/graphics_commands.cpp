@@ -2,10 +2,10 @@
 
 namespace gelenk {
 
-void addRenderCommand(CLI::App& app);
-void addSandboxCommand(CLI::App& app);
+void addRenderCommand(Command& app);
+void addSandboxCommand(Command& app);
 
-void addGraphicsCommands(CLI::App& app) {
+void addGraphicsCommands(Command& app) {
   addSandboxCommand(app);
   addRenderCommand(app);
 }

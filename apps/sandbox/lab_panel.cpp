@@ -12,6 +12,7 @@
 #include "apps/commands/reproductions.h"
 #include "apps/commands/solver_colour.h"
 #include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
@@ -105,7 +106,7 @@ class LabPanel final : public Panel {
       ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 30 * s.scale);
       if (ImGui::BeginCombo("##solver", lab_->solvers[i].c_str(), ImGuiComboFlags_HeightLarge)) {
         for (const std::string& solver : frameSolverNames())
-          if (ImGui::Selectable(solver.c_str(), solver == lab_->solvers[i])) {
+          if (ImGui::Selectable(solver.c_str(), solver == solverSpec(lab_->solvers[i]).name)) {
             lab_->solvers[i] = solver;
             runners_.clear();
           }
@@ -114,6 +115,14 @@ class LabPanel final : public Panel {
       ImGui::SameLine(0, 4 * s.scale);
       if (ImGui::SmallButton("x") && lab_->solvers.size() > 1) removed = i;
       tooltip("Leaves this solver out");
+      SolverSpec spec = solverSpec(lab_->solvers[i]);
+      if (!spec.entry->parameters.empty() && ImGui::TreeNode("Parameters")) {
+        if (parameterSliders("", spec.entry->parameters, spec.values)) {
+          lab_->solvers[i] = toText(spec);
+          runners_.clear();
+        }
+        ImGui::TreePop();
+      }
       ImGui::PopID();
     }
     if (removed) {
@@ -215,7 +224,8 @@ class LabPanel final : public Panel {
 
   static void solve(Runner& runner, IkProblem problem) {
     problem.start = runner.q;
-    if (runner.solver != "hybrid") runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
+    if (!runner.solver.starts_with("drag"))
+      runner.unsupported = makeSolver(runner.solver)->whyUnsupported(problem);
     const auto before = std::chrono::steady_clock::now();
     runner.report = runner.method->frame(problem);
     runner.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();

@@ -15,7 +15,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/notation/planar_chain.h"
 #include "solvers/methods/two_link.h"
-#include "solvers/serial/nearest_solution.h"
+#include "solvers/ceres/nearest_solution.h"
 
 namespace gelenk {
 namespace {

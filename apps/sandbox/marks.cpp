@@ -36,13 +36,15 @@ void nameGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
   if (p.depth <= 0.0) return;
   const ImVec2 at = toImVec2(p.pixel);
   const double error = s.session->error(goal.id);
-  if (goal.state != GoalState::Free && goal.goal.kind != GoalKind::Pole && error > 2e-4 * s.size()) {
+  const GoalType& type = goalType(goal.goal.kind);
+  const bool wish = type.preference < 1.0;
+  if (goal.state != GoalState::Free && !wish && type.movesWithPose && error > 2e-4 * s.size()) {
     const ImVec2 end = toImVec2(s.toWindow(goal.goal.target).pixel);
     if (std::hypot(end.x - at.x, end.y - at.y) > 26 * pen.scale)
       words(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale},
             toImVec4(distanceColour(markColours(s.theme()), 2.0 * error / s.size())), formatLength(error));
   }
-  const float r = goal.goal.kind == GoalKind::Pole ? 5.0f : 6.5f;
+  const float r = wish ? 5.0f : 6.5f;
   if (s.selectedGoal == goal.id && s.session->dragged() != goal.id)
     pen.draw->AddCircle(at, (r + 4) * pen.scale, colour32(pen.colours.accent), 40, 1.8f * pen.scale);
   if (s.hover.kind == Hover::Kind::Goal && s.hover.goal == goal.id)

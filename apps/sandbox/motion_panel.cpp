@@ -429,7 +429,7 @@ class MotionPanel final : public Panel {
     const ModelReference& reference = sandbox.state().session->document().model;
     FittedClip fitted = clipFor(sandbox.session().model(), clip().framesPerSecond, file, reference.nameOrFile,
                                 withoutMotion(reference.files));
-    for (const std::string& note : fitted.notes) sandbox.say(note);
+    for (const Note& note : fitted.notes) sandbox.say(note.line());
     return std::move(fitted.clip);
   }
   void fade(Sandbox& sandbox, const std::string& file, double seconds) {
@@ -644,7 +644,7 @@ class MotionPanel final : public Panel {
     if (!solver_ || solverName_ != session.solver()) {
       solverName_ = session.solver();
       solver_ =
-          makeFrameSolver(solverName_ == "hybrid" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
+          makeFrameSolver(solverName_ == "drag" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
     }
     const IkReport report = solver_->frame(problem);
     if (report.q.size() == q_.size() && report.q.allFinite()) q_ = report.q;

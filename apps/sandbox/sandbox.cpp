@@ -13,6 +13,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "solvers/lab/sweep.h"
 
 namespace gelenk {
 namespace {
@@ -61,6 +62,7 @@ void renderView(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   s.extras.limitGlow = s.limitGlow;
   if (s.hover.kind == Hover::Kind::Goal) s.extras.hovered = s.hover.goal;
+  s.extras.selected = s.goalSelected();
   const RenderScene scene = s.view->compose(*s.session, std::exchange(s.extras, {}));
   const Viewport viewport = s.viewport();
   s.picture.resize(viewport.width, viewport.height);
@@ -86,7 +88,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   } else {
     adopt(std::make_unique<Session>(std::move(model), reference), false);
     s.theme() = options.theme;
-    s.session->setSolver(options.solver);
+    s.session->setSolver(withParameters({options.solver}, options.settings).front());
   }
   if (isLecture)
     for (const auto& panel : s.panels) panel->openFile(*this, options.model);
@@ -122,7 +124,7 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   followDocument(*this);
   if (!fromFile) s.camera() = s.view->wholeView(*s.session, s.viewport(), whole);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
-  for (const std::string& note : s.session->model().notes) say(note);
+  for (const Note& note : s.session->model().notes) say(note.line());
 }
 
 bool Sandbox::open(const ModelReference& reference) {

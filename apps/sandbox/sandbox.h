@@ -23,7 +23,8 @@ struct SandboxOptions {
   int width = 1280, height = 800;  ///< pixels
   double scale = 1.0;              ///< of type and spacing
   Theme theme = Theme::Light;
-  std::string solver = "hybrid";
+  std::string solver = "drag";             ///< with or without values of parameters in brackets
+  std::vector<std::string> settings = {};  ///< values of its parameters, "dls.lambda=0.1"
 };
 
 /// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -6,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/image.h"
 #include "apps/sandbox/replay.h"
@@ -126,39 +126,38 @@ void run(Arguments arguments) {
 
 }  // namespace
 
-void addSandboxCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("sandbox", "Open a model and drag it: the interactive window");
+void addSandboxCommand(Command& app) {
+  Command command = app.command("sandbox", "Open a model and drag it: the interactive window");
   auto arguments = std::make_shared<Arguments>();
   Arguments& a = *arguments;
   command
-      ->add_option("model", a.sandbox.model,
-                   "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")
-      ->capture_default_str();
-  command->add_option("--skeleton", a.sandbox.files.skeleton, "Skeleton of an OBJ body");
-  command->add_option("--weights", a.sandbox.files.weights,
-                      "Weights of an OBJ body; heat weights where not given");
-  command->add_option("--asf", a.sandbox.files.asf,
-                      "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
-  command->add_option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
-  command->add_option("--mapping", a.sandbox.files.mapping,
-                      "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
-  command->add_option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
-  command->add_flag("--offscreen", a.offscreen, "Without a window; deterministic");
-  command
-      ->add_option("--frames", a.frames,
-                   "Stop after so many frames; offscreen: the replay's length by default")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--screenshot", a.screenshot, "Write the last frame as PNG");
-  command->add_option("--status", a.status, "Write the state as JSON after every frame");
-  command->add_option("--size", a.size, "Pixels, WIDTHxHEIGHT")->capture_default_str();
-  command->add_option("--scale", a.scale, "Of type and spacing; the monitor's by default")
-      ->check(CLI::Range(0.5, 4.0));
-  command->add_option("--theme", a.theme, "light or dark")
-      ->check(CLI::IsMember({"light", "dark"}))
-      ->capture_default_str();
-  command->add_option("--solver", a.sandbox.solver, "Solver while dragging")->capture_default_str();
-  command->add_flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
-  command->callback([arguments] { run(*arguments); });
+      .option("model", a.sandbox.model,
+              "Built-in model, model file, OBJ body, scene (.json) or lecture:EXAMPLE")
+      .showDefault();
+  command.option("--skeleton", a.sandbox.files.skeleton, "Skeleton of an OBJ body");
+  command.option("--weights", a.sandbox.files.weights,
+                 "Weights of an OBJ body; heat weights where not given");
+  command.option("--asf", a.sandbox.files.asf,
+                 "ASF skeleton that an OBJ's fitted skeleton is laid on, or of an AMC");
+  command.option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
+  command.option("--clip", a.sandbox.files.clip,
+                 "Which motion of a file that names several; default: the first");
+  command.option("--mapping", a.sandbox.files.mapping,
+                 "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
+  command.option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
+  command.flag("--offscreen", a.offscreen, "Without a window; deterministic");
+  command.option("--frames", a.frames, "Stop after so many frames; offscreen: the replay's length by default")
+      .positive();
+  command.option("--screenshot", a.screenshot, "Write the last frame as PNG");
+  command.option("--status", a.status, "Write the state as JSON after every frame");
+  command.option("--size", a.size, "Pixels, WIDTHxHEIGHT").showDefault();
+  command.option("--scale", a.scale, "Of type and spacing; the monitor's by default").range(0.5, 4.0);
+  command.option("--theme", a.theme, "light or dark").oneOf({"light", "dark"}).showDefault();
+  command.option("--solver", a.sandbox.solver, "Solver while dragging").showDefault();
+  command.option("--set", a.sandbox.settings,
+                 "A parameter of the solver, such as dls.lambda=0.1 (repeatable)");
+  command.flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
+  command.run([arguments] { run(*arguments); });
 }
 
 }  // namespace gelenk

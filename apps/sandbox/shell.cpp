@@ -405,6 +405,7 @@ std::string describeSolve(const Session& session) {
   if (solve.reached) return "reached, " + errors;
   switch (solve.why) {
     case Stop::Stationary: return "stationary: closest point, " + errors;
+    case Stop::Saddle: return "stuck at a saddle, " + errors;
     case Stop::Stalled: return "stalled, " + errors;
     default: return (solve.jointMotion < 1e-5 ? "at rest, " : "on the way, ") + errors;
   }

@@ -44,7 +44,7 @@ class SkinPanel final : public Panel {
     heading(s, "BODY");
     ImGui::TextColored(s.colours().textDim, "%zu vertices · %zu triangles", skin.mesh.positions.size(),
                        skin.mesh.triangles.size());
-    for (const std::string& note : s.session->model().notes) ImGui::TextWrapped("%s", note.c_str());
+    for (const Note& note : s.session->model().notes) ImGui::TextWrapped("%s", note.line().c_str());
     heading(s, "WEIGHTS");
     check(
         "Colour by the selected joint's weight", show.weights,

@@ -5,8 +5,10 @@
 
 #include "apps/commands/solver_colour.h"
 #include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/jacobian.h"
+#include "kinematics/rotation.h"
 
 namespace gelenk {
 namespace {
@@ -26,12 +28,12 @@ Eigen::Vector3d singularValues(const Session& session, const Goal& goal) {
 std::string_view titleOf(const std::string& solver) {
   for (const SolverEntry& entry : solverCatalogue())
     if (entry.name == solver) return entry.title;
-  return solver == "hybrid" ? "Hybrid drag solver" : std::string_view(solver);
+  return solver == "drag" ? "Drag solver" : std::string_view(solver);
 }
 std::string_view referenceOf(const std::string& solver) {
   for (const SolverEntry& entry : solverCatalogue())
     if (entry.name == solver) return entry.reference;
-  return solver == "hybrid" ? "exact Hessian and Gauss-Newton steps on the skeleton tree" : "";
+  return solver == "drag" ? "exact Hessian and Gauss-Newton steps on the skeleton tree" : "";
 }
 
 class SolvePanel final : public Panel {
@@ -43,6 +45,7 @@ class SolvePanel final : public Panel {
     solverChoice(sandbox);
     result(sandbox);
     goals(sandbox);
+    addGoal(sandbox);
     selected(sandbox);
   }
 
@@ -70,7 +73,8 @@ class SolvePanel final : public Panel {
       ImGui::EndCombo();
     }
     tooltip(
-        "The method that follows the goals in every frame. The hybrid keeps its state from frame to frame; "
+        "The method that follows the goals in every frame. The drag solver keeps its state from frame to "
+        "frame; "
         "every other solver starts at the present pose with 20 iterations.");
     ImGui::PushFont(s.gui.fonts().small);
     dot(toImVec4(solverColour(current)), s.scale);
@@ -78,6 +82,8 @@ class SolvePanel final : public Panel {
     ImGui::TextColored(s.colours().textDim, "%s", std::string(referenceOf(current)).c_str());
     ImGui::PopTextWrapPos();
     ImGui::PopFont();
+    ParameterValues values = s.session->parameters();
+    if (parameterSliders(current, solverEntry(current).parameters, values)) s.session->setParameters(values);
   }
 
   static void row(const char* label, const std::string& value, const char* explanation) {
@@ -115,7 +121,7 @@ class SolvePanel final : public Panel {
     row("Joint motion", solve.ran ? fmt::format("{:.1e} rad", solve.jointMotion) : "–",
         "Largest change of a joint in this frame, radians (metres for translations).");
     const SceneGoal* goal = goalOfInterest(s);
-    const bool measured = goal && goal->goal.kind != GoalKind::Pole;
+    const bool measured = goal && hasPoint(goal->goal);
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
     if (measured) sigma = singularValues(*s.session, goal->goal);
     const int rank = s.session->model().planar ? 2 : 3;
@@ -149,9 +155,8 @@ class SolvePanel final : public Panel {
   /// Millimetres, or degrees where the goal asks for an angle alone or the angle is what is missed.
   static void showError(const Sandbox::State& s, const SceneGoal& goal) {
     const GoalError error = s.session->judged(goal.id);
-    const bool isAngle =
-        goal.goal.kind == GoalKind::Orientation || goal.goal.kind == GoalKind::Aim ||
-        (error.position < s.session->reachedWithin() && error.orientation > Session::reachedAngle);
+    const bool isAngle = error.position == 0.0 || (error.position < s.session->reachedWithin() &&
+                                                   error.orientation > Session::reachedAngle);
     const double missed = std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0);
     ImGui::TextColored(toImVec4(distanceColour(markColours(s.theme()), missed)), "%s",
                        isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
@@ -169,15 +174,17 @@ class SolvePanel final : public Panel {
         ImGui::PushID(static_cast<int>(goal.id));
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        const ImVec4& colour = goal.state == GoalState::Pinned    ? s.colours().pinned
-                               : goal.goal.kind == GoalKind::Pole ? s.colours().pole
-                               : goal.state == GoalState::Free    ? s.colours().textFaint
-                                                                  : s.colours().held;
+        const GoalType& type = goalType(goal.goal.kind);
+        const ImVec4& colour = goal.state == GoalState::Pinned ? s.colours().pinned
+                               : type.preference < 1.0         ? s.colours().pole
+                               : goal.state == GoalState::Free ? s.colours().textFaint
+                                                               : s.colours().held;
         dot(colour, s.scale);
         if (ImGui::Selectable(goal.goal.name.c_str(), s.selectedGoal == goal.id)) {
           s.selectedGoal = goal.id;
           s.session->selectJoint(goal.goal.joint);
         }
+        tooltip(fmt::format("{}: {}", type.title, type.asks).c_str());
         ImGui::TableNextColumn();
         if (goal.state != GoalState::Free) showError(s, goal);
         tooltip(
@@ -204,22 +211,132 @@ class SolvePanel final : public Panel {
     }
   }
 
+  static bool hasPoint(const Goal& goal) {
+    for (const GoalField& field : goalType(goal.kind).fields)
+      if (field.meaning == GoalField::Meaning::PointInJoint) return true;
+    return false;
+  }
+
+  /// One new goal of any kind, on the joint that is selected or the first handle's.
+  static void addGoal(Sandbox& sandbox) {
+    Sandbox::State& s = sandbox.state();
+    Session& session = *s.session;
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::BeginCombo("##add", "Add a goal ...", ImGuiComboFlags_HeightLarge)) {
+      for (const GoalType* type : goalTypes()) {
+        if (!ImGui::Selectable(std::string(type->title).c_str())) {
+          tooltip(std::string(type->asks).c_str());
+          continue;
+        }
+        const int joint = session.selectedJoint().value_or(
+            session.goals().empty() ? 0 : session.goals().front().goal.joint);
+        int other = 0;  // the next handle on another joint
+        for (const SceneGoal& goal : session.goals())
+          if (goal.handle && goal.goal.joint != joint && other == 0) other = goal.goal.joint;
+        try {
+          const Edits before = session.edits();
+          const GoalId added = session.addGoalOf(type->kind, joint, other);
+          session.rememberAs(before);
+          s.selectedGoal = added;
+        } catch (const std::invalid_argument& error) {
+          sandbox.say(error.what(), true);
+        }
+      }
+      ImGui::EndCombo();
+    }
+    tooltip("A goal of any kind, on the joint that is selected. It asks for what the model does now.");
+    if (!session.canBalance()) return;
+    bool balance = session.balance();
+    if (ImGui::Checkbox("Balance", &balance)) session.setBalance(balance);
+    tooltip("The centre of mass stays over the feet.");
+  }
+
+  static bool edit(const Sandbox::State& s, const GoalField& field, int& joint) {
+    const Skeleton& skeleton = s.session->skeleton();
+    bool changed = false;
+    ImGui::SetNextItemWidth(-80 * s.scale);
+    if (ImGui::BeginCombo(std::string(field.name).c_str(), skeleton.joint(joint).name.c_str())) {
+      for (int i = 0; i < skeleton.jointCount(); ++i)
+        if (ImGui::Selectable(skeleton.joint(i).name.c_str(), i == joint)) {
+          joint = i;
+          changed = true;
+        }
+      ImGui::EndCombo();
+    }
+    return changed;
+  }
+  static bool edit(const Sandbox::State& s, const GoalField& field, double& value) {
+    float shown = static_cast<float>(value);
+    ImGui::SetNextItemWidth(-80 * s.scale);
+    if (!ImGui::DragFloat(std::string(field.name).c_str(), &shown, static_cast<float>(1e-3 * s.size()), 0.0f,
+                          1e6f, "%.3f"))
+      return false;
+    value = std::max(0.0f, shown);
+    return true;
+  }
+  static bool edit(const Sandbox::State& s, const GoalField& field, Eigen::Vector3d& value) {
+    float shown[3];
+    for (int k = 0; k < 3; ++k) shown[k] = static_cast<float>(value[k]);
+    ImGui::SetNextItemWidth(-80 * s.scale);
+    if (!ImGui::DragFloat3(std::string(field.name).c_str(), shown, static_cast<float>(1e-3 * s.size()), 0, 0,
+                           "%.3f"))
+      return false;
+    for (int k = 0; k < 3; ++k)
+      if (static_cast<float>(value[k]) != shown[k]) value[k] = shown[k];
+    return true;
+  }
+  static bool edit(const Sandbox::State& s, const GoalField& field, Eigen::Quaterniond& value) {
+    const Eigen::Vector3d w = logRotation(value) * (180.0 / M_PI);
+    float shown[3];
+    for (int k = 0; k < 3; ++k) shown[k] = static_cast<float>(w[k]);
+    ImGui::SetNextItemWidth(-80 * s.scale);
+    if (!ImGui::DragFloat3(std::string(field.name).c_str(), shown, 0.5f, -180.0f, 180.0f, "%.1f°"))
+      return false;
+    value = expRotation(Eigen::Vector3d(shown[0], shown[1], shown[2]) * (M_PI / 180.0));
+    return true;
+  }
+  static bool edit(const Sandbox::State&, const GoalField& field, Eigen::VectorXd& value) {
+    ImGui::Text("%s: %d values", std::string(field.name).c_str(), static_cast<int>(value.size()));
+    return false;
+  }
+  static bool edit(const Sandbox::State&, const GoalField& field, std::vector<Eigen::Vector3d>& value) {
+    ImGui::Text("%s: %d corners", std::string(field.name).c_str(), static_cast<int>(value.size()));
+    return false;
+  }
+
   static void selected(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
     if (!s.goalSelected()) return;
     const SceneGoal& goal = s.session->goal(*s.selectedGoal);
-    heading(sandbox.state(), "TARGET");
-    float target[3];
-    for (int k = 0; k < 3; ++k) target[k] = static_cast<float>(goal.goal.target[k]);
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::DragFloat3("##target", target, static_cast<float>(1e-3 * s.size()), 0, 0, "%.3f")) {
-      Eigen::Vector3d point = goal.goal.target;
-      for (int k = 0; k < 3; ++k)
-        if (static_cast<float>(point[k]) != target[k]) point[k] = target[k];
-      s.session->setTarget(goal.id, point);
+    const GoalType& type = goalType(goal.goal.kind);
+    heading(sandbox.state(), fmt::format("{}", type.title).c_str());
+    ImGui::PushTextWrapPos();
+    ImGui::TextColored(s.colours().textDim, "%s", std::string(type.asks).c_str());
+    ImGui::PopTextWrapPos();
+    Goal asked = goal.goal;
+    bool changed = false;
+    for (const GoalField& field : type.fields) {
+      ImGui::PushID(field.name.data());
+      changed =
+          std::visit([&](auto member) { return edit(s, field, asked.*member); }, field.member) || changed;
+      if (ImGui::IsItemActivated()) s.session->remember();
+      tooltip(fmt::format("{}: {}", field.name, field.explain).c_str());
+      ImGui::PopID();
     }
-    if (ImGui::IsItemActivated()) s.session->remember();
-    tooltip("Target x, y, z in metres, world axes. Drag a number, or double-click to type it.");
+    if (changed) try {
+        s.session->changeGoal(goal.id, asked);
+      } catch (const std::invalid_argument& error) {
+        sandbox.say(error.what(), true);
+      }
+    if (!type.movesWithPose) {
+      if (ImGui::SmallButton("As it is now")) {
+        s.session->remember();
+        Goal now = s.session->goal(goal.id).goal;
+        type.capture(now, {s.session->skeleton(), s.session->q(), s.session->frames()});
+        s.session->changeGoal(goal.id, now);
+      }
+      tooltip("Ask for what the model does in this pose.");
+    }
     if (goal.goal.kind == GoalKind::Position || goal.goal.kind == GoalKind::Pose) {
       bool oriented = goal.goal.kind == GoalKind::Pose;
       if (ImGui::Checkbox("Keep orientation", &oriented)) {

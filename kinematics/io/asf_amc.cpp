@@ -426,7 +426,7 @@ namespace {
 class AmcReader {
  public:
   AmcReader(std::string_view text, const std::string& file, const AsfSkeleton& asf)
-      : rest_(text), file_(file), asf_(asf) {
+      : rest_(plainText(text, file)), file_(file), asf_(asf) {
     for (std::size_t b = 0; b < asf.bones.size(); ++b) {
       boneByName_[lowerCase(asf.bones[b].name)] = static_cast<int>(b);
       expectedBones_ += !asf.bones[b].channels.empty();
@@ -548,7 +548,7 @@ class AmcReader {
              word.empty() ? std::to_string(k) : "more");
       if (word.empty()) return;
       const auto value = parseNumber(word);
-      if (!value) fail("a finite number", "'" + std::string(word) + "'");
+      if (!value) fail("a finite number", badNumber(word));
       const AsfSkeleton::Channel& channel = bone.channels[k];
       frame_[channel.qIndex] =
           (channel.rotation && radiansPerUnit_ ? *radiansPerUnit_ : channel.scale) * *value;

@@ -28,6 +28,7 @@ struct Node {
   std::string name;
   int parent = -1;
   int line = 0;
+  bool root = false;
   Vector3d offset = Vector3d::Zero();  ///< file units
   std::vector<Channel> channels;
   int firstChannel = 0;  ///< in a line of the motion
@@ -61,14 +62,17 @@ void parseChannels(WordStream& words, Node& node) {
 }
 
 /// Without recursion: a file may nest as deeply as it likes.
-std::vector<Node> parseHierarchy(WordStream& words, int& channelCount) {
+std::vector<Node> parseHierarchy(WordStream& words, int& channelCount, std::vector<Note>& notes) {
   words.expect("HIERARCHY");
   std::vector<Node> nodes;
+  int roots = 0;
   std::vector<int> open;  // joints whose brace is open
   std::unordered_set<std::string> names;
   const auto begin = [&](const std::string& name) {
     Node node{
         .name = name, .parent = open.empty() ? -1 : open.back(), .line = words.lineTaken(), .channels = {}};
+    node.root = open.empty();
+    roots += node.root;
     if (!names.insert(name).second) words.failTaken("a joint name that is used once", "'" + name + "' again");
     words.expect("{");
     words.expect("OFFSET");
@@ -83,7 +87,12 @@ std::vector<Node> parseHierarchy(WordStream& words, int& channelCount) {
   };
   words.expect("ROOT");
   begin(restOfLine("the root's name"));
-  while (!open.empty()) {
+  while (!open.empty() || sameWord(words.peek(), "ROOT")) {
+    if (open.empty()) {
+      words.expect("ROOT");
+      begin(restOfLine("the root's name"));
+      continue;
+    }
     Node& node = nodes[open.back()];
     if (words.take("CHANNELS")) {
       if (!node.channels.empty()) words.failTaken("one line CHANNELS a joint", "a second one");
@@ -95,6 +104,7 @@ std::vector<Node> parseHierarchy(WordStream& words, int& channelCount) {
     } else if (words.take("End")) {
       words.expect("Site");
       std::string name = node.name + "_end";
+      if (words.sameLine() && words.peek() != "{") name = restOfLine("{");  // some programs name them
       while (names.count(name)) name += '_';
       begin(name);
       words.expect("}");
@@ -105,33 +115,71 @@ std::vector<Node> parseHierarchy(WordStream& words, int& channelCount) {
       words.fail("CHANNELS, JOINT, End Site or }");
     }
   }
-  if (sameWord(words.peek(), "ROOT")) words.fail("MOTION (a second root is not read)");
+  if (roots == 1) return nodes;
+  tell(notes, "several-roots", "roots hang on a joint above them that the file does not have", roots);
+  std::string above = "scene";
+  while (names.count(above)) above += '_';
+  for (Node& node : nodes) ++node.parent;
+  nodes.insert(nodes.begin(), Node{.name = above, .line = nodes[0].line, .root = true, .channels = {}});
   return nodes;
 }
 
-/// frames x channels, one line a frame or not: only the count of numbers matters.
-std::vector<double> parseMotion(WordStream& words, int channelCount, int& frames, double& frameTime) {
+/// "Frames:" and its like, whose colon may stand apart or be glued to what follows.
+void expectLabel(WordStream& words, std::string_view label) {
+  if (!words.takePrefix(label)) words.fail("'" + std::string(label) + ":'");
+  words.takePrefix(":");
+}
+
+/// frames x channels. The header's number of frames is what a program meant to write; the rows are what it
+/// wrote. Where the two agree, a row may run over several lines; where they do not, each line must be a row.
+std::vector<double> parseMotion(WordStream& words, int channelCount, int& frames, double& frameTime,
+                                std::vector<Note>& notes) {
   words.expect("MOTION");
-  words.expect("Frames:");
+  expectLabel(words, "Frames");
   frames = words.integer("the number of frames");
-  if (frames < 1) words.failTaken("at least one frame", std::to_string(frames));
   words.expect("Frame");
-  words.expect("Time:");
+  expectLabel(words, "Time");
   frameTime = words.number("the time of a frame in seconds");
   if (!(frameTime > 0.0) || !std::isfinite(1.0 / frameTime))
     words.failTaken("a positive frame time", exactNumber(frameTime));
   std::vector<double> values;  // grows with what is there, not with what the header promises
-  const std::size_t expected = static_cast<std::size_t>(frames) * channelCount;
-  while (values.size() < expected) {
-    if (words.atEnd())
-      throw ParseError(words.file(), words.line(),
-                       std::to_string(frames) + " frames of " + std::to_string(channelCount) + " values",
-                       std::to_string(values.size()) + " values");
-    values.push_back(words.number());
+  const std::size_t channels = channelCount;
+  int wrongLine = 0;  // the first one that is no row, and how many values it has
+  std::size_t wrongCount = 0, linesAfterWrong = 0;
+  while (!words.atEnd()) {
+    const int line = words.line();
+    const std::size_t before = values.size();
+    do values.push_back(words.number());
+    while (words.sameLine());
+    if (wrongLine > 0) {
+      ++linesAfterWrong;
+    } else if (values.size() - before != channels) {
+      wrongLine = line;
+      wrongCount = values.size() - before;
+    }
   }
-  if (!words.atEnd())
-    words.fail("the end of the file after " + std::to_string(frames) + " frames of " +
-               std::to_string(channelCount) + " values");
+  if (frames > 0 && values.size() == static_cast<std::size_t>(frames) * channels) return values;
+  const bool cutOff =
+      wrongLine > 0 && linesAfterWrong == 0 && wrongCount < channels && values.size() > channels;
+  if (wrongLine > 0 && !cutOff)
+    throw ParseError(
+        words.file(), wrongLine,
+        std::to_string(frames) + " frames of " + std::to_string(channelCount) +
+            " values, or rows of so many values each",
+        std::to_string(wrongCount) + " values in this row, " + std::to_string(values.size()) + " in all");
+  if (cutOff) {
+    tell(notes, "frame-cut-off",
+         "the last frame is cut off after " + std::to_string(wrongCount) + " of " +
+             std::to_string(channelCount) + " values and left out");
+    values.resize(values.size() - wrongCount);
+  }
+  const int rows = static_cast<int>(values.size() / channels);
+  if (rows == 0) throw ParseError(words.file(), words.line(), "at least one frame", "none");
+  if (rows != frames)
+    tell(notes, "frame-count",
+         "'Frames:' says " + std::to_string(frames) + ", there are " + std::to_string(rows) +
+             " rows: they are taken");
+  frames = rows;
   return values;
 }
 
@@ -147,7 +195,7 @@ bool hasPositions(const Node& node) {
 bool positionsAreDifferences(const std::vector<Node>& nodes, const std::vector<double>& firstFrame) {
   double asReplaced = 0.0, asAdded = 0.0;
   for (std::size_t i = 1; i < nodes.size(); ++i) {
-    if (!hasPositions(nodes[i])) continue;
+    if (!hasPositions(nodes[i]) || nodes[i].root) continue;
     Vector3d replaced = nodes[i].offset, added = nodes[i].offset;
     for (std::size_t k = 0; k < nodes[i].channels.size(); ++k) {
       const Channel& c = nodes[i].channels[k];
@@ -173,19 +221,20 @@ BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOpti
   WordStream words(text, file);
   int channelCount = 0, frames = 0;
   double frameTime = 0.0;
-  const std::vector<Node> nodes = parseHierarchy(words, channelCount);
-  if (channelCount == 0) throw ParseError(file, nodes[0].line, "at least one channel", "none");
-  const std::vector<double> values = parseMotion(words, channelCount, frames, frameTime);
-
   BvhMotion result;
+  const std::vector<Node> nodes = parseHierarchy(words, channelCount, result.notes);
+  if (channelCount == 0) throw ParseError(file, nodes[0].line, "at least one channel", "none");
+  const std::vector<double> values = parseMotion(words, channelCount, frames, frameTime, result.notes);
+
   bool othersAdd = options.positions == BvhPositions::Add;
   const bool rootAdds = othersAdd;
-  for (std::size_t i = 1; i < nodes.size() && result.notes.empty(); ++i) {
-    if (!hasPositions(nodes[i])) continue;
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    if (!hasPositions(nodes[i]) || nodes[i].root) continue;
     if (options.positions == BvhPositions::Automatic) othersAdd = positionsAreDifferences(nodes, values);
-    result.notes.push_back(
-        othersAdd ? "position channels of joints other than the root are taken as differences from OFFSET"
-                  : "position channels of joints other than the root are taken in place of OFFSET");
+    tell(result.notes, "bvh-positions",
+         othersAdd ? "position channels of joints other than the root are taken as differences from OFFSET"
+                   : "position channels of joints other than the root are taken in place of OFFSET");
+    break;
   }
 
   std::vector<Joint> joints;
@@ -193,7 +242,7 @@ BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOpti
   std::vector<Target> targets(channelCount);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Node& node = nodes[i];
-    const bool adds = i == 0 ? rootAdds : othersAdd;
+    const bool adds = nodes[i].root ? rootAdds : othersAdd;
     Joint joint{.name = node.name, .parent = node.parent};
     joint.parentFromZero.translation() = options.metresPerUnit * node.offset;
     for (const bool rotation : {false, true})

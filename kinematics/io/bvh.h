@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
 #include "kinematics/skeleton.h"
 
@@ -27,17 +28,20 @@ struct BvhOptions {
 struct BvhMotion {
   Skeleton skeleton;
   MotionClip clip;
-  std::vector<std::string>
-      notes;  ///< how position channels were understood, where a joint other than the root has some
+  std::vector<Note> notes;
 };
 
 /// A skeleton and its motion from a BVH. Rotations keep the order of their channels, which may differ from
 /// joint to joint: R = R_first R_second R_third; translations come before the rotations whatever the order of
-/// the channels. End sites become fixed joints "PARENT_end". The bind pose has all angles zero and every
+/// the channels. End sites become fixed joints "PARENT_end", or bear their own name where they have one.
+/// Several roots hang on a fixed joint "scene". The bind pose has all angles zero and every
 /// joint at its OFFSET.
 ///
+/// Notes: another number of rows than `Frames:` says (the rows count), a last frame that is cut off, several
+/// roots, how position channels of other joints were understood.
+///
 /// Throws ParseError: braces or keywords that do not fit, a channel twice, a name twice, numbers that are
-/// none, fewer or more values than frames times channels, a frame time that is not positive.
+/// none, rows whose lengths are not the number of channels, no frame, a frame time that is not positive.
 BvhMotion readBvh(const std::string& path, const BvhOptions& options = {});
 BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOptions& options = {});
 

@@ -36,7 +36,7 @@ class DhReader {
   DhReader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
 
   DhTable read() {
-    for (const std::string_view line : splitLines(text_)) {
+    for (const std::string_view line : splitLines(plainText(text_, file_))) {
       ++line_;
       words_ = splitWords(line.substr(0, line.find('#')));
       if (!words_.empty()) readLine();
@@ -165,7 +165,7 @@ class DhReader {
 
   double number(std::size_t i, const std::string& what) const {
     const std::optional<double> value = parseNumber(words_[i]);
-    if (!value) fail(line_, "a number for " + what, quoted(i));
+    if (!value) fail(line_, "a number for " + what, badNumber(words_[i]));
     return *value;
   }
   double angle(std::size_t i, const std::string& what) const {

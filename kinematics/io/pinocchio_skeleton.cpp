@@ -21,7 +21,7 @@ std::string inQuotes(std::string_view word) { return "'" + std::string(word) + "
 
 std::vector<JointLine> splitJoints(std::string_view text, const std::string& file) {
   std::vector<JointLine> joints;
-  const auto lines = splitLines(text);
+  const auto lines = splitLines(plainText(text, file));
   for (std::size_t n = 0; n < lines.size(); ++n) {
     const int line = static_cast<int>(n) + 1;
     const auto words = splitWords(lines[n]);
@@ -33,7 +33,7 @@ std::vector<JointLine> splitJoints(std::string_view text, const std::string& fil
     if (joint.id == "-1") throw ParseError(file, line, "an id other than -1, which means no parent", "'-1'");
     for (int k = 0; k < 3; ++k) {
       const auto value = parseNumber(words[k + 1]);
-      if (!value) throw ParseError(file, line, "a finite number", inQuotes(words[k + 1]));
+      if (!value) throw ParseError(file, line, "a finite number", badNumber(words[k + 1]));
       joint.position[k] = *value;
     }
     joints.push_back(joint);

@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -11,6 +13,8 @@
 #include <fstream>
 #include <memory>
 #include <stdexcept>
+
+#include "kinematics/io/parse_error.h"
 
 namespace gelenk {
 
@@ -39,6 +43,20 @@ void writeFile(const std::string& path, std::string_view content) {
   const bool written = std::fwrite(content.data(), 1, content.size(), file) == content.size();
   if (std::fclose(file) != 0 || !written) fail("cannot write");
   if (std::rename(temporary.c_str(), path.c_str()) != 0) fail("cannot replace");
+}
+
+std::string_view plainText(std::string_view text, const std::string& file) {
+  using namespace std::string_view_literals;
+  for (const std::string_view mark : {"\xff\xfe\0\0"sv, "\0\0\xfe\xff"sv})
+    if (text.starts_with(mark)) throw ParseError(file, 1, "text in UTF-8", "UTF-32: save it as UTF-8");
+  // Without a mark, every other byte of UTF-16 text in Latin letters is zero.
+  const bool unmarked = text.size() >= 4 && (text.substr(0, 4).find('\0') == 0 || text[1] == '\0') &&
+                        (text[0] == '\0') == (text[2] == '\0') && (text[1] == '\0') == (text[3] == '\0') &&
+                        (text[0] == '\0') != (text[1] == '\0');
+  if (text.starts_with("\xff\xfe"sv) || text.starts_with("\xfe\xff"sv) || unmarked)
+    throw ParseError(file, 1, "text in UTF-8", "UTF-16: save it as UTF-8");
+  if (text.starts_with("\xef\xbb\xbf"sv)) text.remove_prefix(3);
+  return text;
 }
 
 std::vector<std::string_view> splitLines(std::string_view text) {
@@ -86,6 +104,32 @@ std::optional<int> parseInteger(std::string_view word) {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
+}
+
+std::string badNumber(std::string_view word) {
+  constexpr std::size_t longest = 60;
+  const std::string quoted =
+      "'" + std::string(word.substr(0, longest)) + (word.size() > longest ? "...'" : "'");
+  const auto because = [&](const std::string& reason) { return quoted + " (" + reason + ")"; };
+  std::string lower;
+  for (const char c : word) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const bool digits = lower.find_first_of("0123456789") != std::string::npos;
+  if (lower.find("nan") != std::string::npos || lower.find("ind") != std::string::npos)
+    return because("not a number");
+  if (lower.find("inf") != std::string::npos) return because("infinity");
+  if (!digits) return quoted;
+  const std::size_t e = lower.find_first_of("ed");
+  if (e != std::string::npos && e > 0 && (lower[e - 1] == '+' || lower[e - 1] == '-'))
+    return because("the sign of an exponent stands after the e");
+  if (e != std::string::npos && lower[e] == 'd') return because("an exponent begins with e");
+  if (e != std::string::npos && lower.find_first_of("0123456789", e) == std::string::npos)
+    return because("an exponent without digits");
+  if (lower.find(',') != std::string::npos) return because("the decimal point is a point, not a comma");
+  if (std::count(lower.begin(), lower.end(), '.') > 1) return because("two decimal points");
+  if (lower.starts_with("0x")) return because("numbers are decimal");
+  if (lower.find_first_not_of("0123456789.e+-") == std::string::npos && e != std::string::npos)
+    return because("too large, or not one number");
+  return because("other characters in a number");
 }
 
 std::string exactNumber(double value) {

@@ -59,6 +59,7 @@ void checkUtf8(std::string_view text, const std::string& file) {
 struct Link {
   int line = 0;
   std::vector<const TiXmlElement*> visuals;
+  const TiXmlElement* inertial = nullptr;
   int parentJoint = -1;
 };
 
@@ -116,7 +117,7 @@ class Reader {
     const std::string word = attribute(element, name);
     const auto words = splitWords(word);
     const auto value = words.size() == 1 ? parseNumber(words[0]) : std::nullopt;
-    if (!value) fail(element, std::string("a finite number as ") + name, "'" + word + "'");
+    if (!value) fail(element, std::string("a finite number as ") + name, badNumber(word));
     return *value;
   }
   Vector3d triple(const TiXmlElement* element, const char* name, const Vector3d& absent) const {
@@ -127,7 +128,8 @@ class Reader {
     for (int k = 0; k < 3; ++k) {
       const auto value = words.size() == 3 ? parseNumber(words[k]) : std::nullopt;
       if (!value)
-        fail(element, std::string("three finite numbers as ") + name, "'" + std::string(text) + "'");
+        fail(element, std::string("three finite numbers as ") + name,
+             words.size() == 3 ? badNumber(words[k]) : "'" + std::string(text) + "'");
       v[k] = *value;
     }
     return v;
@@ -148,7 +150,8 @@ class Reader {
   void collect(const TiXmlElement* robot) {
     for (const TiXmlElement* e = robot->FirstChildElement("link"); e; e = e->NextSiblingElement("link")) {
       const std::string name = attribute(e, "name");
-      const auto [at, isNew] = links_.emplace(name, Link{.line = e->Row(), .visuals = {}});
+      const auto [at, isNew] = links_.emplace(
+          name, Link{.line = e->Row(), .visuals = {}, .inertial = e->FirstChildElement("inertial")});
       if (!isNew) fail(e, "a link name that is used once", "'" + name + "' again");
       linkOrder_.push_back(name);
       for (const char* kind : {"visual", "collision"})
@@ -193,6 +196,7 @@ class Reader {
     std::vector<double> rest;
     std::set<std::string> names{root};
     addVisuals(links_[root], 0);
+    addMass(links_[root]);
     std::vector<std::pair<std::string, int>> open{{root, 0}};
     for (std::size_t k = 0; k < open.size(); ++k) {
       const auto [link, parent] = open[k];
@@ -205,6 +209,7 @@ class Reader {
         list.push_back(makeJoint(source, name, parent, rest));
         source.index = static_cast<int>(list.size()) - 1;
         addVisuals(links_[source.child], source.index);
+        addMass(links_[source.child]);
         open.emplace_back(source.child, source.index);
       }
     }
@@ -218,6 +223,7 @@ class Reader {
     applyMimics(robot_, coupled);
     if (!coupled.allFinite()) throw ParseError(file_, 0, "mimics with a finite rest pose", "an overflow");
     robot_.skeleton = Skeleton(std::move(list), coupled);
+    if (masses_.total() > 0.0) robot_.masses = std::move(masses_);
   }
 
   /// Mimics in an order in which every source is set before what follows it.
@@ -237,16 +243,22 @@ class Reader {
                                       [&](const JointElement& joint) { return joint.name == name; });
       if (known == joints_.end()) fail(element, "a joint that exists", "'" + name + "'");
       UrdfMimic mimic{.joint = source.index, .source = known->index};
+      if (source.type == "fixed" || known->type == "fixed") {
+        tell(
+            robot_.notes, "mimic-ignored",
+            "joint '" + source.name + "' mimics '" + name + "', but a fixed joint has no value: passed over");
+        continue;
+      }
       for (const int joint : {mimic.joint, mimic.source})
         if (skeleton.joint(joint).axes.size() != 1)
           fail(element, "a mimic between joints of one degree of freedom",
                "'" + skeleton.joint(joint).name + "' of " + std::to_string(skeleton.vCount(joint)));
       if (element->Attribute("multiplier")) mimic.multiplier = number(element, "multiplier");
       if (element->Attribute("offset")) mimic.offset = number(element, "offset");
-      robot_.notes.push_back("joint '" + source.name + "' mimics '" + name + "' (" +
-                             exactNumber(mimic.multiplier) + " times its value plus " +
-                             exactNumber(mimic.offset) +
-                             "); the rest pose keeps this, in motion both are free");
+      tell(robot_.notes, "mimic",
+           "joint '" + source.name + "' mimics '" + name + "' (" + exactNumber(mimic.multiplier) +
+               " times its value plus " + exactNumber(mimic.offset) +
+               "); the rest pose keeps this, in motion both are free");
       open.push_back({mimic, element});
       following.insert(mimic.joint);
     }
@@ -294,6 +306,8 @@ class Reader {
       const TiXmlElement* limit = child(source.element, "limit");
       dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
       dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
+      if (dof.lower == 0.0 && dof.upper == 0.0)
+        tell(robot_.notes, "limits-zero", "joint '" + source.name + "' has limits 0 to 0: it cannot move");
       if (dof.lower > dof.upper)
         fail(limit, "lower <= upper", exactNumber(dof.lower) + " and " + exactNumber(dof.upper));
     } else if (type != "continuous") {
@@ -303,6 +317,17 @@ class Reader {
     rest.push_back(std::clamp(0.0, dof.lower, dof.upper));
     joint.axes.push_back(dof);
     return joint;
+  }
+
+  /// Links in the order of their joints.
+  void addMass(const Link& link) {
+    masses_.mass.push_back(0.0);
+    masses_.centre.push_back(Vector3d::Zero());
+    if (!link.inertial) return;
+    const TiXmlElement* mass = child(link.inertial, "mass");
+    masses_.mass.back() = number(mass, "value");
+    if (masses_.mass.back() < 0.0) fail(mass, "a mass of 0 or above", exactNumber(masses_.mass.back()));
+    masses_.centre.back() = origin(link.inertial).translation();
   }
 
   void addVisuals(const Link& link, int joint) {
@@ -340,6 +365,7 @@ class Reader {
   std::map<std::string, Link> links_;
   std::vector<std::string> linkOrder_;
   std::vector<JointElement> joints_;
+  Masses masses_;
   UrdfRobot robot_;
 };
 
@@ -351,7 +377,9 @@ void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q) {
     q[skeleton.qIndex(mimic.joint)] = mimic.multiplier * q[skeleton.qIndex(mimic.source)] + mimic.offset;
 }
 
-UrdfRobot parseUrdf(std::string_view text, const std::string& file) { return Reader(text, file).read(); }
+UrdfRobot parseUrdf(std::string_view text, const std::string& file) {
+  return Reader(plainText(text, file), file).read();
+}
 
 UrdfRobot readUrdf(const std::string& path) { return parseUrdf(readFile(path), path); }
 

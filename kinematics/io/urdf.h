@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "kinematics/skeleton.h"
+#include "kinematics/io/note.h"
+#include "kinematics/masses.h"
 
 namespace gelenk {
 
@@ -32,8 +34,9 @@ struct UrdfRobot {
   std::string name;
   Skeleton skeleton;  ///< mimicking joints are free in it; the rest pose keeps the couplings
   std::vector<UrdfVisual> visuals;
+  std::optional<Masses> masses = {};  ///< of the links' <inertial>; none where no link has one above 0
   std::vector<UrdfMimic> mimics;
-  std::vector<std::string> notes;  ///< what a user should know, such as couplings that are not kept
+  std::vector<Note> notes;
 };
 
 /// Sets what mimics to what it mimics, chains of them too. q: nq.
@@ -48,7 +51,9 @@ void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q);
 /// Throws ParseError: XML that is not well formed or nests deeper than 200, a root element other than robot,
 /// missing names, parents or children, unknown links or joint types, a link with two parents, no or two root
 /// links, a cycle, numbers that are none, an axis of length zero, reversed limits, a name used twice, a mimic
-/// of no joint, of itself, of a joint that mimics in a circle, or between joints without exactly one dof.
+/// of no joint, of itself, of a joint that mimics in a circle, or between joints of several dofs, an
+/// <inertial> without a mass or with one below 0. Notes: a mimic on a fixed joint or towards one, which is
+/// passed over; limits of 0 to 0.
 UrdfRobot readUrdf(const std::string& path);
 UrdfRobot parseUrdf(std::string_view text, const std::string& file);
 

@@ -29,7 +29,7 @@ std::string lowerCase(std::string_view word) {
 }
 
 WordStream::WordStream(std::string_view text, std::string file, std::string_view alsoBlank, char comment)
-    : rest_(text), file_(std::move(file)), alsoBlank_(alsoBlank), comment_(comment) {
+    : rest_(plainText(text, file)), file_(std::move(file)), alsoBlank_(alsoBlank), comment_(comment) {
   for (const char c : std::string_view(" \t\r\f\v")) blank_[static_cast<unsigned char>(c)] = true;
   for (const char c : alsoBlank) blank_[static_cast<unsigned char>(c)] = true;
   advance();
@@ -63,6 +63,7 @@ std::string_view WordStream::next(const std::string& expected) {
 
 double WordStream::number(const std::string& expected) {
   const auto value = parseNumber(word_);
+  if (!value && !atEnd()) throw ParseError(file_, line_, expected, badNumber(word_));
   if (!value) fail(expected);
   next(expected);
   return *value;
@@ -78,6 +79,15 @@ int WordStream::integer(const std::string& expected) {
 bool WordStream::take(std::string_view keyword) {
   if (atEnd() || !sameWord(word_, keyword)) return false;
   next("");
+  return true;
+}
+
+bool WordStream::takePrefix(std::string_view prefix) {
+  if (atEnd() || word_.size() < prefix.size() || !sameWord(word_.substr(0, prefix.size()), prefix))
+    return false;
+  if (word_.size() == prefix.size()) return take(prefix);
+  lineTaken_ = line_;
+  word_.remove_prefix(prefix.size());
   return true;
 }
 

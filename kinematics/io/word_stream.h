@@ -29,6 +29,8 @@ class WordStream {
   int integer(const std::string& expected = "an integer");
   /// Takes the next word, which must be this one (upper and lower case are the same).
   void expect(std::string_view keyword);
+  /// Takes the beginning of the next word if it is this text, as in "Frames:2"; the rest stays the next word.
+  bool takePrefix(std::string_view prefix);
   /// Takes the next word if it is this one (upper and lower case are the same).
   bool take(std::string_view keyword);
   /// Passes over the rest of the line on which the next word stands.

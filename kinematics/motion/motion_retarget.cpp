@@ -5,7 +5,10 @@
 #include <stdexcept>
 
 #include "kinematics/forward_kinematics.h"
+#include "kinematics/motion/motion_edit.h"
+#include "kinematics/motion/standing.h"
 #include "kinematics/rotation.h"
+#include "kinematics/skeleton_transform.h"
 
 namespace gelenk {
 namespace {
@@ -59,18 +62,54 @@ int movingJoint(const Skeleton& skeleton, int joint) {
   return -1;
 }
 
+/// A joint that brings its bone about one axis, and the ball above whose twist helps it.
+struct Hinge {
+  int axis = -1;   ///< position in the joint's axes; -1: no hinge
+  int twist = -1;  ///< of a second axis along the bone; -1: none
+  int ball = -1;   ///< -1: nothing above can help
+};
+
+bool isBall(const Joint& joint) {
+  if (joint.ball) return true;
+  std::vector<Vector3d> axes;
+  for (const AxisDof& dof : joint.axes)
+    if (dof.kind == AxisDof::Kind::Rotation) axes.push_back(dof.axis);
+  return axes.size() == 3 && std::abs(axes[0].dot(axes[1])) < 1e-9 && std::abs(axes[0].dot(axes[2])) < 1e-9 &&
+         std::abs(axes[1].dot(axes[2])) < 1e-9;
+}
+
+double angleBetween(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+/// Angle about the unit axis that turns a towards b; `otherwise` where one of them lies along the axis.
+double angleAbout(const Vector3d& axis, const Vector3d& a, const Vector3d& b, double otherwise) {
+  const Vector3d p = a - axis.dot(a) * axis, q = b - axis.dot(b) * axis;
+  if (!(p.norm() > 1e-9 * a.norm()) || !(q.norm() > 1e-9 * b.norm())) return otherwise;
+  return std::atan2(axis.dot(p.cross(q)), p.dot(q));
+}
+
+double nearestTurn(double angle, double hint) {
+  return angle + 2.0 * M_PI * std::round((hint - angle) / (2.0 * M_PI));
+}
+
 /// Everything about a pair of skeletons that no frame changes.
 class Retargeter {
  public:
-  Retargeter(const Skeleton& source, const Skeleton& target, const JointMatching& matching)
-      : target_(target),
-        sourceRest_(restFrames(source)),
+  Retargeter(const Skeleton& source, const MotionClip& clip, const Skeleton& target,
+             const JointMatching& matching, const RetargetOptions& options)
+      : source_(source),
+        target_(target),
+        standing_(standingPose(source, clip, standingParts(source), Vector3d::UnitY())),
         targetRest_(restFrames(target)),
         sourceOf_(target.jointCount(), -1),
-        aligned_(target.jointCount()) {
+        childOf_(target.jointCount(), -1),
+        aligned_(target.jointCount()),
+        hinges_(target.jointCount()),
+        twists_(target.jointCount(), 0.0) {
+    const Frames& sourceRest = standing_.frames;
     for (const JointMatch& match : matching.matches) sourceOf_[match.target] = match.source;
     std::vector<int> matchedAbove(target.jointCount(), -1);
     std::vector<Directions> directions(target.jointCount());
+    double sourceLengths = 0.0, targetLengths = 0.0;
     for (int t = 0; t < target.jointCount(); ++t) {
       const int parent = target.parent(t);
       if (parent >= 0) matchedAbove[t] = sourceOf_[parent] >= 0 ? parent : matchedAbove[parent];
@@ -78,88 +117,288 @@ class Retargeter {
       if (top_ < 0) top_ = t;
       if (matchedAbove[t] < 0) continue;
       const Vector3d inSource =
-          sourceRest_[sourceOf_[t]].translation() - sourceRest_[sourceOf_[matchedAbove[t]]].translation();
+          sourceRest[sourceOf_[t]].translation() - sourceRest[sourceOf_[matchedAbove[t]]].translation();
       const Vector3d inTarget = targetRest_[t].translation() - targetRest_[matchedAbove[t]].translation();
       if (!(inSource.norm() > 1e-9) || !(inTarget.norm() > 1e-9)) continue;
       directions[matchedAbove[t]].source.push_back(inSource.normalized());
       directions[matchedAbove[t]].target.push_back(inTarget.normalized());
+      childOf_[matchedAbove[t]] = t;
+      sourceLengths += inSource.norm(), targetLengths += inTarget.norm();
     }
     // The path is the pelvis' where both have one: a rig's root may stand on the floor.
     const auto names = plainNames(target);
     for (int t = 0; t < target.jointCount(); ++t)
       if (sourceOf_[t] >= 0 && names[t] == PlainName{"pelvis"}) top_ = t;
-    const Matrix3d whole = facing(sourceRest_, targetRest_, names, sourceOf_);
+    const Matrix3d whole = facing(sourceRest, targetRest_, names, sourceOf_);
     for (int t = 0; t < target.jointCount(); ++t) {
       if (sourceOf_[t] < 0) continue;
       const Directions& bones = directions[t];
       const bool isBone = bones.target.size() == 1 && !target.isAncestor(t, top_);
+      if (!isBone) childOf_[t] = -1;
       if (isBone)
         aligned_[t] = rotationBetween(bones.target[0], bones.source[0]).toRotationMatrix();
       else
         aligned_[t] = bones.target.empty() && matchedAbove[t] >= 0 ? aligned_[matchedAbove[t]] : whole;
     }
+    for (int t = 0; t < target.jointCount(); ++t)
+      if (childOf_[t] >= 0) hinges_[t] = hingeAt(t, directions);
     moving_ = movingJoint(target, top_);
-    sourceFloor_ = lowest(sourceRest_), targetFloor_ = lowest(targetRest_);
-    const double from = sourceRest_[sourceOf_[top_]].translation().y() - sourceFloor_,
-                 to = targetRest_[top_].translation().y() - targetFloor_;
-    if (from > 1e-6 && to > 1e-6) scale_ = to / from;
+    findScale(sourceLengths, targetLengths, options);
+    findFloors(clip);
   }
 
   double scale() const { return scale_; }
   bool rootMoves() const { return moving_ >= 0; }
+  const StandingPose& standing() const { return standing_; }
+  const std::vector<int>& sourceOf() const { return sourceOf_; }
 
   /// q: the pose of the frame before, whose angles choose between equivalent ones.
-  void pose(const Frames& source, VectorXd& q) const {
-    Frames frames(target_.jointCount());
+  void pose(const Frames& source, VectorXd& q) {
+    Frames& frames = frames_;
+    frames.resize(target_.jointCount());
     for (int t = 0; t < target_.jointCount(); ++t) {
-      const Joint& joint = target_.joint(t);
-      const Eigen::Isometry3d zero =
-          joint.parent < 0 ? joint.parentFromZero : frames[joint.parent] * joint.parentFromZero;
       if (sourceOf_[t] >= 0) {
-        const int s = sourceOf_[t];
-        const Matrix3d wanted =
-            source[s].linear() * sourceRest_[s].linear().transpose() * aligned_[t] * targetRest_[t].linear();
-        setJointRotation(target_, q, t,
-                         Quaterniond(Matrix3d(zero.linear().transpose() * wanted)).normalized());
+        const Matrix3d wanted = wantedRotation(source, t);
+        if (hinges_[t].axis >= 0) {
+          poseHinge(t, wanted, q, frames);
+        } else {
+          setJointRotation(
+              target_, q, t,
+              Quaterniond(Matrix3d(zeroFrame(t, frames).linear().transpose() * wanted)).normalized());
+        }
       }
-      frames[t] = zero * jointMotion(target_, q, t);
+      frames[t] = zeroFrame(t, frames) * jointMotion(target_, q, t);
     }
     if (moving_ < 0) return;
-    Vector3d place = source[sourceOf_[top_]].translation();
-    place.y() -= sourceFloor_;
-    place *= scale_;
-    place.y() += targetFloor_;
     const Joint& joint = target_.joint(moving_);
     const Matrix3d zero = joint.parent < 0
                               ? Matrix3d(joint.parentFromZero.linear())
                               : Matrix3d(frames[joint.parent].linear() * joint.parentFromZero.linear());
-    const Vector3d way = zero.transpose() * (place - frames[top_].translation());
+    const Vector3d way =
+        zero.transpose() * (placeOf(source[sourceOf_[top_]].translation()) - frames[top_].translation());
     for (int k = 0; k < 3; ++k) q[target_.qIndex(moving_) + k] += joint.axes[k].axis.dot(way);
   }
 
+  /// The source's place in the target's world.
+  Vector3d placeOf(Vector3d place) const {
+    place.y() -= sourceFloor_;
+    place *= scale_;
+    place.y() += targetFloor_;
+    return place;
+  }
+  /// What the target's joint stands higher than the source's, scaled, where both stand.
+  double higher(int t) const {
+    return targetRest_[t].translation().y() - lowest(targetRest_) -
+           scale_ * (standing_.frames[sourceOf_[t]].translation().y() - lowest(standing_.frames));
+  }
+
+  Matrix3d wantedRotation(const Frames& source, int t) const {
+    const int s = sourceOf_[t];
+    return source[s].linear() * standing_.frames[s].linear().transpose() * aligned_[t] *
+           targetRest_[t].linear();
+  }
+
+  /// Of every bone with one matched end: the angle between where it points and where it should, else NaN.
+  double remaining(const Frames& source, const Frames& posed, int t) const {
+    if (sourceOf_[t] < 0 || childOf_[t] < 0) return std::nan("");
+    const Vector3d bone = targetRest_[t].linear().transpose() *
+                          (targetRest_[childOf_[t]].translation() - targetRest_[t].translation());
+    return angleBetween(wantedRotation(source, t) * bone,
+                        posed[childOf_[t]].translation() - posed[t].translation());
+  }
+
  private:
+  Eigen::Isometry3d zeroFrame(int t, const Frames& frames) const {
+    const Joint& joint = target_.joint(t);
+    return joint.parent < 0 ? joint.parentFromZero : frames[joint.parent] * joint.parentFromZero;
+  }
+
+  /// The bone in the joint's own frame, as it is at rest.
+  Vector3d boneOf(int t) const {
+    return (targetRest_[t].linear().transpose() *
+            (targetRest_[childOf_[t]].translation() - targetRest_[t].translation()))
+        .normalized();
+  }
+
+  Hinge hingeAt(int t, const std::vector<Directions>& directions) const {
+    const Joint& joint = target_.joint(t);
+    Hinge hinge;
+    if (joint.ball) return hinge;
+    for (int k = 0; k < static_cast<int>(joint.axes.size()); ++k) {
+      const AxisDof& dof = joint.axes[k];
+      if (dof.kind != AxisDof::Kind::Rotation) continue;
+      if (hinge.axis < 0)
+        hinge.axis = k;
+      else if (hinge.twist < 0 && std::abs(dof.axis.dot(boneOf(t))) > 0.99)
+        hinge.twist = k;
+      else
+        return {};
+    }
+    if (hinge.axis < 0) return hinge;
+    int above = joint.parent;
+    while (above >= 0 && target_.vCount(above) == 0 && sourceOf_[above] < 0) above = target_.parent(above);
+    if (above >= 0 && sourceOf_[above] >= 0 && isBall(target_.joint(above)) &&
+        directions[above].target.size() == 1 && childOf_[above] == t)
+      hinge.ball = above;
+    return hinge;
+  }
+
+  /// Twists the ball above about its bone, then turns the hinge, so that its own bone points along the wanted
+  /// one. The hinge's axis h keeps its angle with the bone f: the twist by phi about u has to bring it to
+  /// h(phi) . d = h . f, which is X cos phi + Y sin phi = Z.
+  void poseHinge(int t, const Matrix3d& wanted, VectorXd& q, Frames& frames) {
+    const Hinge& hinge = hinges_[t];
+    const AxisDof& dof = target_.joint(t).axes[hinge.axis];
+    const Vector3d bone = boneOf(t), direction = wanted * bone;
+    double& angle = q[target_.qIndex(t) + hinge.axis];
+    const auto angleFor = [&](const Matrix3d& zero) {
+      return nearestTurn(angleAbout(dof.axis, bone, zero.transpose() * direction, angle), angle);
+    };
+    Eigen::Isometry3d zero = zeroFrame(t, frames);
+    if (hinge.ball >= 0) {
+      const Vector3d u = (zero.translation() - frames[hinge.ball].translation()).normalized();
+      const Vector3d h = zero.linear() * dof.axis, across = h - u.dot(h) * u;
+      const double X = across.dot(direction), Y = u.cross(across).dot(direction),
+                   Z = dof.axis.dot(bone) - u.dot(h) * u.dot(direction), R = std::hypot(X, Y);
+      double twist = twists_[t];
+      constexpr double straight = 0.03;  // where any twist does: that of the frame before
+      if (u.allFinite() && u.cross(direction).norm() > straight && R > 1e-6) {
+        const double middle = std::atan2(Y, X), half = std::acos(std::clamp(Z / R, -1.0, 1.0));
+        double best = unlimited;
+        for (const double candidate : {middle - half, middle + half}) {
+          const double phi = nearestTurn(candidate, twists_[t]);
+          const Matrix3d turned = Eigen::AngleAxisd(phi, u) * zero.linear();
+          const double theta = std::remainder(angleFor(turned), 2.0 * M_PI);
+          const double outside = std::max({0.0, dof.lower - theta, theta - dof.upper});
+          const double cost = 10.0 * outside + std::abs(phi - twists_[t]);
+          if (cost < best) best = cost, twist = phi;
+        }
+      }
+      twists_[t] = std::remainder(twist, 2.0 * M_PI);
+      const Matrix3d turned = Eigen::AngleAxisd(twist, u) * frames[hinge.ball].linear();
+      setJointRotation(
+          target_, q, hinge.ball,
+          Quaterniond(Matrix3d(zeroFrame(hinge.ball, frames).linear().transpose() * turned)).normalized());
+      for (int i = hinge.ball; i < t; ++i)
+        if (target_.isAncestor(hinge.ball, i)) frames[i] = zeroFrame(i, frames) * jointMotion(target_, q, i);
+      zero = zeroFrame(t, frames);
+    }
+    angle = angleFor(zero.linear());
+    if (hinge.twist < 0) return;
+    const Vector3d& along = target_.joint(t).axes[hinge.twist].axis;
+    const Quaterniond left(
+        Matrix3d((zero.linear() * Eigen::AngleAxisd(angle, dof.axis)).transpose() * wanted));
+    double& turn = q[target_.qIndex(t) + hinge.twist];
+    turn = nearestTurn(2.0 * std::atan2(left.vec().dot(along), left.w()), turn);
+  }
+
+  void findScale(double sourceLengths, double targetLengths, const RetargetOptions& options) {
+    if (options.scale) {
+      scale_ = *options.scale;
+      return;
+    }
+    const double from = legLength(source_, standingParts(source_), standing_.frames),
+                 to = legLength(target_, standingParts(target_), targetRest_);
+    if (from > 1e-9 && to > 1e-9)
+      scale_ = to / from;
+    else if (sourceLengths > 1e-9)
+      scale_ = targetLengths / sourceLengths;
+  }
+
+  void findFloors(const MotionClip& clip) {
+    const double sourceLegs = legLength(source_, standingParts(source_), standing_.frames),
+                 targetLegs = legLength(target_, standingParts(target_), targetRest_);
+    const double sourceLowest = lowest(standing_.frames), targetLowest = lowest(targetRest_);
+    const bool restsOnFloor = standing_.frame < 0 &&
+                              (!(sourceLegs > 0.0) || std::abs(sourceLowest) < 0.1 * sourceLegs) &&
+                              (!(targetLegs > 0.0) || std::abs(targetLowest) < 0.1 * targetLegs);
+    if (restsOnFloor) {
+      sourceFloor_ = sourceLowest, targetFloor_ = targetLowest;
+      return;
+    }
+    std::vector<double> heights;
+    Frames frames;
+    for (int f = 0; f < clip.frameCount(); ++f) {
+      forwardKinematics(source_, clip.q.col(f), frames);
+      heights.push_back(lowest(frames));
+    }
+    const auto tenth = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 10);
+    std::nth_element(heights.begin(), tenth, heights.end());
+    sourceFloor_ = std::abs(*tenth) < 0.2 * sourceLegs ? 0.0 : *tenth;
+  }
+
+  const Skeleton& source_;
   const Skeleton& target_;
-  Frames sourceRest_, targetRest_;
-  std::vector<int> sourceOf_;      ///< of each target joint; -1: none
+  StandingPose standing_;
+  Frames targetRest_, frames_;
+  std::vector<int> sourceOf_;  ///< of each target joint; -1: none
+  std::vector<int> childOf_;  ///< the matched joint that a matched joint's bone leads to; -1: none or several
   std::vector<Matrix3d> aligned_;  ///< A, of matched joints
-  int top_ = -1, moving_ = -1;     ///< what carries the path, and the joint whose translations follow
+  std::vector<Hinge> hinges_;
+  std::vector<double> twists_;  ///< of the ball above each hinge, of the frame before
+  int top_ = -1, moving_ = -1;  ///< what carries the path, and the joint whose translations follow
   double sourceFloor_ = 0.0, targetFloor_ = 0.0, scale_ = 1.0;
 };
 
-}  // namespace
+/// The turning joints of a limb from its root to the joint above its end.
+std::vector<int> limbAbove(const Skeleton& skeleton, int end, std::string_view first) {
+  const auto names = plainNames(skeleton);
+  std::vector<int> limb;
+  for (int j = skeleton.parent(end); j >= 0; j = skeleton.parent(j)) {
+    if (skeleton.vCount(j) > 0) limb.push_back(j);
+    if (names[j].part == first) break;
+  }
+  return limb;
+}
 
-RetargetedClip retargeted(const Skeleton& source, const MotionClip& clip, const Skeleton& target) {
-  validate(source, clip);
-  RetargetedClip result{
-      .clip = {.framesPerSecond = clip.framesPerSecond, .q = Eigen::MatrixXd(target.nq(), clip.frameCount())},
-      .matching = matchJoints(source, target)};
-  if (result.matching.matches.size() < 2)
-    throw std::invalid_argument("the motion's joints have other names than the model's: " +
-                                std::to_string(result.matching.matches.size()) + " of " +
-                                std::to_string(target.jointCount()) + " match, two are needed");
-  const Retargeter retargeter(source, target, result.matching);
+/// Puts the ends of limbs where the source has them and turns them as before.
+void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& target, const char* end,
+                const char* first, bool onFloor, const Retargeter& retargeter, RetargetedClip& result) {
+  const auto names = plainNames(target);
+  for (int t = 0; t < target.jointCount(); ++t) {
+    const int s = retargeter.sourceOf()[t];
+    if (names[t].part != end || names[t].side == Side::Middle || s < 0) continue;
+    const std::vector<int> limb = limbAbove(target, t, first);
+    KeptPlace kept{.joint = t};
+    double sourceWay = 0.0, targetWay = 0.0;
+    Vector3d lastSource = Vector3d::Zero(), lastTarget = lastSource;
+    for (int f = 0; f < clip.frameCount(); ++f) {
+      const Frames from = forwardKinematics(source, clip.q.col(f));
+      VectorXd q = result.clip.q.col(f);
+      const Matrix3d turn = forwardKinematics(target, q)[t].linear();
+      Vector3d place = retargeter.placeOf(from[s].translation());
+      const Vector3d scaled = place;
+      if (onFloor) place.y() += retargeter.higher(t);
+      const double left = reachWithLeastChange(target, q, t, place, limb);
+      const Frames posed = forwardKinematics(target, q);
+      const Matrix3d zero = posed[target.parent(t)].linear() * target.joint(t).parentFromZero.linear();
+      setJointRotation(target, q, t, Quaterniond(Matrix3d(zero.transpose() * turn)).normalized());
+      result.clip.q.col(f) = q;
+      kept.mean += left / clip.frameCount();
+      kept.largest = std::max(kept.largest, left);
+      if (f > 0 && onFloor) {  // standing: slower than 0.3 m/s in the target's size
+        const double way = (scaled - lastSource).norm();
+        if (way * clip.framesPerSecond < 0.3) {
+          sourceWay += (scaled - lastSource).head<3>().cwiseProduct(Vector3d(1, 0, 1)).norm();
+          targetWay += (posed[t].translation() - lastTarget).cwiseProduct(Vector3d(1, 0, 1)).norm();
+          ++kept.contactFrames;
+        }
+      }
+      lastSource = scaled, lastTarget = posed[t].translation();
+    }
+    if (kept.contactFrames > 0)
+      kept.sourceSlide = sourceWay / kept.contactFrames, kept.targetSlide = targetWay / kept.contactFrames;
+    result.kept.push_back(kept);
+  }
+}
+
+RetargetedClip retargetedUpright(const Skeleton& source, const MotionClip& clip, const Skeleton& target,
+                                 const RetargetOptions& options, RetargetedClip result) {
+  Retargeter retargeter(source, clip, target, result.matching, options);
   result.scale = retargeter.scale();
   result.rootMoves = retargeter.rootMoves();
+  result.standingFrame = retargeter.standing().frame;
+  result.uprightness = retargeter.standing().uprightness;
   Frames frames;
   VectorXd q = target.rest();
   for (int f = 0; f < clip.frameCount(); ++f) {
@@ -167,7 +406,49 @@ RetargetedClip retargeted(const Skeleton& source, const MotionClip& clip, const 
     retargeter.pose(frames, q);
     result.clip.q.col(f) = q;
   }
+  if (options.keepFeet) keepPlaces(source, clip, target, "foot", "thigh", true, retargeter, result);
+  if (options.keepHands) keepPlaces(source, clip, target, "hand", "upperarm", false, retargeter, result);
+  for (int t = 0; t < target.jointCount(); ++t) {
+    RemainingAngle angle{.joint = t};
+    for (int f = 0; f < clip.frameCount(); ++f) {
+      forwardKinematics(source, clip.q.col(f), frames);
+      const double left = retargeter.remaining(frames, forwardKinematics(target, result.clip.q.col(f)), t);
+      if (std::isnan(left)) break;
+      angle.mean += left / clip.frameCount();
+      angle.largest = std::max(angle.largest, left);
+      if (f + 1 == clip.frameCount()) result.remaining.push_back(angle);
+    }
+  }
   return result;
+}
+
+/// To y up, for the two axes there are.
+Quaterniond upright(const Vector3d& up) {
+  return up.z() > 0.5 ? Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitX()))
+                      : Quaterniond::Identity();
+}
+
+}  // namespace
+
+RetargetedClip retargeted(const Skeleton& source, const MotionClip& clip, const Skeleton& target,
+                          const RetargetOptions& options) {
+  validate(source, clip);
+  if (options.scale && !(*options.scale > 0.0 && std::isfinite(*options.scale)))
+    throw std::invalid_argument("the scale of a path must be positive");
+  RetargetedClip result{
+      .clip = {.framesPerSecond = clip.framesPerSecond, .q = Eigen::MatrixXd(target.nq(), clip.frameCount())},
+      .matching = matchJoints(source, target)};
+  if (result.matching.matches.size() < 2)
+    throw std::invalid_argument("the motion's joints have other names than the model's: " +
+                                std::to_string(result.matching.matches.size()) + " of " +
+                                std::to_string(target.jointCount()) + " match, two are needed");
+  result.sourceUp = options.sourceUp ? *options.sourceUp : upOf(source, clip, standingParts(source));
+  const bool turnSource = result.sourceUp.z() > 0.5, turnTarget = options.targetUp.z() > 0.5;
+  if (!turnSource && !turnTarget) return retargetedUpright(source, clip, target, options, std::move(result));
+  // Configurations mean the same poses in a skeleton that is turned as a whole.
+  return retargetedUpright(turnSource ? rotated(source, upright(result.sourceUp)) : source, clip,
+                           turnTarget ? rotated(target, upright(options.targetUp)) : target, options,
+                           std::move(result));
 }
 
 }  // namespace gelenk

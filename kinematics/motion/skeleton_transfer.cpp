@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 std::vector<BonePath> parseBonePaths(std::string_view text, const std::string& file) {
   std::vector<BonePath> paths;
-  const auto lines = splitLines(text);
+  const auto lines = splitLines(plainText(text, file));
   for (std::size_t n = 0; n < lines.size(); ++n) {
     const int line = static_cast<int>(n) + 1;
     const std::string_view content = lines[n].substr(0, lines[n].find('#'));

@@ -2,11 +2,15 @@
 
 #include <tiny_gltf.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -33,13 +37,42 @@ bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, cons
   return true;
 }
 
+/// What a file must not do without, but this reader does: by name, since the library says something else or
+/// nothing. Extensions of materials, textures and lights change nothing that is read here.
+void refuseRequiredExtensions(std::string_view bytes, bool binary, const std::string& file) {
+  std::string_view text = bytes;
+  if (binary) {  // a head of 12 bytes, then the length and the type of the chunk of JSON
+    std::uint32_t length = 0;
+    if (bytes.size() < 20) return;
+    std::memcpy(&length, bytes.data() + 12, sizeof length);
+    text = bytes.substr(20, length);
+  }
+  if (text.find("extensionsRequired") == std::string_view::npos) return;
+  const auto root = nlohmann::json::parse(text, nullptr, false);
+  if (!root.is_object()) return;  // the library tells what is wrong
+  const auto required = root.find("extensionsRequired");
+  if (required == root.end() || !required->is_array()) return;
+  for (const auto& entry : *required) {
+    const std::string name = entry.is_string() ? entry.get<std::string>() : "";
+    const bool harmless = name == "KHR_mesh_quantization" || name.starts_with("KHR_materials_") ||
+                          name.starts_with("KHR_texture_") || name.starts_with("EXT_texture_") ||
+                          name.starts_with("MSFT_texture_") || name.starts_with("KHR_lights_") ||
+                          name.starts_with("EXT_lights_") || name == "KHR_xmp" || name == "KHR_xmp_json_ld";
+    if (!harmless)
+      fail(file, "a glTF that needs no extension of meshes, nodes or animations",
+           "that it needs " + name + ", which is not read");
+  }
+}
+
 tinygltf::Model load(std::string_view bytes, const std::string& file, const std::string& folder) {
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(skipImage, nullptr);
   tinygltf::Model model;
   std::string error, warning;
   const bool binary = bytes.substr(0, 4) == "glTF";
+  if (!binary) bytes = plainText(bytes, file);
   if (bytes.size() > 0xfffffff0u) fail(file, "a file below 4 GB", std::to_string(bytes.size()) + " bytes");
+  refuseRequiredExtensions(bytes, binary, file);
   bool loaded = false;
   try {
     const auto size = static_cast<unsigned>(bytes.size());
@@ -57,50 +90,42 @@ tinygltf::Model load(std::string_view bytes, const std::string& file, const std:
   return model;
 }
 
-/// The numbers of an accessor, element after element; normalised integers become fractions. Every index and
-/// size is checked here, because the library does not.
-std::vector<double> numbers(const tinygltf::Model& model, int index, int components, const std::string& what,
-                            const std::string& file) {
+/// Numbers that lie in a buffer view, element after element; normalised integers become fractions. Every
+/// index and size is checked here, because the library does not.
+std::vector<double> numbersInView(const tinygltf::Model& model, int viewIndex, std::size_t byteOffset,
+                                  std::size_t count, int componentType, bool normalised, int components,
+                                  const std::string& what, const std::string& file) {
   const auto wrong = [&](const std::string& found) {
     fail(file, what + " within the file's buffers", found);
   };
-  if (index < 0 || index >= static_cast<int>(model.accessors.size()))
-    wrong("accessor " + std::to_string(index));
-  const tinygltf::Accessor& accessor = model.accessors[index];
-  if (accessor.sparse.isSparse) wrong("a sparse accessor");
-  const int found = tinygltf::GetNumComponentsInType(accessor.type),
-            size = tinygltf::GetComponentSizeInBytes(accessor.componentType);
-  if (found != components)
-    wrong(std::to_string(found) + " components instead of " + std::to_string(components));
+  const int size = tinygltf::GetComponentSizeInBytes(componentType);
   if (size <= 0) wrong("an unknown type of numbers");
-  if (accessor.bufferView < 0 || accessor.bufferView >= static_cast<int>(model.bufferViews.size()))
-    wrong("no buffer view");
-  const tinygltf::BufferView& view = model.bufferViews[accessor.bufferView];
+  if (viewIndex < 0 || viewIndex >= static_cast<int>(model.bufferViews.size())) wrong("no buffer view");
+  const tinygltf::BufferView& view = model.bufferViews[viewIndex];
   if (view.buffer < 0 || view.buffer >= static_cast<int>(model.buffers.size())) wrong("no buffer");
   const auto& data = model.buffers[view.buffer].data;
   const std::size_t element = static_cast<std::size_t>(size) * components,
                     stride = view.byteStride ? view.byteStride : element;
   if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
     wrong("a view beyond its buffer");
-  if (accessor.count == 0) return {};
-  if (stride < element || accessor.byteOffset > view.byteLength ||
-      element > view.byteLength - accessor.byteOffset ||
-      (accessor.count - 1) > (view.byteLength - accessor.byteOffset - element) / stride)
-    wrong(std::to_string(accessor.count) + " elements in " + std::to_string(view.byteLength) + " bytes");
+  if (count == 0) return {};
+  if (stride < element || byteOffset > view.byteLength || element > view.byteLength - byteOffset ||
+      (count - 1) > (view.byteLength - byteOffset - element) / stride)
+    wrong(std::to_string(count) + " elements in " + std::to_string(view.byteLength) + " bytes");
 
   std::vector<double> values;
-  values.reserve(accessor.count * components);
+  values.reserve(count * components);
   const auto read = [&](const unsigned char* at, auto zero, double largest) {
     std::memcpy(&zero, at, sizeof zero);
     const double value = static_cast<double>(zero);
-    return accessor.normalized && largest > 0.0 ? std::max(-1.0, value / largest) : value;
+    return normalised && largest > 0.0 ? std::max(-1.0, value / largest) : value;
   };
-  for (std::size_t e = 0; e < accessor.count; ++e)
+  for (std::size_t e = 0; e < count; ++e)
     for (int c = 0; c < components; ++c) {
-      const unsigned char* at = data.data() + view.byteOffset + accessor.byteOffset + e * stride +
-                                static_cast<std::size_t>(c) * size;
+      const unsigned char* at =
+          data.data() + view.byteOffset + byteOffset + e * stride + static_cast<std::size_t>(c) * size;
       double value = 0.0;
-      switch (accessor.componentType) {
+      switch (componentType) {
         case TINYGLTF_COMPONENT_TYPE_FLOAT: value = read(at, float{}, 0.0); break;
         case TINYGLTF_COMPONENT_TYPE_BYTE: value = read(at, std::int8_t{}, 127.0); break;
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: value = read(at, std::uint8_t{}, 255.0); break;
@@ -115,72 +140,171 @@ std::vector<double> numbers(const tinygltf::Model& model, int index, int compone
   return values;
 }
 
-/// A rotation, a place and one scale.
-struct Similarity {
+/// The numbers of an accessor: of its view (zeros where it has none), with sparse ones put in their places.
+std::vector<double> numbers(const tinygltf::Model& model, int index, int components, const std::string& what,
+                            const std::string& file) {
+  const auto wrong = [&](const std::string& found) {
+    fail(file, what + " within the file's buffers", found);
+  };
+  if (index < 0 || index >= static_cast<int>(model.accessors.size()))
+    wrong("accessor " + std::to_string(index));
+  const tinygltf::Accessor& accessor = model.accessors[index];
+  const int found = tinygltf::GetNumComponentsInType(accessor.type);
+  if (found != components)
+    wrong(std::to_string(found) + " components instead of " + std::to_string(components));
+  const auto& sparse = accessor.sparse;
+  std::vector<double> values;
+  if (accessor.bufferView >= 0) {
+    values = numbersInView(model, accessor.bufferView, accessor.byteOffset, accessor.count,
+                           accessor.componentType, accessor.normalized, components, what, file);
+  } else {
+    if (!sparse.isSparse) wrong("no buffer view");
+    if (accessor.count > 50'000'000u) wrong(std::to_string(accessor.count) + " elements without a buffer");
+    values.assign(accessor.count * components, 0.0);
+  }
+  if (!sparse.isSparse) return values;
+  if (sparse.count < 0) wrong("a negative number of sparse elements");
+  const auto at = numbersInView(model, sparse.indices.bufferView, sparse.indices.byteOffset, sparse.count,
+                                sparse.indices.componentType, false, 1, what, file);
+  const auto replaced = numbersInView(model, sparse.values.bufferView, sparse.values.byteOffset, sparse.count,
+                                      accessor.componentType, accessor.normalized, components, what, file);
+  for (std::size_t e = 0; e < at.size(); ++e) {
+    if (!(at[e] >= 0.0 && at[e] < static_cast<double>(accessor.count)))
+      wrong("sparse element " + exactNumber(at[e]));
+    std::copy_n(&replaced[e * components], components, &values[static_cast<std::size_t>(at[e]) * components]);
+  }
+  return values;
+}
+
+/// A node's place: rotation * stretch, then translation. The stretch is a scale for most nodes; unequal
+/// scales, mirrors and shear are kept in it.
+struct Placement {
   Quaterniond rotation = Quaterniond::Identity();
   Vector3d translation = Vector3d::Zero();
+  Matrix3d stretch = Matrix3d::Identity();
+  bool even = true;  ///< stretch = scale * identity, scale > 0
   double scale = 1.0;
 };
 
-Similarity similarity(const Matrix4d& matrix, const std::string& file, const std::string& node) {
-  const Matrix3d A = matrix.topLeftCorner<3, 3>();
-  const double scale = std::cbrt(A.determinant());
-  const bool fits = matrix.allFinite() && std::isfinite(scale) && scale > 1e-12 &&
-                    (A * A.transpose() / (scale * scale)).isIdentity(1e-4);
-  if (!fits)
-    fail(file, "nodes with rotation, translation and one positive scale",
-         "shear, a mirror or unequal scales in node '" + node + "'");
-  return {Quaterniond(Matrix3d(A / scale)).normalized(), matrix.topRightCorner<3, 1>(), scale};
+/// A = rotation * stretch with the rotation nearest to A.
+void splitRotation(const Matrix3d& A, Placement& place) {
+  const Eigen::JacobiSVD<Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d U = svd.matrixU();
+  if ((U * svd.matrixV().transpose()).determinant() < 0.0) U.col(2) = -U.col(2);
+  const Matrix3d R = U * svd.matrixV().transpose();
+  place.rotation = Quaterniond(R).normalized();
+  place.stretch = place.rotation.toRotationMatrix().transpose() * A;
 }
 
-Similarity localTransform(const tinygltf::Node& node, const std::string& file) {
-  Matrix4d matrix = Matrix4d::Identity();
-  if (node.matrix.size() == 16) {
-    matrix = Eigen::Map<const Matrix4d>(node.matrix.data());
+/// rotation: the node's own, which is kept where the scales are unequal.
+Placement placement(const Matrix4d& matrix, const std::optional<Quaterniond>& rotation,
+                    const std::string& file, const std::string& node) {
+  Placement place;
+  if (!matrix.allFinite()) fail(file, "finite node transforms", "none in node '" + node + "'");
+  const Matrix3d A = matrix.topLeftCorner<3, 3>();
+  place.translation = matrix.topRightCorner<3, 1>();
+  place.scale = std::cbrt(A.determinant());
+  place.even = std::isfinite(place.scale) && place.scale > 1e-12 &&
+               (A * A.transpose() / (place.scale * place.scale)).isIdentity(1e-4);
+  if (place.even) {
+    place.rotation = Quaterniond(Matrix3d(A / place.scale)).normalized();
+    place.stretch = place.scale * Matrix3d::Identity();
+  } else if (rotation) {
+    place.rotation = *rotation;
+    place.stretch = place.rotation.toRotationMatrix().transpose() * A;
   } else {
-    if (node.rotation.size() == 4) {
-      const Quaterniond q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
-      if (!(std::abs(q.norm() - 1.0) < 1e-2))
-        fail(file, "unit quaternions", "length " + exactNumber(q.norm()) + " in node '" + node.name + "'");
-      matrix.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix();
-    }
-    if (node.scale.size() == 3)
-      for (int k = 0; k < 3; ++k) matrix.col(k).head<3>() *= node.scale[k];
-    if (node.translation.size() == 3)
-      matrix.topRightCorner<3, 1>() = Vector3d(node.translation[0], node.translation[1], node.translation[2]);
+    splitRotation(A, place);
   }
-  return similarity(matrix, file, node.name);
+  return place;
 }
+
+Placement localPlacement(const tinygltf::Node& node, const std::string& file) {
+  if (node.matrix.size() == 16)
+    return placement(Eigen::Map<const Matrix4d>(node.matrix.data()), {}, file, node.name);
+  Matrix4d matrix = Matrix4d::Identity();
+  Quaterniond rotation = Quaterniond::Identity();
+  if (node.rotation.size() == 4) {
+    const Quaterniond q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    if (!(std::abs(q.norm() - 1.0) < 1e-2))
+      fail(file, "unit quaternions", "length " + exactNumber(q.norm()) + " in node '" + node.name + "'");
+    rotation = q.normalized();
+    matrix.topLeftCorner<3, 3>() = rotation.toRotationMatrix();
+  }
+  if (node.scale.size() == 3)
+    for (int k = 0; k < 3; ++k) matrix.col(k).head<3>() *= node.scale[k];
+  if (node.translation.size() == 3)
+    matrix.topRightCorner<3, 1>() = Vector3d(node.translation[0], node.translation[1], node.translation[2]);
+  return placement(matrix, rotation, file, node.name);
+}
+
+enum class Between { Line, Step, Spline };
 
 struct Sampler {
   std::vector<double> times, values;
+  std::vector<double> tangents = {};  ///< Spline: in and out of every key, in units a second
   int components = 0;
-  bool step = false;
+  Between between = Between::Line;
 };
 
-/// Linear (quaternions: along the shorter arc) between keys, constant outside.
-template <class Result>
-Result keyed(const Sampler& sampler, double seconds, Result (*mix)(const double*, const double*, double)) {
+/// The keys before and after a time, and where it lies between them, 0 to 1.
+struct Span {
+  std::size_t a, b;
+  double s, seconds;  ///< seconds: from a to b
+};
+Span spanAt(const Sampler& sampler, double seconds) {
+  // A frame that is meant to lie on a key may miss it by the rounding of floats.
+  if (sampler.between != Between::Line) {
+    const auto near = std::lower_bound(sampler.times.begin(), sampler.times.end(), seconds);
+    const double tolerance = std::max(1e-6, 4e-7 * std::abs(seconds));
+    if (near != sampler.times.end() && *near - seconds < tolerance) seconds = *near;
+  }
   const auto after = std::upper_bound(sampler.times.begin(), sampler.times.end(), seconds);
   const std::size_t b = std::min<std::size_t>(after - sampler.times.begin(), sampler.times.size() - 1);
   const std::size_t a =
       after == sampler.times.begin() ? 0 : static_cast<std::size_t>(after - sampler.times.begin()) - 1;
   const double span = sampler.times[b] - sampler.times[a];
-  const double s =
-      span > 0.0 && !sampler.step ? std::clamp((seconds - sampler.times[a]) / span, 0.0, 1.0) : 0.0;
-  return mix(&sampler.values[a * sampler.components], &sampler.values[b * sampler.components], s);
+  const double s = span > 0.0 && sampler.between != Between::Step
+                       ? std::clamp((seconds - sampler.times[a]) / span, 0.0, 1.0)
+                       : 0.0;
+  return {a, b, s, span};
 }
-Vector3d mixVector(const double* a, const double* b, double s) {
-  return (1.0 - s) * Eigen::Map<const Vector3d>(a) + s * Eigen::Map<const Vector3d>(b);
+
+/// Cubic Hermite spline of glTF 2.0, appendix C, component by component.
+template <int n>
+Eigen::Matrix<double, n, 1> spline(const Sampler& sampler, const Span& at) {
+  using Vector = Eigen::Matrix<double, n, 1>;
+  const auto value = [&](std::size_t k) -> Vector { return Vector::Map(&sampler.values[n * k]); };
+  const auto tangent = [&](std::size_t k) -> Vector { return Vector::Map(&sampler.tangents[n * k]); };
+  const double s = at.s, s2 = s * s, s3 = s2 * s;
+  return (2.0 * s3 - 3.0 * s2 + 1.0) * value(at.a) +
+         at.seconds * (s3 - 2.0 * s2 + s) * tangent(2 * at.a + 1) + (3.0 * s2 - 2.0 * s3) * value(at.b) +
+         at.seconds * (s3 - s2) * tangent(2 * at.b);
 }
-Quaterniond mixRotation(const double* a, const double* b, double s) {
+
+Vector3d vectorAt(const Sampler& sampler, double seconds) {
+  const Span at = spanAt(sampler, seconds);
+  if (sampler.between == Between::Spline) return spline<3>(sampler, at);
+  return (1.0 - at.s) * Eigen::Map<const Vector3d>(&sampler.values[3 * at.a]) +
+         at.s * Eigen::Map<const Vector3d>(&sampler.values[3 * at.b]);
+}
+
+/// Lines are great arcs, along the shorter way.
+Quaterniond rotationAt(const Sampler& sampler, double seconds) {
+  const Span at = spanAt(sampler, seconds);
+  const double* a = &sampler.values[4 * at.a];
+  const double* b = &sampler.values[4 * at.b];
   const Quaterniond p(a[3], a[0], a[1], a[2]), q(b[3], b[0], b[1], b[2]);
-  return p.normalized().slerp(s, q.normalized());
+  if (sampler.between == Between::Spline) {
+    const Eigen::Vector4d v = spline<4>(sampler, at);
+    if (v.norm() > 1e-9) return Quaterniond(v[3], v[0], v[1], v[2]).normalized();
+  }
+  return p.normalized().slerp(at.s, q.normalized());
 }
 
 class Reader {
  public:
-  Reader(const tinygltf::Model& model, const std::string& file) : model_(model), file_(file) {}
+  Reader(const tinygltf::Model& model, const std::string& file, const GltfOptions& options)
+      : model_(model), file_(file), options_(options) {}
 
   GltfModel read() {
     findUses();
@@ -270,13 +394,11 @@ class Reader {
                                                         : model_.nodes[n].name;
       for (int k = 2; !names.insert(name).second; ++k)
         name = (n < 0 ? "scene" : model_.nodes[n].name) + "_" + std::to_string(k);
-      Similarity local = n < 0 ? Similarity{} : localTransform(model_.nodes[n], file_);
-      const double above = parents_[j] < 0 ? 1.0 : scale_[parents_[j]];
-      local.translation *= above;
-      scale_.push_back(above * local.scale);
-      rest_.push_back(local);
-      if (!local.translation.allFinite() || !std::isfinite(scale_.back()))
+      Placement local = n < 0 ? Placement{} : localPlacement(model_.nodes[n], file_);
+      if (parents_[j] >= 0) placeBelow(world_[parents_[j]], n, local);
+      if (!local.translation.allFinite() || !local.stretch.allFinite())
         fail(file_, "finite node transforms", "an overflow");
+      world_.push_back(local);
       Joint joint{.name = name, .parent = parents_[j]};
       joint.parentFromZero.linear() = local.rotation.toRotationMatrix();
       joint.parentFromZero.translation() = local.translation;
@@ -291,9 +413,29 @@ class Reader {
     restFrames_ = restFrames(result_.skeleton);
   }
 
+  /// From a node's own placement to its joint's: what stretches above it goes through to its offset and
+  /// below.
+  void placeBelow(const Placement& above, int n, Placement& local) const {
+    if (above.even) {
+      local.translation *= above.scale;
+      local.scale *= above.scale;
+      local.stretch *= above.scale;
+      return;
+    }
+    if (turns_[n])
+      fail(file_, "one positive scale above nodes that turn",
+           "unequal scales, a mirror or shear above node '" + model_.nodes[n].name + "'");
+    local.translation = above.stretch * local.translation;
+    splitRotation(above.stretch * local.rotation.toRotationMatrix() * local.stretch, local);
+    local.even = false;
+  }
+
   Matrix4d worldFromNode(int joint) const {
     Matrix4d matrix = restFrames_[joint].matrix();
-    matrix.topLeftCorner<3, 3>() *= scale_[joint];
+    if (world_[joint].even)
+      matrix.topLeftCorner<3, 3>() *= world_[joint].scale;
+    else
+      matrix.topLeftCorner<3, 3>() *= world_[joint].stretch;
     return matrix;
   }
 
@@ -318,19 +460,22 @@ class Reader {
     WeightLoss loss;
     auto influences = fourLargest(weights, result_.skeleton.jointCount(), &loss);
     if (loss.verticesOverFour > 0)
-      result_.notes.push_back(std::to_string(loss.verticesOverFour) +
-                              " vertices have more than four weights; at most " +
-                              exactNumber(std::round(1000.0 * loss.max) / 10.0) + " % of the weight is lost");
+      tell(result_.notes, "weights-lost",
+           "vertices have more than four weights; at most " +
+               exactNumber(std::round(1000.0 * loss.max) / 10.0) + " % of the weight is lost",
+           loss.verticesOverFour);
     result_.skin = bindSkin(std::move(mesh), restFrames_, std::move(influences));
     if (direct) result_.skin->jointFromRestWorld = bind;
   }
 
   /// True if the only skin's inverse bind matrices are rigid and no node is scaled: then they are kept, so
-  /// that a bind pose other than the file's own pose survives. bind: filled with them.
+  /// that a bind pose other than the file's own pose survives. bind: filled with them. False also where the
+  /// bind pose is the file's own pose moved as a whole, as below a turned node: the body then stands as in
+  /// the scene.
   bool bindMatricesAreRigid(std::vector<Isometry3d>& bind) const {
     if (model_.skins.size() != 1) return false;
-    for (const double s : scale_)
-      if (std::abs(s - 1.0) > 1e-6) return false;
+    for (const Placement& node : world_)
+      if (!node.even || std::abs(node.scale - 1.0) > 1e-6) return false;
     std::vector<Isometry3d> candidate = bind;
     const auto matrices = bindMatrices(model_.skins[0]);
     for (std::size_t k = 0; k < matrices.size(); ++k) {
@@ -343,6 +488,14 @@ class Reader {
     }
     for (const tinygltf::Node& node : model_.nodes)
       if (node.mesh >= 0 && node.skin < 0) return false;  // rigid meshes are placed by their nodes
+    const auto& carriers = model_.skins[0].joints;
+    const auto moved = [&](int n) {
+      return Matrix4d((restFrames_[jointOfNode_[n]] * candidate[jointOfNode_[n]]).matrix());
+    };
+    if (!carriers.empty() && !moved(carriers[0]).isIdentity(1e-5) &&
+        std::all_of(carriers.begin(), carriers.end(),
+                    [&](int n) { return (moved(n) - moved(carriers[0])).cwiseAbs().maxCoeff() < 1e-5; }))
+      return false;
     bind = candidate;
     return true;
   }
@@ -362,10 +515,13 @@ class Reader {
   void readPrimitive(const tinygltf::Node& node, int n, const tinygltf::Primitive& primitive, bool direct,
                      Mesh& mesh, SparseWeights& weights) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (mode != TINYGLTF_MODE_TRIANGLES) {
-      result_.notes.push_back("points, lines or triangle strips are passed over");
+    if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
+        mode != TINYGLTF_MODE_TRIANGLE_FAN) {
+      tell(result_.notes, "primitives-skipped", "points or lines are passed over");
       return;
     }
+    if (!primitive.targets.empty())
+      tell(result_.notes, "morph-targets", "morph targets of a mesh are passed over");
     const auto attribute = [&](const std::string& name) {
       const auto at = primitive.attributes.find(name);
       return at == primitive.attributes.end() ? -1 : at->second;
@@ -393,8 +549,12 @@ class Reader {
         }
       }
       for (std::size_t v = 0; v < count; ++v) {
-        if (own[v].empty())
-          fail(file_, "weights at every vertex of a skinned mesh", "none at vertex " + std::to_string(v));
+        if (own[v].empty()) {
+          if (skin.joints.empty()) fail(file_, "a skin with joints", "none");
+          tell(result_.notes, "weightless-vertices",
+               "vertices of a skinned mesh without weights are held by the skin's first joint");
+          own[v].emplace_back(0, 1.0);
+        }
         const Vector3d p(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]);
         Vector3d world = Vector3d::Zero();
         double total = 0.0;
@@ -425,16 +585,36 @@ class Reader {
     } else {
       for (std::size_t v = 0; v < count; ++v) indices.push_back(static_cast<double>(v));
     }
-    if (indices.size() % 3 != 0) fail(file_, "three indices a triangle", std::to_string(indices.size()));
-    for (std::size_t i = 0; i < indices.size(); i += 3) {
+    if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
+      fail(file_, "three indices a triangle", std::to_string(indices.size()));
+    const bool mirrored =
+        node.skin < 0 && worldFromNode(jointOfNode_[n]).topLeftCorner<3, 3>().determinant() < 0.0;
+    for (const std::array<std::size_t, 3>& corners : cornersOf(mode, indices.size())) {
       std::array<int, 3> triangle{};
       for (int k = 0; k < 3; ++k) {
-        if (indices[i + k] < 0.0 || indices[i + k] >= static_cast<double>(count))
-          fail(file_, "triangle corners below " + std::to_string(count), exactNumber(indices[i + k]));
-        triangle[k] = static_cast<int>(base) + static_cast<int>(indices[i + k]);
+        const double index = indices[corners[k]];
+        if (index < 0.0 || index >= static_cast<double>(count))
+          fail(file_, "triangle corners below " + std::to_string(count), exactNumber(index));
+        triangle[k] = static_cast<int>(base) + static_cast<int>(index);
       }
-      mesh.triangles.push_back(triangle);
+      if (mirrored) std::swap(triangle[1], triangle[2]);
+      const bool flat =
+          triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
+      if (mode == TINYGLTF_MODE_TRIANGLES || !flat)
+        mesh.triangles.push_back(triangle);  // strips turn by these
     }
+  }
+
+  /// Which places in the list of indices make each triangle, counter-clockwise all of them.
+  static std::vector<std::array<std::size_t, 3>> cornersOf(int mode, std::size_t count) {
+    std::vector<std::array<std::size_t, 3>> corners;
+    if (mode == TINYGLTF_MODE_TRIANGLES)
+      for (std::size_t i = 0; i + 2 < count; i += 3) corners.push_back({i, i + 1, i + 2});
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+      for (std::size_t i = 0; i + 2 < count; ++i) corners.push_back({i, i + 1 + i % 2, i + 2 - i % 2});
+    if (mode == TINYGLTF_MODE_TRIANGLE_FAN)
+      for (std::size_t i = 1; i + 1 < count; ++i) corners.push_back({i, i + 1, 0});
+    return corners;
   }
 
   Sampler sampler(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& channel) {
@@ -445,13 +625,23 @@ class Reader {
                    .values = {},
                    .components = channel.target_path == "rotation" ? 4 : 3};
     result.values = numbers(model_, source.output, result.components, "key values", file_);
-    result.step = source.interpolation == "STEP";
-    if (source.interpolation == "CUBICSPLINE") {  // (in-tangent, value, out-tangent) a key
+    if (source.interpolation == "STEP") {
+      result.between = Between::Step;
+    } else if (source.interpolation == "CUBICSPLINE") {  // (in-tangent, value, out-tangent) a key
+      result.between = Between::Spline;
+      const auto c = static_cast<std::ptrdiff_t>(result.components);
+      if (result.values.size() != 3 * c * result.times.size())
+        fail(file_, "two tangents and one value a key time",
+             std::to_string(result.values.size() / c) + " for " + std::to_string(result.times.size()));
       std::vector<double> keys;
-      const std::size_t c = result.components;
-      for (std::size_t k = 0; 3 * k * c + 2 * c <= result.values.size(); ++k)
-        keys.insert(keys.end(), &result.values[(3 * k + 1) * c], &result.values[(3 * k + 1) * c] + c);
-      result.values = keys;
+      for (auto at = result.values.begin(); at != result.values.end(); at += 3 * c) {
+        result.tangents.insert(result.tangents.end(), at, at + c);
+        keys.insert(keys.end(), at + c, at + 2 * c);
+        result.tangents.insert(result.tangents.end(), at + 2 * c, at + 3 * c);
+      }
+      result.values = std::move(keys);
+    } else if (source.interpolation != "LINEAR" && !source.interpolation.empty()) {
+      fail(file_, "LINEAR, STEP or CUBICSPLINE as interpolation", "'" + source.interpolation + "'");
     }
     if (result.times.empty() || result.values.size() != result.times.size() * result.components)
       fail(file_, "one value a key time",
@@ -479,14 +669,19 @@ class Reader {
       if (joint < 0) continue;
       if (channel.target_path == "scale") {
         const Sampler scales = sampler(animation, channel);
+        const auto& own = model_.nodes[channel.target_node].scale;
+        const Vector3d rest = own.size() == 3 ? Vector3d(own[0], own[1], own[2]) : Vector3d::Ones();
         for (std::size_t i = 0; i < scales.values.size(); ++i)
-          if (std::abs(scales.values[i] - rest_[joint].scale) > 1e-3 * rest_[joint].scale) {
-            result_.notes.push_back("animation '" + animation.name + "' changes the scale of '" +
-                                    result_.skeleton.joint(joint).name + "': passed over");
+          if (std::abs(scales.values[i] - rest[i % 3]) > 1e-3 * std::abs(rest[i % 3])) {
+            tell(result_.notes, "scale-animation",
+                 "animation '" + animation.name + "' changes the scale of '" +
+                     result_.skeleton.joint(joint).name + "': passed over");
             break;
           }
         continue;
       }
+      if (channel.target_path == "weights")
+        tell(result_.notes, "morph-targets", "morph targets of a mesh are passed over");
       if (channel.target_path != "rotation" && channel.target_path != "translation") continue;
       tracks.push_back({joint, channel.target_path == "rotation", sampler(animation, channel)});
       times.insert(tracks.back().keys.times.begin(), tracks.back().keys.times.end());
@@ -498,30 +693,47 @@ class Reader {
     bool even = true;
     for (const double t : times)
       even = even && std::abs((t - first) * rate - static_cast<double>(k++)) < 0.02;
-    if (!even) {
-      rate = 60.0;
-      result_.notes.push_back("animation '" + animation.name + "': keys at uneven times, resampled at 60 Hz");
+    const bool linear = std::all_of(tracks.begin(), tracks.end(), [](const Track& track) {
+      return track.keys.between == Between::Line || track.keys.times.size() == 1;
+    });
+    std::string name =
+        animation.name.empty() ? "animation" + std::to_string(result_.clips.size()) : animation.name;
+    const std::string plain = name;
+    const auto taken = [&] {
+      return std::any_of(result_.clips.begin(), result_.clips.end(),
+                         [&](const GltfClip& other) { return other.name == name; });
+    };
+    for (int n = 2; taken(); ++n) name = plain + "_" + std::to_string(n);
+    if (!even || !linear) {  // frames alone cannot hold it
+      constexpr double fine = 60.0;
+      rate = options_.framesPerSecond ? *options_.framesPerSecond
+             : even                   ? rate * std::ceil(fine / rate)
+                                      : fine;
+      char text[32];
+      std::snprintf(text, sizeof text, "%.6g Hz", rate);
+      tell(result_.notes, "resampled",
+           "animation '" + name + "': " +
+               (linear ? "keys at uneven times" : "steps or splines between keys") + ", sampled at " + text);
     }
     const double frames = std::floor((last - first) * rate + 0.5) + 1.0;
     if (!(frames < 1e6)) fail(file_, "an animation of fewer than a million frames", exactNumber(frames));
     const int count = static_cast<int>(frames);
-    GltfClip clip{
-        animation.name.empty() ? "animation" + std::to_string(result_.clips.size()) : animation.name,
-        {.framesPerSecond = rate, .q = Eigen::MatrixXd(result_.skeleton.nq(), count)}};
+    GltfClip clip{name, {.framesPerSecond = rate, .q = Eigen::MatrixXd(result_.skeleton.nq(), count)}};
     for (int f = 0; f < count; ++f) {
       Eigen::VectorXd q = neutral(result_.skeleton);
       for (const Track& track : tracks) {
-        const Similarity& rest = rest_[track.joint];
+        const Placement& rest = world_[track.joint];
         const double seconds = first + f / rate;
         if (track.rotation) {
           setBallRotation(result_.skeleton, q, track.joint,
-                          (rest.rotation.conjugate() * keyed<Quaterniond>(track.keys, seconds, mixRotation))
-                              .normalized());
+                          (rest.rotation.conjugate() * rotationAt(track.keys, seconds)).normalized());
         } else {
           const int up = parents_[track.joint];
-          const Vector3d moved =
-              (up < 0 ? 1.0 : scale_[up]) * keyed<Vector3d>(track.keys, seconds, mixVector) -
-              rest.translation;
+          const Vector3d at = vectorAt(track.keys, seconds);
+          const Vector3d moved = (up < 0            ? at
+                                  : world_[up].even ? Vector3d(world_[up].scale * at)
+                                                    : Vector3d(world_[up].stretch * at)) -
+                                 rest.translation;
           if (!moved.allFinite()) fail(file_, "finite key values", "an overflow");
           q.segment<3>(result_.skeleton.qIndex(track.joint)) = moved;
         }
@@ -533,24 +745,28 @@ class Reader {
 
   const tinygltf::Model& model_;
   const std::string& file_;
+  const GltfOptions& options_;
   GltfModel result_;
   std::vector<bool> turns_, moves_;
   std::vector<int> order_, parents_,
       jointOfNode_;               ///< order_: node of each joint, -1 for the joint above all roots
-  std::vector<double> scale_;     ///< accumulated, one a joint
-  std::vector<Similarity> rest_;  ///< local, translations in metres
+  std::vector<Placement> world_;  ///< one a joint: rotation and translation (metres) in the parent's frame,
+                                  ///< stretch from the node to the joint's frame
   Frames restFrames_;
 };
 
 }  // namespace
 
-GltfModel parseGltf(std::string_view bytes, const std::string& file, const std::string& folder) {
+GltfModel parseGltf(std::string_view bytes, const std::string& file, const std::string& folder,
+                    const GltfOptions& options) {
+  if (options.framesPerSecond && !(*options.framesPerSecond > 0.0))
+    throw std::invalid_argument("a frame rate must be positive");
   const tinygltf::Model model = load(bytes, file, folder);
-  return Reader(model, file).read();
+  return Reader(model, file, options).read();
 }
 
-GltfModel readGltf(const std::string& path) {
-  return parseGltf(readFile(path), path, std::filesystem::path(path).parent_path().string());
+GltfModel readGltf(const std::string& path, const GltfOptions& options) {
+  return parseGltf(readFile(path), path, std::filesystem::path(path).parent_path().string(), options);
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
 #include "skinning/skin.h"
 
@@ -22,16 +23,28 @@ struct GltfModel {
   Skeleton skeleton;  ///< the zero configuration is the file's own pose
   std::optional<Skin> skin = {};
   std::vector<GltfClip> clips = {};
-  std::vector<std::string> notes = {};  ///< what was passed over
+  std::vector<Note> notes = {};
 };
 
-/// Animations are resampled at the rate of their keys where these are evenly spaced, else at 60 Hz; cubic
-/// splines go through their keys linearly. Textures, cameras and morph targets are passed over. Throws
-/// ParseError (line 0): what the library finds wrong, indices and sizes that do not fit, cycles of nodes,
-/// unequal scales or shear, no node.
-GltfModel readGltf(const std::string& path);
+struct GltfOptions {
+  /// Rate at which animations that frames cannot hold are sampled, exactly at every frame: steps, splines,
+  /// keys at uneven times. Default: a multiple of the keys' rate, 60 Hz or more; 60 Hz for uneven keys.
+  std::optional<double> framesPerSecond = {};
+};
+
+/// Animations whose keys are evenly spaced and linear keep the rate of their keys; all others are sampled
+/// (LINEAR, STEP and CUBICSPLINE as in appendix C) at the rate of the options, which a note tells. Triangles,
+/// strips and fans are read; points, lines, textures, cameras and morph targets are passed over. A body whose
+/// bind pose is the file's own pose moved as a whole stands as in the scene; other bind poses are kept.
+/// Unequal scales, mirrors and shear are kept in rigid parts and in bones that nothing turns below. Vertices
+/// without weights are held by the skin's first joint.
+///
+/// Throws ParseError (line 0): what the library finds wrong, a required extension that is not read, indices
+/// and sizes that do not fit, cycles of nodes, unequal scales above nodes that turn, no node.
+GltfModel readGltf(const std::string& path, const GltfOptions& options = {});
 /// The same from the bytes of a .gltf or .glb; folder: where its external buffers lie.
-GltfModel parseGltf(std::string_view bytes, const std::string& file, const std::string& folder = "");
+GltfModel parseGltf(std::string_view bytes, const std::string& file, const std::string& folder = "",
+                    const GltfOptions& options = {});
 
 /// A binary glTF (.glb): nodes in the rest pose, mesh with skin where there is one, one animation a clip
 /// (linear, on quaternions). Numbers of mesh and animation are floats.

@@ -12,7 +12,7 @@ class NurbsReader {
  public:
   NurbsReader(std::string_view text, const std::string& name) : name_(name) {
     int number = 0;
-    for (const std::string_view line : splitLines(text)) {
+    for (const std::string_view line : splitLines(plainText(text, name))) {
       ++number;
       const auto words = splitWords(line.substr(0, line.find('#')));
       if (!words.empty()) lines_.push_back({number, words});
@@ -76,7 +76,7 @@ class NurbsReader {
 
   double number(std::string_view word) const {
     const auto value = parseNumber(word);
-    if (!value) fail("a finite number", "'" + std::string(word) + "'");
+    if (!value) fail("a finite number", badNumber(word));
     return *value;
   }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
+#include "skinning/polygon.h"
 
 namespace gelenk {
 namespace {
@@ -25,7 +27,7 @@ Eigen::Vector3d parseVertex(const Words& words, const std::string& file, int lin
   std::array<double, 7> values{};
   for (std::size_t k = 1; k < words.size(); ++k) {
     const auto value = parseNumber(words[k]);
-    if (!value) throw ParseError(file, line, "a finite number", "'" + std::string(words[k]) + "'");
+    if (!value) throw ParseError(file, line, "a finite number", badNumber(words[k]));
     values[k - 1] = *value;
   }
   if (words.size() == 5 && values[3] != 1.0)
@@ -78,10 +80,15 @@ std::string_view continuedLine(const std::vector<std::string_view>& lines, std::
 
 }  // namespace
 
-Mesh parseObj(std::string_view text, const std::string& file) {
+Mesh parseObj(std::string_view text, const std::string& file, std::vector<Note>* notes) {
+  struct Face {
+    int line;
+    std::size_t first, count;  // in corners
+  };
   Mesh mesh;
-  std::vector<int> lineOfTriangle, corners;
-  const auto lines = splitLines(text);
+  std::vector<Face> faces;
+  std::vector<int> corners;
+  const auto lines = splitLines(plainText(text, file));
   std::string joined;
   for (std::size_t n = 0; n < lines.size(); ++n) {
     const int lineNumber = static_cast<int>(n) + 1;
@@ -95,29 +102,42 @@ Mesh parseObj(std::string_view text, const std::string& file) {
       if (words.size() < 4)
         throw ParseError(file, lineNumber, "a face of at least three corners",
                          std::to_string(words.size() - 1));
-      corners.clear();
+      faces.push_back({lineNumber, corners.size(), words.size() - 1});
       for (std::size_t k = 1; k < words.size(); ++k)
         corners.push_back(parseCorner(words[k], static_cast<int>(mesh.positions.size()), file, lineNumber));
-      for (std::size_t k = 2; k < corners.size(); ++k) {
-        mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
-        lineOfTriangle.push_back(lineNumber);
-      }
     } else if (std::find(passedOver.begin(), passedOver.end(), words[0]) == passedOver.end()) {
       throw ParseError(file, lineNumber, "an OBJ keyword such as v or f", "'" + std::string(words[0]) + "'");
     }
   }
   if (mesh.positions.empty()) throw ParseError(file, 0, "at least one vertex (a line 'v x y z')", "none");
-  if (mesh.triangles.empty()) throw ParseError(file, 0, "at least one face (a line 'f i j k')", "none");
+  if (faces.empty()) throw ParseError(file, 0, "at least one face (a line 'f i j k')", "none");
   const int count = static_cast<int>(mesh.positions.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const int corner : mesh.triangles[t])
+  std::vector<Eigen::Vector3d> polygon;
+  for (const Face& face : faces) {  // vertices may stand below the faces that use them
+    const std::span<const int> of(corners.data() + face.first, face.count);
+    for (const int corner : of)
       if (corner >= count)
-        throw ParseError(file, lineOfTriangle[t], "a vertex index of at most " + std::to_string(count),
+        throw ParseError(file, face.line, "a vertex index of at most " + std::to_string(count),
                          std::to_string(corner + 1));
+    if (of.size() == 3) {
+      mesh.triangles.push_back({of[0], of[1], of[2]});
+      continue;
+    }
+    polygon.clear();
+    for (const int corner : of) polygon.push_back(mesh.positions[corner]);
+    const PolygonTriangles result = triangulated(polygon);
+    for (const auto& [a, b, c] : result.triangles) mesh.triangles.push_back({of[a], of[b], of[c]});
+    if (result.crossing && notes)
+      tell(*notes, "polygon-crossing",
+           "polygons cross themselves or have no area: their triangles may fold, line " +
+               std::to_string(face.line));
+  }
   return mesh;
 }
 
-Mesh readObj(const std::string& path) { return parseObj(readFile(path), path); }
+Mesh readObj(const std::string& path, std::vector<Note>* notes) {
+  return parseObj(readFile(path), path, notes);
+}
 
 std::string formatObj(const Mesh& mesh) {
   std::string text;

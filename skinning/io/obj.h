@@ -2,7 +2,9 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "kinematics/io/note.h"
 #include "skinning/mesh.h"
 
 namespace gelenk {
@@ -11,15 +13,17 @@ namespace gelenk {
 ///
 /// Read: `v x y z` (a fourth value must be 1; three or four more, vertex colours, are passed over) and `f` in
 /// all forms (i, i/t, i//n, i/t/n, negative indices count back from the line). Polygons become fans about
-/// their first corner. Vertices keep their order and number, so a weights file with one row a vertex still
+/// their first corner where no triangle of the fan would fold over (all convex ones), else their ears are cut
+/// off one by one; polygons whose edges cross have no right triangles: they become fans, and a note tells
+/// ("polygon-crossing"). Vertices keep their order and number, so a weights file with one row a vertex still
 /// fits. Texture coordinates, normals, groups, materials, lines and points are passed over; the mesh has no
 /// normals until computeNormals.
 ///
 /// Throws ParseError: no vertex, no face, a face with fewer than three corners or an index out of range, a
 /// number that is none or not finite, an unknown keyword.
-Mesh readObj(const std::string& path);
+Mesh readObj(const std::string& path, std::vector<Note>* notes = nullptr);
 /// The same from text; file names it in messages.
-Mesh parseObj(std::string_view text, const std::string& file);
+Mesh parseObj(std::string_view text, const std::string& file, std::vector<Note>* notes = nullptr);
 
 /// Vertices in the shortest notation that reads back as the same bits, then triangles. Normals are not
 /// written.

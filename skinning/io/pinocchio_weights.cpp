@@ -18,9 +18,9 @@ struct Row {
   int line;
   std::string_view text;
 };
-std::vector<Row> splitRows(std::string_view text) {
+std::vector<Row> splitRows(std::string_view text, const std::string& file) {
   std::vector<Row> rows;
-  const auto lines = splitLines(text);
+  const auto lines = splitLines(plainText(text, file));
   for (std::size_t n = 0; n < lines.size(); ++n)
     if (lines[n].find_first_not_of(" \t\r") != std::string_view::npos)
       rows.push_back({static_cast<int>(n) + 1, lines[n]});
@@ -46,7 +46,7 @@ BoneWeights parseRows(const std::vector<Row>& rows, const std::string& file, int
       const auto value = parseNumber(words[k]);
       if (!value || *value < 0.0)
         throw ParseError(file, rows[r].line, "a weight that is finite and not negative",
-                         "'" + std::string(words[k]) + "'");
+                         value ? "'" + std::string(words[k]) + "'" : badNumber(words[k]));
       sum += weights(r, k) = *value;
     }
     if (!(sum > 0.0)) throw ParseError(file, rows[r].line, "at least one positive weight", "only zeros");
@@ -59,7 +59,7 @@ BoneWeights parseRows(const std::vector<Row>& rows, const std::string& file, int
 
 BoneWeights parsePinocchioWeights(std::string_view text, const std::string& file, int boneCount,
                                   int vertexCount) {
-  const auto rows = splitRows(text);
+  const auto rows = splitRows(text, file);
   if (rows.empty()) throw ParseError(file, 0, "rows of weights", "none");
   checkRowCount(file, rows.size(), vertexCount, "");
   return parseRows(rows, file, boneCount);
@@ -71,7 +71,7 @@ BoneWeights readPinocchioWeights(const std::string& path, int boneCount, int ver
 
 BoneWeights readPinocchioWeights(const std::string& path, int boneCount, const Mesh& mesh) {
   const std::string text = readFile(path);
-  const auto rows = splitRows(text);
+  const auto rows = splitRows(text, path);
   const int vertices = static_cast<int>(mesh.positions.size());
   std::string explanation;
   if (const int unused = topology(mesh).unreferencedVertices;

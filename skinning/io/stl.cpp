@@ -87,6 +87,7 @@ Mesh parseStl(std::string_view bytes, const std::string& file) {
   if (bytes.size() >= headSize) std::memcpy(&count, bytes.data() + 80, sizeof count);
   const bool fitsBinary =
       bytes.size() >= headSize && bytes.size() == headSize + triangleSize * std::size_t{count};
+  if (!fitsBinary) bytes = plainText(bytes, file);
   const bool isText = sameWord(bytes.substr(0, 5), "solid") && !fitsBinary;
   if (!isText && bytes.size() < headSize)
     throw ParseError(file, 0, "an STL: 'solid' or a head of 84 bytes",

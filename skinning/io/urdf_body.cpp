@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "kinematics/io/word_stream.h"
+#include "skinning/io/collada.h"
 #include "skinning/io/obj.h"
 #include "skinning/io/stl.h"
 
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 
 bool isReadable(const std::string& path) {
   const std::string ending = lowerCase(fs::path(path).extension().string());
-  return ending == ".stl" || ending == ".obj";
+  return ending == ".stl" || ending == ".obj" || (ending == ".dae" && readsCollada());
 }
 
 std::optional<std::string> findFile(const std::string& urdfPath, const std::string& fileName) {
@@ -32,9 +33,11 @@ std::optional<std::string> findFile(const std::string& urdfPath, const std::stri
   }
   std::error_code error;
   fs::path folder = fs::absolute(urdfPath, error).parent_path();
-  for (int up = 0; up < 5; ++up, folder = folder.parent_path())
+  for (; !folder.empty(); folder = folder.parent_path()) {
     for (const std::string& tail : tails)
       if (fs::is_regular_file(folder / tail, error)) return (folder / tail).string();
+    if (folder == folder.parent_path()) break;  // the root
+  }
   return std::nullopt;
 }
 
@@ -43,7 +46,8 @@ std::optional<std::string> findMesh(const std::string& urdfPath, const std::stri
   const fs::path base = fs::path(fileName).parent_path() / fs::path(fileName).stem();
   std::vector<std::string> candidates;
   if (isReadable(fileName)) candidates.push_back(fileName);
-  for (const char* ending : {".stl", ".STL", ".obj"}) candidates.push_back(base.string() + ending);
+  for (const char* ending : {".stl", ".STL", ".obj", ".dae"})
+    if (isReadable("mesh" + std::string(ending))) candidates.push_back(base.string() + ending);
   for (const std::string& candidate : candidates)
     if (const auto path = findFile(urdfPath, candidate)) return path;
   return std::nullopt;
@@ -105,7 +109,10 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
   }
   const auto path = findMesh(urdfPath, visual.fileName);
   if (!path) return std::nullopt;
-  Mesh mesh = lowerCase(*path).ends_with(".stl") ? readStl(*path) : readObj(*path);
+  const std::string name = lowerCase(*path);
+  Mesh mesh = name.ends_with(".stl")   ? readStl(*path)
+              : name.ends_with(".dae") ? readCollada(*path)
+                                       : readObj(*path);
   for (Vector3d& p : mesh.positions) p = p.cwiseProduct(visual.size);
   if (visual.size.prod() < 0.0)  // mirrored: keep the outside outside
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
@@ -117,7 +124,7 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
 
 UrdfModel openUrdf(const std::string& path) {
   UrdfRobot robot = readUrdf(path);
-  UrdfModel model{.skeleton = robot.skeleton, .skin = {}, .notes = robot.notes};
+  UrdfModel model{.skeleton = robot.skeleton, .skin = {}, .masses = robot.masses, .notes = robot.notes};
   const Frames rest = restFrames(robot.skeleton);
   Mesh whole;
   std::vector<Influences> influences;
@@ -146,8 +153,9 @@ UrdfModel openUrdf(const std::string& path) {
       }
     }
     for (const std::string& file : missing)
-      model.notes.push_back("mesh '" + file + "' was not found as STL or OBJ" +
-                            (substituted ? ": drawn with its collision geometry" : " and is left out"));
+      tell(model.notes, substituted ? "mesh-replaced" : "mesh-missing",
+           "mesh '" + file + "' was not found as STL, OBJ or Collada" +
+               (substituted ? ": drawn with its collision geometry" : " and is left out"));
   }
   if (!whole.triangles.empty()) model.skin = bindSkin(std::move(whole), rest, std::move(influences));
   return model;

@@ -12,13 +12,14 @@ namespace gelenk {
 struct UrdfModel {
   Skeleton skeleton;
   std::optional<Skin> skin = {};
-  std::vector<std::string> notes = {};
+  std::optional<Masses> masses = {};
+  std::vector<Note> notes = {};
 };
 
-/// Meshes are read from STL and OBJ; where a file is not there or is of another kind (Collada), one of the
-/// same name with the ending .stl or .obj is taken, else the link's collision geometry; what is missing then
-/// is told in the notes. package://NAME/PATH is looked for as NAME/PATH and PATH in the URDF's folder and the
-/// folders above it. Throws ParseError.
+/// Meshes are read from STL, OBJ and Collada (collada.h); where a file is not there or is of another kind,
+/// one of the same name with one of these endings is taken, else the link's collision geometry; what is
+/// missing then is told in the notes. package://NAME/PATH is looked for as NAME/PATH and PATH in the URDF's
+/// folder and all folders above it. Throws ParseError.
 UrdfModel openUrdf(const std::string& path);
 
 }  // namespace gelenk

@@ -6,6 +6,7 @@
 #include "kinematics/configuration.h"
 #include "solvers/iteration/evaluator.h"
 #include "solvers/iteration/limit_set.h"
+#include "solvers/iteration/moving_joints.h"
 #include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
@@ -29,6 +30,13 @@ class Attempt {
   /// Moves the limits to at.q(), locks those that the descent direction J^T r leaves, and says whether
   /// nothing is left of it: |P J^T r| <= 1e-8 |J| |r|, a cosine that no unit can change.
   bool isStationary();
+
+  enum class Rest { No, Left, Over };
+  /// What to do where nothing is left of the slope. The cost's second derivatives decide: where none is
+  /// negative the attempt ends as Stationary (Over); where one is, the attempt goes on from a lower place
+  /// along it (Left: `at` has moved, what a method remembers is void), or ends as a Saddle if there is none.
+  /// No: there is a slope.
+  Rest rest();
   const Eigen::VectorXd& projectedGradient() const { return gradient_; }
 
   /// Counts one iteration and traces it with the step about to be taken.
@@ -42,6 +50,10 @@ class Attempt {
 
   const Budget& budget() const { return budget_; }
   std::mt19937_64& random() { return random_; }
+  /// A random configuration within the limits; joints off the goals' paths where the problem's start has
+  /// them.
+  Eigen::VectorXd randomStart();
+  const MovingJoints& movingJoints() const { return moving_; }
   /// Moves to q, wrapped and projected to the limits, and considers it.
   void propose(const Eigen::VectorXd& q);
   /// Keeps at.q() if it is the best of the attempt.
@@ -55,14 +67,17 @@ class Attempt {
   friend IkReport solveWithRestarts(const IkProblem&, const Budget&, TraceLevel, Method&&);
 
   void trace(double stepNorm, double damping);
+  bool leaveSaddle();
+  Eigen::MatrixXd curvature();
 
   const IkProblem& problem_;
+  MovingJoints moving_;
   Budget budget_;
   TraceLevel traceLevel_;
   std::mt19937_64 random_;
   Eigen::VectorXd bestQ_, gradient_, zero_, proposed_;
   double bestResidual_ = 0.0, windowResidual_ = 0.0;
-  int iterationsAtBegin_ = 0, windowBegin_ = 0;
+  int iterationsAtBegin_ = 0, windowBegin_ = 0, saddlesLeft_ = 0;
   bool over_ = false;
   Stop why_ = Stop::Failure;
   std::vector<IterationRecord> trace_;
@@ -73,9 +88,15 @@ IkReport reportOf(Attempt& attempt, const Eigen::VectorXd& q, Stop why, double r
 /// What a solver returns for a problem that it does not do: the start, untouched.
 IkReport unsupported(const IkProblem& problem);
 
+/// Why a configuration where a method found no further step is one to rest at: Stationary by first and second
+/// derivatives of the cost within the limits, Saddle, or Stalled where there is still a slope.
+/// lower: where the cost is lower, if a saddle can be left.
+Stop whyAtRest(const IkProblem& problem, const Eigen::VectorXd& q, Eigen::VectorXd* lower = nullptr);
+
 /// Runs method(attempt) from problem.start and then, while nothing converged and the budget allows, from
-/// random configurations within the limits, drawn from budget.seed. Reports the attempt with the smallest
-/// residual. method: void(Attempt&), ends with attempt.stop(...) or attempt.isOver().
+/// random configurations within the limits, drawn from budget.seed; joints off the goals' paths stay where
+/// the start has them. Reports the attempt with the smallest residual. method: void(Attempt&), ends with
+/// attempt.stop(...) or attempt.isOver().
 template <typename Method>
 IkReport solveWithRestarts(const IkProblem& problem, const Budget& budget, TraceLevel trace,
                            Method&& method) {
@@ -88,7 +109,7 @@ IkReport solveWithRestarts(const IkProblem& problem, const Budget& budget, Trace
       if (attempt.at.seconds() > budget.maxSeconds) break;
       ++attempt.at.counters().restarts;
     }
-    attempt.begin(i == 0 ? problem.start : randomWithinLimits(*problem.skeleton, attempt.random()));
+    attempt.begin(i == 0 ? problem.start : attempt.randomStart());
     method(attempt);
     attempt.trace(0.0, 0.0);
     if (i == 0 || attempt.bestResidual_ < bestResidual || attempt.why() == Stop::Converged) {

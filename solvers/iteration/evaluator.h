@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kinematics/jacobian.h"
+#include "solvers/problem/goal_type.h"
 #include "solvers/problem/ik_problem.h"
 #include "solvers/problem/ik_report.h"
 
@@ -13,11 +14,8 @@ namespace gelenk {
 /// Rows that a goal contributes to the stacked residual.
 int residualRows(const Goal& goal, const Skeleton& skeleton);
 
-/// The residual of one goal at the given frames (rows as in GoalKind, target minus current, unweighted).
-///
-/// Pole: a, b, c = origins of the joint's parent, the joint (elbow, knee) and its first child, u = (c - a)/|c
-/// - a|, s = target - a. The residual is u . ((b - a) x s) / |s - u u.s|: the distance of b from the half
-/// plane through a, c and the target (metres, signed; also zero on the opposite side).
+/// The residual of one goal at the given frames: target minus current, unweighted; its file in problem/goals
+/// says what the rows are.
 void goalResidual(const Goal& goal, const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames,
                   Eigen::Ref<Eigen::VectorXd> r);
 
@@ -44,14 +42,14 @@ class CountedEvaluator {
   const Eigen::MatrixXd& jacobian();
 
   /// d/dt jacobian() while q moves along d: the contraction of the geometric Hessian with d, m x nv. J + 1/2
-  /// of it is the matrix of Halley's method: (J + 1/2 dJ) d is the goal's motion to second order. Aim, Pole
-  /// and Posture rows are 0.
+  /// of it is the matrix of Halley's method: (J + 1/2 dJ) d is the goal's motion to second order. Rows of
+  /// types that do not say it (GoalType::addJacobianDerivative) are 0.
   void jacobianDerivative(const Eigen::VectorXd& d, Eigen::MatrixXd& dJ);
 
-  /// Second derivatives of cost() at q() in the tangent, nv x nv: exact for Position, Orientation, Pose and
-  /// Posture, any joint kind; Aim and Pole enter by their Gauss-Newton part J^T J. For ball joints the block
-  /// of joints i <= j from the root is (r_i . r_j) I - r_j r_i^T - [r_j e^T - (r_j . e) I], symmetrised for i
-  /// = j, r = effector - joint, in world axes.
+  /// Second derivatives of cost() at q() in the tangent, nv x nv: exact for types that say them
+  /// (GoalType::addHessian: Position, Orientation, Pose, Posture), any joint kind; the others enter by their
+  /// Gauss-Newton part J^T J. For ball joints the block of joints i <= j from the root is (r_i . r_j) I - r_j
+  /// r_i^T - [r_j e^T - (r_j . e) I], symmetrised for i = j, r = effector - joint, in world axes.
   const Eigen::MatrixXd& hessian();
 
   /// True when every goal is within the problem's tolerances, by the residual at q().
@@ -61,19 +59,19 @@ class CountedEvaluator {
   double seconds() const;  ///< since construction
 
  private:
-  /// The tangent dimensions of one ball, or one axis, on the way from the root to a goal's joint.
-  struct Group {
-    int first, count;
+  /// One goal's part of the stacked rows.
+  struct Part {
+    const GoalType* type;
+    int row, rows;
+    double rootWeight;
+    std::vector<DofGroup> path;  ///< from the root to Goal::joint
   };
-  void addPointDerivative(const std::vector<Group>& path, int row, const Eigen::VectorXd& d,
-                          Eigen::MatrixXd& dJ) const;
-  void addPointCurvature(const std::vector<Group>& path, int row, const Eigen::Vector3d& force);
-  void addRotationCurvature(const std::vector<Group>& path, const Eigen::Vector3d& moment);
-  void addPostureHessian(int row, double weight);
+  std::vector<DofGroup> pathTo(int joint) const;
+  GoalBend bendOf(std::size_t goal);
 
   const IkProblem& problem_;
   int rows_ = 0;
-  std::vector<std::vector<Group>> paths_;  ///< per goal, from the root
+  std::vector<Part> parts_;  ///< per goal
   Eigen::VectorXd q_, r_;
   Frames frames_;
   Twists twists_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 
 namespace gelenk {
@@ -112,6 +113,11 @@ void LimitSet::lockBlocked(const VectorXd& direction) {
   }
 }
 
+void LimitSet::lockTouched() {
+  for (Row& row : rows_)
+    if (!row.locked && row.slack <= touching) lock(row);
+}
+
 bool LimitSet::lockCrossed(const VectorXd& dq, VectorXd& fixed) {
   bool crossed = false;
   for (Row& row : rows_) {
@@ -176,8 +182,7 @@ void LimitSet::retract(const VectorXd& q, const VectorXd& dq, VectorXd& out) con
   integrate(*skeleton_, q, dq, out);
   for (std::size_t k = 0; k < wrapping_.size(); ++k) {
     double& value = out[wrapping_[k]];
-    if (value > wrapUpper_[k]) value -= 2.0 * M_PI * std::ceil((value - wrapUpper_[k]) / (2.0 * M_PI));
-    if (value < wrapLower_[k]) value += 2.0 * M_PI * std::ceil((wrapLower_[k] - value) / (2.0 * M_PI));
+    value = wrapInto(value, wrapLower_[k], wrapUpper_[k]);
   }
   projectToLimits(*skeleton_, out, out);
 }

@@ -23,6 +23,9 @@ class LimitSet {
   /// direction.
   void lockBlocked(const Eigen::VectorXd& direction);
 
+  /// Locks every limit that q touches.
+  void lockTouched();
+
   /// Locks every limit that the step dq crosses and adds the part of the step that leads to it to `fixed`,
   /// for a second solve in what is left: the residual of that solve is r - J fixed. False if nothing was
   /// crossed.

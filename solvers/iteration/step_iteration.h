@@ -11,27 +11,30 @@ namespace gelenk {
 /// step is solved again with the rest of the residual.
 ///
 /// A Rule has storage for one solve and
-///   Rule(const IkProblem&)
-///   void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&
-///   fixed, VectorXd& dq)
+///   using Parameters = ...                its constants, a plain struct (parameters.h)
+///   Rule(const IkProblem&, const Parameters&)
+///   void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r,
+///             const VectorXd& fixed, VectorXd& dq)
 ///     J: m x nv with the locked dimensions taken out; r: what is left of the residual after the move
 ///     `fixed`; dq: out, nv.
-///   static constexpr double largestStep   radians or metres a coordinate; longer steps are shortened as a
-///   whole static constexpr bool monotone        steps that do not lower the cost are taken back; then also
+///   double largestStep() const            radians or metres a coordinate; longer steps are shortened as a
+///                                         whole
+///   static constexpr bool monotone        steps that do not lower the cost are taken back; then also
 ///     void adapt(double gain)             actual over predicted fall of the cost, negative for a rejected
-///     step
+///                                         step
 ///   double damping() const                for the trace
 /// and may have
 ///   void begin()                          at the start of an attempt
 ///   static constexpr bool ownLimits       the step keeps the limits itself; no second solve
 ///   static constexpr bool ownOrder        the last configuration is the answer, not the one of smallest
-///   residual double predicted(const VectorXd& dq)  fall of the cost by the rule's own model; the linear
-///   model otherwise
+///                                         residual
+///   double predicted(const VectorXd& dq)  fall of the cost by the rule's own model; the linear model
+///                                         otherwise
 template <typename Rule>
 class StepIteration {
  public:
-  explicit StepIteration(const IkProblem& problem)
-      : rule_(problem),
+  StepIteration(const IkProblem& problem, const typename Rule::Parameters& parameters)
+      : rule_(problem, parameters),
         nv_(problem.skeleton->nv()),
         fixed_(nv_),
         dq_(nv_),
@@ -45,7 +48,10 @@ class StepIteration {
     bool moved = true;
     while (!attempt.isOver()) {
       if (moved) {
-        if (attempt.isStationary() && !ownOrder()) return attempt.stop(Stop::Stationary);
+        if (ownOrder())
+          attempt.isStationary();
+        else if (attempt.rest() == Attempt::Rest::Over)
+          return;
         q_ = at.q();
         J_ = at.jacobian();
         r_ = at.residual();
@@ -58,7 +64,15 @@ class StepIteration {
       const double length = total_.norm();
       if (!std::isfinite(length)) return attempt.stop(Stop::Failure);
       attempt.countIteration(length, rule_.damping());
-      if (length < 1e-14) return attempt.stop(ownOrder() ? Stop::Stationary : Stop::Stalled);
+      if (length < 1e-14) {
+        const Attempt::Rest rest = attempt.rest();
+        if (rest == Attempt::Rest::Left) {
+          moved = true;
+          continue;
+        }
+        if (rest == Attempt::Rest::No) attempt.stop(ownOrder() ? Stop::Stationary : Stop::Stalled);
+        return;
+      }
       moved = takeStep(attempt);
     }
   }
@@ -88,7 +102,7 @@ class StepIteration {
       ++attempt.at.counters().factorisations;
       if (!ownLimits()) attempt.limits.project(dq_);
       const double largest = dq_.template lpNorm<Eigen::Infinity>();
-      if (largest > Rule::largestStep) dq_ *= Rule::largestStep / largest;
+      if (largest > rule_.largestStep()) dq_ *= rule_.largestStep() / largest;
       total_ = fixed_ + dq_;
       if (ownLimits() || !attempt.limits.lockCrossed(dq_, fixed_)) return;
     }
@@ -136,10 +150,14 @@ class StepIteration {
 template <typename Rule>
 class StepSolver final : public IkSolver {
  public:
+  explicit StepSolver(const typename Rule::Parameters& parameters) : parameters_(parameters) {}
   std::string whyUnsupported(const IkProblem&) const override { return {}; }
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
-    return solveWithRestarts(problem, budget, trace, StepIteration<Rule>(problem));
+    return solveWithRestarts(problem, budget, trace, StepIteration<Rule>(problem, parameters_));
   }
+
+ private:
+  typename Rule::Parameters parameters_;
 };
 
 }  // namespace gelenk

@@ -9,15 +9,20 @@
 #include <malloc.h>
 #endif
 #include <filesystem>
+#include <iterator>
 #include <map>
+#include <memory>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "kinematics/configuration.h"
-#include "kinematics/io/parse_error.h"
+#include "kinematics/io/csv.h"
 #include "kinematics/io/text_file.h"
 #include "solvers/iteration/evaluator.h"
+#include "solvers/problem/goal_type.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
 
@@ -28,24 +33,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string markerName = "gelenk-comparison.txt";
-const std::string markerTitle = "Gelenk comparison, format 1";
-const std::string resultsHeader =
-    "set,solver,problem,sequence,frame,level,status,solved,position_error,orientation_error,residual,excess,"
-    "limit_violation,"
-    "displacement,shortest_displacement,jump,jitter,iterations,forward_kinematics,jacobians,hessians,"
-    "factorisations,restarts,"
-    "sigma_min,limit_margin,seconds,cpu_seconds";
-const std::string tracesHeader = "set,solver,problem,iteration,residual,seconds";
-const std::string seedsHeader =
-    "set,solver,problem,seed,solved,position_error,orientation_error,displacement,iterations,seconds";
-const std::string preparationHeader = "set,solver,seconds,bytes";
 const std::string goalsHeader =
     "set,problem,goal,kind,joint,weight,point_x,point_y,point_z,target_x,target_y,target_z,target_qw,target_"
-    "qx,target_qy,target_qz";
-const std::string setsHeader = "set,problems,seed,checksum";
+    "qx,target_qy,target_qz\n";
+const std::string solversHeader = "solver,parameter,value,default,unit,source,meaning\n";
 
-std::string number(double value) { return std::isfinite(value) ? exactNumber(value) : std::string(); }
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+  return text;
+}
 
 double cpuSeconds() {
   timespec now;
@@ -63,139 +60,36 @@ double heapBytes() {
 #endif
 }
 
-std::vector<std::string> splitFields(std::string_view line) {
-  std::vector<std::string> fields;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    fields.emplace_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-/// The complete lines of a file after its header; a last line that was cut off is no line.
-std::vector<std::string> completeLines(const std::string& path) {
-  std::vector<std::string> lines;
-  if (!fs::exists(path)) return lines;
-  const std::string text = readFile(path);
-  std::size_t at = 0;
-  while (true) {
-    const std::size_t end = text.find('\n', at);
-    if (end == std::string::npos) return lines;
-    if (at > 0) lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-}
-
-// ---- one row as text and back
-
-std::string toLine(const ResultRow& row) {
-  std::string line = row.set + ',' + row.solver;
-  const auto add = [&](const std::string& field) { line += ',' + field; };
-  for (int value : {row.problem, row.sequence, row.frame}) add(std::to_string(value));
-  add(number(row.level));
-  add(row.status);
-  add(row.solved ? "1" : "0");
-  for (double value : {row.position, row.orientation, row.residual, row.excess, row.limitViolation,
-                       row.displacement, row.shortest, row.jump, row.jitter})
-    add(number(value));
-  const Counters& c = row.counters;
-  for (int value : {c.iterations, c.forwardKinematics, c.jacobians, c.hessians, c.factorisations, c.restarts})
-    add(std::to_string(value));
-  for (double value : {row.sigmaMin, row.limitMargin, row.seconds, row.cpuSeconds}) add(number(value));
-  return line;
-}
-
-/// Takes the fields of a line one after the other.
-class FieldReader {
- public:
-  FieldReader(const std::string& file, int line, std::string_view text, std::size_t expected)
-      : file_(file), line_(line), fields_(splitFields(text)) {
-    if (fields_.size() != expected)
-      throw ParseError(file, line, std::to_string(expected) + " fields", std::to_string(fields_.size()));
-  }
-  std::string text() { return fields_[at_++]; }
-  int integer() {
-    const auto value = parseInteger(fields_[at_]);
-    if (!value)
-      throw ParseError(file_, line_, "an integer in field " + std::to_string(at_ + 1),
-                       "'" + fields_[at_] + "'");
-    ++at_;
-    return *value;
-  }
-  double number() {  // an empty field stands for a value that does not exist
-    if (fields_[at_].empty()) return ++at_, std::numeric_limits<double>::quiet_NaN();
-    const auto value = parseNumber(fields_[at_]);
-    if (!value)
-      throw ParseError(file_, line_, "a number in field " + std::to_string(at_ + 1),
-                       "'" + fields_[at_] + "'");
-    ++at_;
-    return *value;
-  }
-
- private:
-  std::string file_;
-  int line_;
-  std::vector<std::string> fields_;
-  std::size_t at_ = 0;
-};
-
-ResultRow toRow(FieldReader& in) {
-  ResultRow row;
-  row.set = in.text();
-  row.solver = in.text();
-  for (int* value : {&row.problem, &row.sequence, &row.frame}) *value = in.integer();
-  row.level = in.number();
-  row.status = in.text();
-  row.solved = in.integer() != 0;
-  for (double* value : {&row.position, &row.orientation, &row.residual, &row.excess, &row.limitViolation,
-                        &row.displacement, &row.shortest, &row.jump, &row.jitter})
-    *value = in.number();
-  Counters& c = row.counters;
-  for (int* value :
-       {&c.iterations, &c.forwardKinematics, &c.jacobians, &c.hessians, &c.factorisations, &c.restarts})
-    *value = in.integer();
-  for (double* value : {&row.sigmaMin, &row.limitMargin, &row.seconds, &row.cpuSeconds}) *value = in.number();
-  return row;
-}
-
-std::string solutionsHeader(int nq) {
-  std::string header = "model,set,solver,problem,status";
-  for (int k = 1; k <= nq; ++k) header += ",start_" + std::to_string(k);
-  header += ",target_x,target_y,target_z,target_qw,target_qx,target_qy,target_qz";
-  for (int k = 1; k <= nq; ++k) header += ",solution_" + std::to_string(k);
-  return header;
-}
-
 /// The first goal's target; its orientation is empty where it asks for none. goals.csv holds all goals.
-std::string targetFields(const Goal& goal) {
-  std::string fields;
-  for (double x : goal.target) fields += ',' + number(x);
+void addTarget(const Goal& goal, std::vector<std::string>& fields) {
+  for (double x : goal.target) fields.push_back(csvNumber(x));
   const Eigen::Quaterniond& o = goal.orientation;
   for (double x : {o.w(), o.x(), o.y(), o.z()})
-    fields += ',' + (goal.kind == GoalKind::Pose ? number(x) : std::string());
-  return fields;
+    fields.push_back(goal.kind == GoalKind::Pose ? csvNumber(x) : std::string());
 }
 
-std::string solutionLine(const LabModel& model, const ResultRow& row, const IkProblem& problem,
-                         const VectorXd& q) {
-  std::string line =
-      model.name + ',' + row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' + row.status;
+SolutionRow solutionOf(const LabModel& model, const ResultRow& row, const IkProblem& problem,
+                       const VectorXd& q) {
+  std::vector<std::string> fields{model.name, row.set, row.solver, std::to_string(row.problem), row.status};
   const auto addPadded =
       [&](const VectorXd& values) {  // a set that holds the root fixed has fewer coordinates
         for (int k = 0; k < model.skeleton->nq(); ++k)
-          line += ',' + (k < values.size() ? number(values[k]) : std::string());
+          fields.push_back(k < values.size() ? csvNumber(values[k]) : std::string());
       };
   addPadded(problem.start);
-  line += targetFields(problem.goals.front());
+  addTarget(problem.goals.front(), fields);
   addPadded(q);
-  return line;
+  return {row.set, row.solver, row.problem, csvLine(std::span<const std::string>(fields))};
 }
 
 // ---- solving one sequence
 
-struct UnitText {
-  std::string results, solutions, traces, seeds;
+/// The answers of one solver on one sequence.
+struct Unit {
+  std::vector<ResultRow> rows;
+  std::vector<SolutionRow> solutions;
+  std::vector<TracePoint> traces;
+  std::vector<SeedRow> seeds;
 };
 
 struct Answer {
@@ -218,11 +112,12 @@ Answer timedSolve(const IkSolver& solver, const IkProblem& problem, const Compar
   return answer;
 }
 
-ResultRow judged(const ProblemSetEntry& set, const LabProblem& one, const IkProblem& problem,
-                 const std::string& solver, const Answer& answer, double tolerance) {
+ResultRow judged(const std::string& setName, const ProblemSetEntry& set, const LabProblem& one,
+                 const IkProblem& problem, const std::string& solver, const Answer& answer,
+                 double tolerance) {
   const VectorXd& q = answer.report.q;
   const Judgement verdict = judge(problem, q);
-  ResultRow row{.set = std::string(set.name),
+  ResultRow row{.set = setName,
                 .solver = solver,
                 .problem = one.index,
                 .sequence = one.sequence,
@@ -255,137 +150,138 @@ ResultRow judged(const ProblemSetEntry& set, const LabProblem& one, const IkProb
   return row;
 }
 
-std::string traceLines(const ResultRow& row, const IkSolver& solver, const IkProblem& problem,
-                       const Budget& budget) {
-  std::string text;
-  const IkReport report = solver.solve(problem, budget, TraceLevel::Residuals);
-  for (std::size_t i = 0; i < report.trace.size(); ++i)
-    text += row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' + std::to_string(i) + ',' +
-            number(report.trace[i].residual) + ',' + number(report.trace[i].seconds) + '\n';
-  return text;
+SeedRow seedRow(const ResultRow& row, std::uint64_t seed) {
+  return {.set = row.set,
+          .solver = row.solver,
+          .problem = row.problem,
+          .seed = seed,
+          .solved = row.solved,
+          .position = row.position,
+          .orientation = row.orientation,
+          .displacement = row.displacement,
+          .iterations = row.counters.iterations,
+          .seconds = row.seconds};
 }
 
-std::string seedLine(const ResultRow& row, std::uint64_t seed) {
-  std::string line = row.set + ',' + row.solver + ',' + std::to_string(row.problem) + ',' +
-                     std::to_string(seed) + (row.solved ? ",1" : ",0");
-  for (double value : {row.position, row.orientation, row.displacement}) line += ',' + number(value);
-  return line + ',' + std::to_string(row.counters.iterations) + ',' + number(row.seconds) + '\n';
-}
+/// A set that is asked: its text, and the problems, which it may share with the same set asked otherwise.
+struct Problems {
+  std::vector<LabProblem> all;
+  bool annotated = false;
+};
+struct LoadedSet {
+  std::string name;
+  const ProblemSetEntry* entry;
+  Budget budget;
+  std::shared_ptr<Problems> problems;
+  std::map<int, std::vector<LabProblem*>> sequences = {};  ///< of this shard
+};
 
 /// The sequence again with the plan's further seeds.
-std::string otherSeeds(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames,
-                       const std::string& name, const IkSolver& solver, const ComparisonPlan& plan) {
-  std::string text;
-  Budget budget = plan.budget;
-  for (int k = 1; k < seedCount(plan, name); ++k) {
+void addOtherSeeds(const LoadedSet& set, const std::vector<LabProblem*>& frames, const std::string& name,
+                   const IkSolver& solver, const ComparisonPlan& plan, Unit& unit) {
+  Budget budget = set.budget;
+  for (int k = 1; k < seedCount(plan, name, set.budget.restarts); ++k) {
     ++budget.seed;
     VectorXd before;
     for (const LabProblem* one : frames) {
       IkProblem problem = one->problem;
       if (one->frame > 0) problem.start = before;
       const Answer answer = timedSolve(solver, problem, plan, budget);
-      text += seedLine(judged(set, *one, problem, name, answer, plan.tolerance), budget.seed);
+      unit.seeds.push_back(
+          seedRow(judged(set.name, *set.entry, *one, problem, name, answer, plan.tolerance), budget.seed));
       before = answer.report.q;
     }
   }
-  return text;
 }
 
 /// All frames of a sequence, each from where the last one ended.
-UnitText solveSequence(const ProblemSetEntry& set, const std::vector<const LabProblem*>& frames,
-                       const std::string& name, const IkSolver& solver, const ComparisonPlan& plan,
-                       const LabModel& model) {
-  UnitText text;
+Unit solveSequence(const LoadedSet& set, const std::vector<LabProblem*>& frames, const std::string& name,
+                   const IkSolver& solver, const ComparisonPlan& plan, const LabModel& model) {
+  Unit unit;
   VectorXd before, beforeThat;
   for (const LabProblem* one : frames) {
     IkProblem problem = one->problem;
     if (one->frame > 0) problem.start = before;
-    const Answer answer = timedSolve(solver, problem, plan, plan.budget);
-    ResultRow row = judged(set, *one, problem, name, answer, plan.tolerance);
+    const Answer answer = timedSolve(solver, problem, plan, set.budget);
+    ResultRow row = judged(set.name, *set.entry, *one, problem, name, answer, plan.tolerance);
     const VectorXd q = answer.report.q;
-    if (set.family == ProblemFamily::Drag && row.residual >= 0.0) {
+    if (set.entry->family == ProblemFamily::Drag && row.residual >= 0.0) {
       const VectorXd step = difference(*one->skeleton, problem.start, q);
       row.jump = step.lpNorm<Eigen::Infinity>();
       if (one->frame > 0)
         row.jitter = (step - difference(*one->skeleton, beforeThat, before)).lpNorm<Eigen::Infinity>();
     }
-    text.results += toLine(row) + '\n';
-    text.solutions += solutionLine(model, row, problem, q) + '\n';
-    if (seedCount(plan, name) > 1) text.seeds += seedLine(row, plan.budget.seed);
-    if (one->index < plan.traces) text.traces += traceLines(row, solver, problem, plan.budget);
+    unit.solutions.push_back(solutionOf(model, row, problem, q));
+    if (seedCount(plan, name, set.budget.restarts) > 1) unit.seeds.push_back(seedRow(row, set.budget.seed));
+    if (one->index < plan.traces) {
+      const IkReport report = solver.solve(problem, set.budget, TraceLevel::Residuals);
+      for (std::size_t i = 0; i < report.trace.size(); ++i)
+        unit.traces.push_back({row.set, row.solver, row.problem, static_cast<int>(i),
+                               report.trace[i].residual, report.trace[i].seconds});
+    }
+    unit.rows.push_back(std::move(row));
     beforeThat = problem.start;
     before = q;
   }
-  text.seeds += otherSeeds(set, frames, name, solver, plan);
-  return text;
+  addOtherSeeds(set, frames, name, solver, plan, unit);
+  return unit;
 }
 
 // ---- the folder
 
-using Key = std::tuple<std::string, std::string, int>;  // set, solver, problem
-
-/// Lines of a file, each with its key; solutions.csv has the model in front.
-std::vector<std::pair<Key, std::string>> keyedLines(const std::string& path, std::size_t firstField) {
-  std::vector<std::pair<Key, std::string>> lines;
-  for (std::string& line : completeLines(path)) {
-    const std::vector<std::string> fields = splitFields(line);
-    if (fields.size() < firstField + 3) continue;
-    const auto problem = parseInteger(fields[firstField + 2]);
-    if (problem) lines.push_back({{fields[firstField], fields[firstField + 1], *problem}, std::move(line)});
-  }
-  return lines;
+/// "solver: is 'dls', asked 'ccd'" for every setting that differs.
+std::string differences(const Record& there, const Record& asked) {
+  std::string text;
+  std::set<std::string> seen;
+  for (const Record* record : {&there, &asked})
+    for (const auto& [name, value] : *record) {
+      if (!seen.insert(name).second) continue;
+      const auto a = valuesOf(there, name), b = valuesOf(asked, name);
+      if (a != b) text += "\n  " + name + ": there '" + joined(a) + "', asked '" + joined(b) + "'";
+    }
+  return text;
 }
 
-/// Writes the lines in the order of the plan, one a key (several for traces, which stay in order).
-void rewrite(const std::string& path, const std::string& header,
-             std::vector<std::pair<Key, std::string>> lines, const ComparisonPlan& plan) {
-  const auto rank = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) - names.begin();
-  };
-  std::stable_sort(lines.begin(), lines.end(), [&](const auto& a, const auto& b) {
-    const auto place = [&](const Key& key) {
-      return std::tuple(rank(plan.sets, std::get<0>(key)), rank(plan.solvers, std::get<1>(key)),
-                        std::get<2>(key));
-    };
-    return place(a.first) < place(b.first);
-  });
-  std::string text = header + '\n';
-  for (const auto& [key, line] : lines) text += line + '\n';
-  writeFile(path, text);
-}
-
-void claimFolder(const std::string& folder, const std::string& print) {
+/// True where the folder holds results of this very plan.
+bool claimFolder(const std::string& folder, const Record& record) {
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw std::runtime_error(folder + " is a file, not a folder for results");
   if (fs::exists(folder + '/' + markerName)) {
-    const std::string found = readMarker(folder);
+    const Record found = readRecord(folder);
     if (found.empty())
-      throw std::runtime_error(folder + '/' + markerName +
-                               " is not the mark of a Gelenk comparison; nothing was changed");
-    if (found != print)
       throw std::runtime_error(
-          folder + " holds the results of another comparison; nothing was changed\n  there: " + found +
-          "\n  asked: " + print);
-    return;
+          folder + '/' + markerName +
+          " is not the mark of a Gelenk comparison of this version; nothing was changed");
+    if (found != record)
+      throw std::runtime_error(folder + " holds the results of another comparison; nothing was changed" +
+                               differences(found, record));
+    return true;
   }
   if (fs::exists(folder) && !fs::is_empty(folder))
     throw std::runtime_error(folder + " is not empty and holds no Gelenk comparison (" + markerName +
                              " is missing); nothing was changed");
   fs::create_directories(folder);
-  writeFile(folder + '/' + markerName, markerTitle + '\n' + print + '\n');
+  writeRecord(folder, record);
+  return false;
 }
 
 /// Appends whole units; what reaches the file is a prefix of them.
 class Appender {
  public:
-  Appender(const std::string& path, const std::string& header) : path_(path) {
-    if (!fs::exists(path)) writeFile(path, header + '\n');
-    file_ = std::fopen(path.c_str(), "ab");
+  explicit Appender(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "ab")) {
     if (!file_) throw std::runtime_error("cannot append to " + path);
   }
   ~Appender() { std::fclose(file_); }
   Appender(const Appender&) = delete;
-  void append(const std::string& text) {
+  template <typename Row>
+  void append(const std::vector<Row>& rows) {
+    std::string text;
+    for (const Row& row : rows) {
+      if constexpr (std::is_same_v<Row, SolutionRow>)
+        text += row.line;
+      else
+        text += csvLine(row);
+    }
     if (std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0)
       throw std::runtime_error("cannot write " + path_ + " (is the disk full?)");
   }
@@ -395,21 +291,20 @@ class Appender {
   std::FILE* file_;
 };
 
-struct LoadedSet {
-  const ProblemSetEntry* entry;
-  std::vector<LabProblem> problems;
-  std::map<int, std::vector<const LabProblem*>> sequences = {};  ///< of this shard
-};
-
 std::vector<LoadedSet> loadSets(const ComparisonPlan& plan, const LabModel& model) {
   std::vector<LoadedSet> sets;
   for (const std::string& name : plan.sets) {
-    const ProblemSetEntry& entry = problemSet(name);
-    sets.push_back({&entry, makeProblems(entry, model, plan.problems, plan.seed, plan.tolerance)});
-    for (LabProblem& one : sets.back().problems) {
-      if (one.sequence % plan.shards != plan.shard - 1) continue;
-      sets.back().sequences[one.sequence].push_back(&one);
-    }
+    const SetChoice choice = setChoice(name);
+    LoadedSet set{.name = name, .entry = choice.entry, .budget = plan.budget, .problems = nullptr};
+    if (choice.restarts) set.budget.restarts = *choice.restarts;
+    for (const LoadedSet& other : sets)
+      if (other.entry == set.entry) set.problems = other.problems;
+    if (!set.problems)
+      set.problems = std::make_shared<Problems>(
+          Problems{makeProblems(*choice.entry, model, plan.problems, plan.seed, plan.tolerance)});
+    for (LabProblem& one : set.problems->all)
+      if (one.sequence % plan.shards == plan.shard - 1) set.sequences[one.sequence].push_back(&one);
+    sets.push_back(std::move(set));
   }
   return sets;
 }
@@ -436,78 +331,90 @@ std::string hex(std::uint64_t value) {
   return text;
 }
 
-void writeProblems(const std::vector<LoadedSet>& sets, const ComparisonPlan& plan,
-                   const std::string& folder) {
-  static constexpr const char* kinds[] = {"position", "orientation", "pose", "aim", "pole", "posture"};
-  std::string goals = goalsHeader + '\n', checks = setsHeader + '\n';
+/// What is known before the first solve: problem_sets.csv, goals.csv, solvers.csv. Returns the first.
+std::vector<SetRow> writeProblems(const std::vector<LoadedSet>& sets, const ComparisonPlan& plan,
+                                  const std::string& folder) {
+  std::vector<SetRow> rows;
+  std::string goals = goalsHeader, checks = csvHeader<SetRow>(), solvers = solversHeader;
   for (const LoadedSet& set : sets) {
-    const std::string name(set.entry->name);
-    checks += name + ',' + std::to_string(set.problems.size()) + ',' + std::to_string(plan.seed) + ',' +
-              hex(checksum(set.problems)) + '\n';
-    for (const LabProblem& one : set.problems)
+    const std::vector<LabProblem>& problems = set.problems->all;
+    rows.push_back({.set = set.name,
+                    .problems = static_cast<int>(problems.size()),
+                    .seed = plan.seed,
+                    .checksum = hex(checksum(problems))});
+    checks += csvLine(rows.back());
+    for (const LabProblem& one : problems)
       for (std::size_t g = 0; g < one.problem.goals.size(); ++g) {
         const Goal& goal = one.problem.goals[g];
-        goals += name + ',' + std::to_string(one.index) + ',' + std::to_string(g + 1) + ',' +
-                 kinds[static_cast<int>(goal.kind)] + ',' + one.skeleton->joint(goal.joint).name + ',' +
-                 number(goal.weight);
-        for (double x : goal.pointInJoint) goals += ',' + number(x);
-        goals += targetFields(goal) + '\n';
+        std::vector<std::string> fields{set.name,
+                                        std::to_string(one.index),
+                                        std::to_string(g + 1),
+                                        std::string(goalType(goal.kind).name),
+                                        one.skeleton->joint(goal.joint).name,
+                                        csvNumber(goal.weight)};
+        for (double x : goal.pointInJoint) fields.push_back(csvNumber(x));
+        addTarget(goal, fields);
+        goals += csvLine(std::span<const std::string>(fields));
       }
+  }
+  for (const std::string& text : plan.solvers) {
+    const SolverSpec choice = solverSpec(text);
+    for (const Parameter& p : choice.entry->parameters) {
+      const auto chosen = choice.values.find(p.name);
+      const std::vector<std::string> fields{
+          text,
+          std::string(p.name),
+          csvNumber(chosen == choice.values.end() ? p.value : chosen->second),
+          csvNumber(p.value),
+          std::string(p.unit),
+          std::string(p.source),
+          std::string(p.meaning)};
+      solvers += csvLine(std::span<const std::string>(fields));
+    }
   }
   writeFile(folder + "/goals.csv", goals);
   writeFile(folder + "/problem_sets.csv", checks);
+  writeFile(folder + "/solvers.csv", solvers);
+  return rows;
 }
 
-/// Drops what is cut off, unfinished or not in all files; returns the (set, solver, sequence) that are done.
-std::set<Key> recover(const std::vector<LoadedSet>& sets, const ComparisonPlan& plan, const LabModel& model,
-                      const std::string& folder) {
-  const auto solutions = keyedLines(folder + "/solutions.csv", 1);
-  std::set<Key> haveSolution;
-  for (const auto& [key, line] : solutions) haveSolution.insert(key);
+using Key = std::tuple<std::string, std::string, int>;  // set, solver, problem or sequence
+
+/// What an interrupted run left, without what is cut off, unfinished or not in all files; and the (set,
+/// solver, sequence) that are done.
+std::set<Key> recover(const std::vector<LoadedSet>& sets, const ComparisonPlan& plan,
+                      const std::string& folder, Results& kept) {
+  const Results there = readResults(folder);
+  const auto keyOf = [](const auto& row) { return Key{row.set, row.solver, row.problem}; };
+  std::set<Key> haveSolution, haveResult;
+  for (const SolutionRow& row : there.solutions) haveSolution.insert(keyOf(row));
   std::map<Key, int> framesDone;
   std::map<Key, Key> unitOf;
-  const auto results = keyedLines(folder + "/results.csv", 0);
-  std::set<Key> haveResult;
-  for (const auto& [key, line] : results) {
-    const std::vector<std::string> fields = splitFields(line);
-    if (fields.size() != 27 || !haveSolution.count(key) || !haveResult.insert(key).second) continue;
-    const Key unit{std::get<0>(key), std::get<1>(key), parseInteger(fields[3]).value_or(-1)};
-    unitOf[key] = unit;
+  for (const ResultRow& row : there.rows) {
+    if (!haveSolution.count(keyOf(row)) || !haveResult.insert(keyOf(row)).second) continue;
+    const Key unit{row.set, row.solver, row.sequence};
+    unitOf[keyOf(row)] = unit;
     ++framesDone[unit];
   }
   std::set<Key> done;
   for (const LoadedSet& set : sets)
     for (const auto& [sequence, frames] : set.sequences)
       for (const std::string& solver : plan.solvers) {
-        const Key unit{std::string(set.entry->name), solver, sequence};
+        const Key unit{set.name, solver, sequence};
         if (framesDone.count(unit) && framesDone[unit] == static_cast<int>(frames.size())) done.insert(unit);
       }
-  const auto keep = [&](const std::vector<std::pair<Key, std::string>>& lines, bool once) {
-    std::vector<std::pair<Key, std::string>> kept;
+  const auto keep = [&](const auto& rows, auto& into, bool once) {
     std::set<Key> seen;
-    for (const auto& [key, line] : lines)
-      if (unitOf.count(key) && done.count(unitOf[key]) && (!once || seen.insert(key).second))
-        kept.push_back({key, line});
-    return kept;
+    for (const auto& row : rows)
+      if (const auto unit = unitOf.find(keyOf(row));
+          unit != unitOf.end() && done.count(unit->second) && (!once || seen.insert(keyOf(row)).second))
+        into.push_back(row);
   };
-  rewrite(folder + "/traces.csv", tracesHeader, keep(keyedLines(folder + "/traces.csv", 0), false), plan);
-  rewrite(folder + "/seeds.csv", seedsHeader, keep(keyedLines(folder + "/seeds.csv", 0), false), plan);
-  rewrite(folder + "/solutions.csv", solutionsHeader(model.skeleton->nq()), keep(solutions, true), plan);
-  rewrite(folder + "/results.csv", resultsHeader, keep(results, true), plan);
+  keep(there.rows, kept.rows, true);
+  keep(there.solutions, kept.solutions, true);
+  keep(there.traces, kept.traces, false);
+  keep(there.seeds, kept.seeds, false);
   return done;
-}
-
-void sortFiles(const ComparisonPlan& plan, const std::string& header, const std::string& folder) {
-  rewrite(folder + "/traces.csv", tracesHeader, keyedLines(folder + "/traces.csv", 0), plan);
-  rewrite(folder + "/seeds.csv", seedsHeader, keyedLines(folder + "/seeds.csv", 0), plan);
-  rewrite(folder + "/solutions.csv", header, keyedLines(folder + "/solutions.csv", 1), plan);
-  rewrite(folder + "/results.csv", resultsHeader, keyedLines(folder + "/results.csv", 0), plan);
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
-  return text;
 }
 
 }  // namespace
@@ -515,7 +422,7 @@ std::string joined(const std::vector<std::string>& names) {
 void validate(const ComparisonPlan& plan) {
   if (plan.sets.empty()) throw std::invalid_argument("no problem set was chosen");
   if (plan.solvers.empty()) throw std::invalid_argument("no solver was chosen");
-  for (const std::string& set : plan.sets) problemSet(set);
+  for (const std::string& set : plan.sets) setChoice(set);
   for (const std::string& solver : plan.solvers) makeSolver(solver);
   const auto repeated = [](std::vector<std::string> names) {
     std::sort(names.begin(), names.end());
@@ -542,114 +449,140 @@ void validate(const ComparisonPlan& plan) {
                                 std::to_string(plan.shards));
 }
 
-int seedCount(const ComparisonPlan& plan, const std::string& solver) {
+SetChoice setChoice(std::string_view text) {
+  const std::size_t open = text.find('[');
+  SetChoice choice{.entry = &problemSet(text.substr(0, open))};
+  if (open == std::string_view::npos) return choice;
+  constexpr std::string_view before = "[restarts=";
+  const std::string_view inner = text.substr(open);
+  if (inner.starts_with(before) && inner.ends_with(']'))
+    if (const auto restarts = parseInteger(inner.substr(before.size(), inner.size() - before.size() - 1));
+        restarts && *restarts >= 0) {
+      choice.restarts = restarts;
+      return choice;
+    }
+  throw std::invalid_argument("'" + std::string(text) + "': expected a set such as D1 or D1[restarts=50]");
+}
+
+int seedCount(const ComparisonPlan& plan, const std::string& solver, int restarts) {
   constexpr int enough = 20;
   const bool stochastic = solverEntry(solver).stochastic;
   if (plan.seeds == 0) return stochastic ? enough : 1;
-  return stochastic || plan.budget.restarts > 0 ? plan.seeds : 1;
+  return stochastic || restarts > 0 ? plan.seeds : 1;
 }
 
-std::string fingerprint(const ComparisonPlan& plan, const LabModel& model) {
-  std::string effectors;
-  for (int joint : model.effectors)
-    effectors += (effectors.empty() ? "" : " ") + model.skeleton->joint(joint).name;
-  return "model=" + model.name + "; nq=" + std::to_string(model.skeleton->nq()) + "; effectors=" + effectors +
-         "; goals=" + (model.pose ? "pose" : "position") + "; sets=" + joined(plan.sets) +
-         "; solvers=" + joined(plan.solvers) + "; problems=" + std::to_string(plan.problems) +
-         "; seed=" + std::to_string(plan.seed) + "; tolerance=" + exactNumber(plan.tolerance) +
-         "; iterations=" + std::to_string(plan.budget.maxIterations) +
-         "; restarts=" + std::to_string(plan.budget.restarts) +
-         "; solver-seed=" + std::to_string(plan.budget.seed) +
-         "; budget-seconds=" + exactNumber(plan.budget.maxSeconds) +
-         "; traces=" + std::to_string(plan.traces) +
-         "; seeds=" + (plan.seeds > 0 ? std::to_string(plan.seeds) : "automatic") +
-         "; repeat=" + std::to_string(plan.repeat) + "; shard=" + std::to_string(plan.shard) + '/' +
-         std::to_string(plan.shards);
+Record recordOf(const ComparisonPlan& plan, const LabModel& model) {
+  Record record{{"model", model.name}, {"nq", std::to_string(model.skeleton->nq())}};
+  for (int joint : model.effectors) record.emplace_back("effector", model.skeleton->joint(joint).name);
+  record.emplace_back("goals", model.pose ? "pose" : "position");
+  for (const std::string& set : plan.sets) record.emplace_back("set", set);
+  for (const std::string& solver : plan.solvers) record.emplace_back("solver", solver);
+  for (const std::string& solver : plan.solvers) {
+    const SolverSpec choice = solverSpec(solver);
+    std::string all;
+    for (const Parameter& p : choice.entry->parameters) {
+      const auto chosen = choice.values.find(p.name);
+      all += " " + std::string(p.name) + '=' +
+             exactNumber(chosen == choice.values.end() ? p.value : chosen->second);
+    }
+    if (!all.empty()) record.emplace_back("parameters", solver + ':' + all);
+  }
+  record.emplace_back("problems", std::to_string(plan.problems));
+  record.emplace_back("seed", std::to_string(plan.seed));
+  record.emplace_back("tolerance", exactNumber(plan.tolerance));
+  record.emplace_back("iterations", std::to_string(plan.budget.maxIterations));
+  record.emplace_back("restarts", std::to_string(plan.budget.restarts));
+  record.emplace_back("solver-seed", std::to_string(plan.budget.seed));
+  record.emplace_back("budget-seconds", exactNumber(plan.budget.maxSeconds));
+  record.emplace_back("traces", std::to_string(plan.traces));
+  record.emplace_back("seeds", plan.seeds > 0 ? std::to_string(plan.seeds) : "automatic");
+  record.emplace_back("repeat", std::to_string(plan.repeat));
+  record.emplace_back("shard", std::to_string(plan.shard) + '/' + std::to_string(plan.shards));
+  return record;
 }
 
-std::string readMarker(const std::string& folder) {
-  const std::string path = folder + '/' + markerName;
-  if (!fs::exists(path)) return {};
-  const std::string text = readFile(path);
-  const auto lines = splitLines(text);
-  return lines.size() == 2 && lines[0] == markerTitle ? std::string(lines[1]) : std::string();
-}
-
-void runComparison(const ComparisonPlan& plan, const LabModel& model, const std::string& folder,
-                   const std::function<void(int, int, const std::string&)>& progress) {
+Results runComparison(const ComparisonPlan& plan, const LabModel& model, const std::string& folder,
+                      const std::function<void(int, int, const std::string&)>& progress) {
   validate(plan);
+  Results results{.record = recordOf(plan, model)};
   std::vector<LoadedSet> sets = loadSets(plan, model);
-  claimFolder(folder, fingerprint(plan, model));
-  writeProblems(sets, plan, folder);
-  const std::set<Key> done = recover(sets, plan, model, folder);
+  const bool resumed = claimFolder(folder, results.record);
+  results.sets = writeProblems(sets, plan, folder);
+  std::set<Key> done;
+  if (resumed) done = recover(sets, plan, folder, results);
+  const std::string header = solutionsHeader(model.skeleton->nq());
+  writeTables(folder, results, header);
 
   int total = 0, finished = static_cast<int>(done.size());
   for (const LoadedSet& set : sets) total += static_cast<int>(set.sequences.size() * plan.solvers.size());
-  const std::string header = solutionsHeader(model.skeleton->nq());
   {
-    Appender traces(folder + "/traces.csv", tracesHeader), seeds(folder + "/seeds.csv", seedsHeader),
-        solutions(folder + "/solutions.csv", header), results(folder + "/results.csv", resultsHeader);
-    std::string preparations = preparationHeader + '\n';
-    for (LoadedSet& set : sets) {
-      const std::string setName(set.entry->name);
-      bool annotated = false;
+    Appender traces(folder + "/traces.csv"), seeds(folder + "/seeds.csv"),
+        solutions(folder + "/solutions.csv"), rows(folder + "/results.csv");
+    const auto keep = [](Appender& file, auto& unit, auto& all) {
+      file.append(unit);
+      std::move(unit.begin(), unit.end(), std::back_inserter(all));
+    };
+    for (LoadedSet& set : sets)
       for (const std::string& name : plan.solvers) {
         const double heap = heapBytes();
         const auto begin = std::chrono::steady_clock::now();
         const auto solver = makeSolver(name);
-        solver->prepare(*set.problems.front().skeleton);
-        const double seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        preparations +=
-            setName + ',' + name + ',' + number(seconds) + ',' + number(heapBytes() - heap) + '\n';
-        const Skeleton* prepared = set.problems.front().skeleton.get();
+        const Skeleton* prepared = set.problems->all.front().skeleton.get();
+        solver->prepare(*prepared);
+        results.preparations.push_back(
+            {.set = set.name,
+             .solver = name,
+             .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+             .bytes = heapBytes() - heap});
         for (const int sequence : bySkeleton(set)) {
           const auto& frames = set.sequences.at(sequence);
-          if (done.count({setName, name, sequence})) continue;
-          if (!annotated) {
-            for (LabProblem& one : set.problems) {
-              if (one.sequence % plan.shards != plan.shard - 1) continue;
-              if (one.index % 50 == 0)
-                progress(finished, total, setName + ": references, problem " + std::to_string(one.index));
-              annotate(*set.entry, one);
-            }
-            annotated = true;
-          }
+          if (done.count({set.name, name, sequence})) continue;
+          if (!std::exchange(set.problems->annotated, true))
+            for (const auto& [number, ofSequence] : set.sequences)
+              for (LabProblem* one : ofSequence) {
+                if (one->index % 50 == 0)
+                  progress(finished, total, set.name + ": references, problem " + std::to_string(one->index));
+                annotate(*set.entry, *one);
+              }
           if (frames.front()->skeleton.get() != prepared) {
             prepared = frames.front()->skeleton.get();
             solver->prepare(*prepared);
           }
-          const UnitText text = solveSequence(*set.entry, frames, name, *solver, plan, model);
-          traces.append(text.traces);
-          seeds.append(text.seeds);
-          solutions.append(text.solutions);
-          results.append(text.results);
-          progress(++finished, total, setName + ": " + name);
+          Unit unit = solveSequence(set, frames, name, *solver, plan, model);
+          keep(traces, unit.traces, results.traces);
+          keep(seeds, unit.seeds, results.seeds);
+          keep(solutions, unit.solutions, results.solutions);
+          keep(rows, unit.rows, results.rows);
+          progress(++finished, total, set.name + ": " + name);
         }
       }
-    }
-    writeFile(folder + "/preparation.csv", preparations);
   }
-  sortFiles(plan, header, folder);
+  std::string preparations = csvHeader<Preparation>();
+  for (const Preparation& one : results.preparations) preparations += csvLine(one);
+  writeFile(folder + "/preparation.csv", preparations);
+  writeTables(folder, results, header);
+  return results;
 }
 
-void mergeComparisons(const std::vector<std::string>& shards, const std::string& folder) {
+Results mergeComparisons(const std::vector<std::string>& shards, const std::string& folder) {
   if (shards.empty()) throw std::runtime_error("nothing to merge: name the folders of the shards");
-  std::string common;
+  Record common;
   std::set<int> seen;
   int count = 0;
   for (const std::string& shard : shards) {
-    const std::string print = readMarker(shard);
-    if (print.empty())
-      throw std::runtime_error(shard + " holds no Gelenk comparison (" + markerName +
+    Record record = readRecord(shard);
+    if (record.empty())
+      throw std::runtime_error(shard + " holds no Gelenk comparison of this version (" + markerName +
                                " is missing or foreign)");
-    const std::size_t at = print.rfind("; shard=");
-    const std::string settings = print.substr(0, at), which = print.substr(at + 8);
-    if (common.empty()) common = settings;
-    if (settings != common)
-      throw std::runtime_error(shard + " was run with other settings than " + shards.front() + "\n  " +
-                               settings + "\n  " + common);
-    const int k = std::stoi(which), n = std::stoi(which.substr(which.find('/') + 1));
+    const std::string which = joined(valuesOf(record, "shard"));
+    std::erase_if(record, [](const auto& fact) { return fact.first == "shard"; });
+    if (common.empty()) common = record;
+    if (record != common)
+      throw std::runtime_error(shard + " was run with other settings than " + shards.front() +
+                               differences(common, record));
+    int k = 0, n = 0;
+    if (std::sscanf(which.c_str(), "%d/%d", &k, &n) != 2)
+      throw std::runtime_error(shard + '/' + markerName + ": expected a shard K/N, found '" + which + "'");
     if (count == 0) count = n;
     if (n != count || !seen.insert(k).second)
       throw std::runtime_error(shard + " is shard " + which + ", which does not fit or is there twice");
@@ -658,90 +591,35 @@ void mergeComparisons(const std::vector<std::string>& shards, const std::string&
     throw std::runtime_error(std::to_string(count - static_cast<int>(seen.size())) + " of " +
                              std::to_string(count) + " shards are missing");
 
-  ComparisonPlan plan;  // only the order of sets and solvers matters here
-  const auto names = [&](const std::string& key) {
-    const std::size_t begin = common.find("; " + key + "=") + key.size() + 3;
-    std::vector<std::string> list;
-    const std::string text = common.substr(begin, common.find(';', begin) - begin);
-    for (std::string_view word : splitWords(text)) list.emplace_back(word);
-    return list;
-  };
-  plan.sets = names("sets");
-  plan.solvers = names("solvers");
-  std::vector<std::pair<Key, std::string>> traces, seeds, solutions, results;
-  std::string header;
-  const auto collect = [](std::vector<std::pair<Key, std::string>>& all,
-                          std::vector<std::pair<Key, std::string>> more) {
-    std::move(more.begin(), more.end(), std::back_inserter(all));
-  };
+  Results all{.record = common};
+  all.record.emplace_back("shard", "1/1");
   for (const std::string& shard : shards) {
-    collect(traces, keyedLines(shard + "/traces.csv", 0));
-    collect(seeds, keyedLines(shard + "/seeds.csv", 0));
-    collect(solutions, keyedLines(shard + "/solutions.csv", 1));
-    collect(results, keyedLines(shard + "/results.csv", 0));
-    const std::string text = readFile(shard + "/solutions.csv");
-    header = text.substr(0, text.find('\n'));
+    Results part = readResults(shard);
+    if (&shard == &shards.front()) {
+      all.sets = part.sets;
+      all.preparations = part.preparations;
+    }
+    const auto collect = [](auto& from, auto& into) {
+      std::move(from.begin(), from.end(), std::back_inserter(into));
+    };
+    collect(part.rows, all.rows);
+    collect(part.traces, all.traces);
+    collect(part.seeds, all.seeds);
+    collect(part.solutions, all.solutions);
   }
-  const auto rowsWanted = [&] {
-    const std::size_t begin = common.find("; problems=") + 11;
-    return static_cast<std::size_t>(std::stoll(common.substr(begin))) * plan.sets.size() *
-           plan.solvers.size();
-  }();
-  if (results.size() != rowsWanted)
-    throw std::runtime_error("the shards hold " + std::to_string(results.size()) + " of " +
-                             std::to_string(rowsWanted) +
+  std::size_t wanted = 0;
+  for (const SetRow& set : all.sets) wanted += static_cast<std::size_t>(set.problems);
+  wanted *= valuesOf(common, "solver").size();
+  if (all.rows.size() != wanted)
+    throw std::runtime_error("the shards hold " + std::to_string(all.rows.size()) + " of " +
+                             std::to_string(wanted) +
                              " results: one of them is not finished (run it again to continue)");
-  claimFolder(folder, common + "; shard=1/1");
-  for (const char* name : {"/goals.csv", "/problem_sets.csv", "/preparation.csv"})
+  claimFolder(folder, all.record);
+  for (const char* name : {"/goals.csv", "/problem_sets.csv", "/preparation.csv", "/solvers.csv"})
     writeFile(folder + name, readFile(shards.front() + name));
-  rewrite(folder + "/traces.csv", tracesHeader, std::move(traces), plan);
-  rewrite(folder + "/seeds.csv", seedsHeader, std::move(seeds), plan);
-  rewrite(folder + "/solutions.csv", header, std::move(solutions), plan);
-  rewrite(folder + "/results.csv", resultsHeader, std::move(results), plan);
-}
-
-namespace {
-
-/// Calls read(fields) for every complete line of a file in the folder.
-template <typename Read>
-void forEachLine(const std::string& path, std::size_t fields, Read read) {
-  int line = 1;
-  for (const std::string& text : completeLines(path)) {
-    FieldReader in(path, ++line, text, fields);
-    read(in);
-  }
-}
-
-}  // namespace
-
-Results readResults(const std::string& folder) {
-  Results results;
-  forEachLine(folder + "/results.csv", 27, [&](FieldReader& in) { results.rows.push_back(toRow(in)); });
-  forEachLine(folder + "/traces.csv", 6, [&](FieldReader& in) {
-    TracePoint point{.set = in.text(), .solver = in.text()};
-    point.problem = in.integer();
-    point.iteration = in.integer();
-    point.residual = in.number();
-    point.seconds = in.number();
-    results.traces.push_back(point);
-  });
-  forEachLine(folder + "/seeds.csv", 10, [&](FieldReader& in) {
-    SeedRow row{.set = in.text(), .solver = in.text()};
-    row.problem = in.integer();
-    row.seed = static_cast<std::uint64_t>(in.number());
-    row.solved = in.integer() != 0;
-    for (double* value : {&row.position, &row.orientation, &row.displacement}) *value = in.number();
-    row.iterations = in.integer();
-    row.seconds = in.number();
-    results.seeds.push_back(row);
-  });
-  forEachLine(folder + "/preparation.csv", 4, [&](FieldReader& in) {
-    Preparation one{.set = in.text(), .solver = in.text()};
-    one.seconds = in.number();
-    one.bytes = in.number();
-    results.preparations.push_back(one);
-  });
-  return results;
+  const std::string solutions = readFile(shards.front() + "/solutions.csv");
+  writeTables(folder, all, solutions.substr(0, solutions.find('\n') + 1));
+  return all;
 }
 
 }  // namespace gelenk

@@ -12,8 +12,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 
 #include "kinematics/io/text_file.h"
+#include "solvers/lab/comparison.h"
 #include "solvers/lab/statistics.h"
 #include "solvers/problem/ik_solver.h"
 
@@ -39,7 +41,7 @@ std::vector<Group> grouped(const Results& results) {
   for (const ResultRow& row : results.rows) {
     auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.set == row.set; });
     if (group == groups.end()) {
-      const ProblemSetEntry& entry = problemSet(row.set);
+      const ProblemSetEntry& entry = *setChoice(row.set).entry;
       group = groups.insert(
           groups.end(),
           {.set = row.set, .meetable = entry.meetable, .drag = entry.family == ProblemFamily::Drag});
@@ -205,17 +207,35 @@ json summariseSeeds(const std::string& set, const std::string& solver, const Res
           {"problems_solved_by_no_seed", never}};
 }
 
-json summarise(const std::string& folder, const Results& results, const std::vector<Group>& groups) {
-  json out{{"settings", readMarker(folder)}};
-  const std::string checks = readFile(folder + "/problem_sets.csv");
-  const auto lines = splitLines(checks);
-  for (std::size_t i = 1; i < lines.size(); ++i)
-    out["checksums"][std::string(lines[i].substr(0, lines[i].find(',')))] =
-        std::string(lines[i].substr(lines[i].rfind(',') + 1));
+/// Every value of a solver's parameters.
+json parametersOfChoice(const std::string& solver) {
+  const SolverSpec choice = solverSpec(solver);
+  json out = json::object();
+  for (const Parameter& p : choice.entry->parameters) {
+    const auto chosen = choice.values.find(p.name);
+    out[std::string(p.name)] = chosen == choice.values.end() ? p.value : chosen->second;
+  }
+  return out;
+}
+
+json summarise(const Results& results, const std::vector<Group>& groups) {
+  json out;
+  for (const auto& [name, value] : results.record) {
+    json& setting = out["settings"][name];
+    if (setting.is_null())
+      setting = value;
+    else if (setting.is_array())
+      setting.push_back(value);
+    else
+      setting = json::array({setting, value});
+  }
+  for (const SetRow& set : results.sets) out["checksums"][set.set] = set.checksum;
   for (const Group& group : groups) {
     json& set = out["sets"][group.set];
     for (const std::string& solver : group.solvers) {
       json& one = set["solvers"][solver] = summariseSolver(group, group.rows.at(solver));
+      if (json parameters = parametersOfChoice(solver); !parameters.empty())
+        one["parameters"] = std::move(parameters);
       for (const Preparation& preparation : results.preparations)
         if (preparation.set == group.set && preparation.solver == solver)
           one["preparation"] = {{"seconds", orNull(preparation.seconds)},
@@ -251,24 +271,34 @@ const std::string logY = "set logscale y\nset format y '10^{%L}'\n";
 
 class Curves {
  public:
-  /// Of the solvers (all of a set, drawn or not) those of one colour are told apart by their dashes.
+  /// Of the solvers (all of a set, drawn or not) those of one colour are told apart by their dashes, and
+  /// those of one method with other parameters by the shade.
   Curves(const ReportStyle& style, const std::vector<std::string>& solvers) : style_(style) {
     std::map<std::string, int> uses;
-    for (const std::string& solver : solvers) dashes_[solver] = 1 + uses[style.colour(solver)]++ % 5;
+    std::map<std::string_view, std::vector<std::string>> variants;
+    for (const std::string& solver : solvers) {
+      dashes_[solver] = 1 + uses[style.colour(solver)]++ % 5;
+      variants[solverEntry(solver).name].push_back(solver);
+    }
+    for (const auto& [name, texts] : variants)
+      for (std::size_t i = 0; i < texts.size(); ++i)
+        colours_[texts[i]] =
+            texts.size() < 2 ? style.colour(texts[i])
+                             : shaded(style.colour(texts[i]), static_cast<double>(i) / (texts.size() - 1.0));
   }
   void add(const std::string& solver, const std::vector<std::vector<double>>& rows) {
     if (rows.empty()) return;
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
     plots_ += fmt::format("{}${} using 1:2 with steps lw 2 {} lc rgb '{}' title '{}'",
-                          plots_.empty() ? "" : ", ", name, dash(solver), style_.colour(solver), solver);
+                          plots_.empty() ? "" : ", ", name, dash(solver), colours_.at(solver), solver);
   }
   /// rows: x, lower, median, upper.
   void addBand(const std::string& solver, const std::vector<std::vector<double>>& rows, bool shade) {
     if (rows.empty()) return;
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
-    const std::string colour = style_.colour(solver);
+    const std::string colour = colours_.at(solver);
     if (shade)
       plots_ +=
           fmt::format("{}${} using 1:2:4 with filledcurves fc rgb '{}' fs transparent solid 0.14 notitle",
@@ -281,7 +311,7 @@ class Curves {
     const std::string name = "d" + std::to_string(++count_);
     blocks_ += block(name, rows);
     plots_ += fmt::format("{}${} using 1:2 with points pt {} ps 1.1 lc rgb '{}' title '{}'",
-                          plots_.empty() ? "" : ", ", name, symbol(solver), style_.colour(solver), solver);
+                          plots_.empty() ? "" : ", ", name, symbol(solver), colours_.at(solver), solver);
   }
   int symbol(const std::string& solver) const { return std::array{7, 5, 9, 13, 15}[dashes_.at(solver) - 1]; }
   bool empty() const { return plots_.empty(); }
@@ -290,10 +320,22 @@ class Curves {
   }
 
  private:
+  /// "#rrggbb" towards black (share 0) or white (share 1).
+  static std::string shaded(const std::string& colour, double share) {
+    const unsigned rgb = std::stoul(colour.substr(1), nullptr, 16);
+    std::string out = "#";
+    for (const int shift : {16, 8, 0}) {
+      const double c = rgb >> shift & 255;
+      out += fmt::format("{:02x}", static_cast<int>(share < 0.5 ? c * (0.45 + 1.1 * share)
+                                                                : c + (225.0 - c) * (1.4 * share - 0.7)));
+    }
+    return out;
+  }
   std::string dash(const std::string& solver) const { return fmt::format("dt {}", dashes_.at(solver)); }
   const ReportStyle& style_;
   std::string blocks_, plots_;
   std::map<std::string, int> dashes_;
+  std::map<std::string, std::string> colours_;
   int count_ = 0;
 };
 
@@ -487,6 +529,92 @@ std::string jitterPlot(const Group& group, const ReportStyle& style) {
                        "'jitter, 90 % quantile [rad a frame^2]'\n");
 }
 
+/// Solvers of a set that differ in one parameter alone, by its value.
+struct Sweep {
+  const SolverEntry* entry;
+  const Parameter* parameter;
+  std::string rest;  ///< the other values away from their defaults, as text
+  std::map<double, std::string> solvers = {};
+};
+
+std::vector<Sweep> sweepsOf(const Group& group) {
+  constexpr std::size_t fewest = 3;  // values that make a curve
+  std::vector<Sweep> sweeps;
+  std::set<std::tuple<const SolverEntry*, std::string_view, std::string>> known;
+  for (const std::string& solver : group.solvers) {
+    const SolverSpec choice = solverSpec(solver);
+    for (const auto& [name, chosen] : choice.values) {
+      SolverSpec rest = choice;
+      rest.values.erase(name);
+      Sweep sweep{.entry = choice.entry, .parameter = nullptr, .rest = toText(rest)};
+      for (const Parameter& p : choice.entry->parameters)
+        if (p.name == name) sweep.parameter = &p;
+      if (!known.insert({sweep.entry, name, sweep.rest}).second) continue;
+      for (const std::string& other : group.solvers) {
+        SolverSpec that = solverSpec(other);
+        if (that.entry != sweep.entry || neverSupported(group, other)) continue;
+        const auto value = that.values.find(name);
+        const double x = value == that.values.end() ? sweep.parameter->value : value->second;
+        that.values.erase(name);
+        that.name = choice.name;
+        if (toText(that) == sweep.rest) sweep.solvers.emplace(x, other);
+      }
+      if (sweep.solvers.size() >= fewest) sweeps.push_back(std::move(sweep));
+    }
+  }
+  return sweeps;
+}
+
+/// Success, time and iterations over the parameter, one above the other.
+std::string sweepPlot(const Group& group, const Sweep& sweep, const ReportStyle& style) {
+  std::vector<std::vector<double>> data;
+  for (const auto& [x, solver] : sweep.solvers) {
+    const auto& rows = group.rows.at(solver);
+    const int n = static_cast<int>(rows.size());
+    const int solved = static_cast<int>(
+        std::count_if(rows.begin(), rows.end(), [](const ResultRow* row) { return row->solved; }));
+    const Interval share = wilsonInterval(solved, n);
+    const auto seconds = column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.seconds; });
+    const auto iterations =
+        column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : double(r.counters.iterations); });
+    std::vector<double> row{x, static_cast<double>(solved) / n, share.lower, share.upper};
+    for (const auto& values : {seconds, iterations}) {
+      const double unit = &values == &seconds ? microsecond : 1.0;
+      for (const double p : {0.5, 0.25, 0.75}) row.push_back(quantile(values, p) / unit);
+    }
+    data.push_back(std::move(row));
+  }
+  const double low = sweep.solvers.begin()->first, high = sweep.solvers.rbegin()->first;
+  const bool logarithmic = low > 0.0 && high / low >= 20.0;
+  const std::string colour = style.colour(sweep.solvers.begin()->second);
+  std::string unit(sweep.parameter->unit);
+  if (unit == "1") unit.clear();
+  std::string script =
+      preamble() + block("sweep", data) + "unset key\n" + (logarithmic ? logX : std::string());
+  script += "set multiplot layout 3,1 margins 0.11,0.97,0.1,0.98 spacing 0.03\n";
+  script += fmt::format("set xrange [{:.8g}:{:.8g}]\n", logarithmic ? low / 1.1 : low - 0.03 * (high - low),
+                        logarithmic ? high * 1.1 : high + 0.03 * (high - low));
+  const double usual = sweep.parameter->value;
+  if (usual >= low && usual <= high)
+    script += fmt::format(
+        "set arrow 1 from first {0:.8g}, graph 0 to first {0:.8g}, graph 1 nohead dt 3 lc rgb "
+        "'#555555'\n",
+        usual);
+  const auto panel = [&](const char* label, int at, const std::string& settings) {
+    script += fmt::format(
+        "{}set ylabel '{}'\nplot $sweep using 1:{}:{}:{} with yerrorbars lw 1.2 pt 7 ps 0.7 lc rgb '{}', "
+        "$sweep "
+        "using 1:{} with lines lw 2 lc rgb '{}'\n",
+        settings, label, at, at + 1, at + 2, colour, at, colour);
+  };
+  panel("share solved", 2, "set yrange [-0.03:1.03]\nset format x ''\n");
+  panel("time [µs]", 5, "set yrange [*:*]\nset logscale y\n");
+  panel("iterations", 8,
+        fmt::format("set logscale y\nset format x '%g'\nset xlabel '{}.{}{}'\n", sweep.entry->name,
+                    sweep.parameter->name, unit.empty() ? unit : " [" + unit + "]"));
+  return script + "unset multiplot\n";
+}
+
 // ---- the page
 
 std::string escaped(const std::string& text) {
@@ -607,22 +735,17 @@ std::string pairsTable(const json& pairs) {
   return html + "</table></details>\n";
 }
 
-std::string methodsSection(const std::string& folder, const ReportStyle& style, const json& summary) {
+std::string methodsSection(const Results& results, const ReportStyle& style, const json& summary) {
   std::string html = "<h2>Methods</h2>\n<table class=\"facts\">\n";
   const auto fact = [&](const std::string& name, const std::string& value) {
     html += "<tr><th>" + escaped(name) + "</th><td>" + escaped(value) + "</td></tr>\n";
   };
   fact("program", "gelenk " + style.version);
   fact("command", style.commandLine);
-  const std::string facts = machineFacts(), marker = readMarker(folder);
+  const std::string facts = machineFacts();
   for (std::string_view line : splitLines(facts))
     fact(std::string(line.substr(0, line.find(':'))), std::string(line.substr(line.find(':') + 2)));
-  for (std::size_t at = 0; at < marker.size();) {
-    const std::size_t end = std::min(marker.find("; ", at), marker.size());
-    const std::string entry = marker.substr(at, end - at);
-    fact(entry.substr(0, entry.find('=')), entry.substr(entry.find('=') + 1));
-    at = end + 2;
-  }
+  for (const auto& [name, value] : results.record) fact(name, value);
   for (const auto& [set, check] : summary["checksums"].items())
     fact("checksum of " + set, check.get<std::string>());
   html +=
@@ -640,6 +763,34 @@ std::string methodsSection(const std::string& folder, const ReportStyle& style, 
       "are Wilson's. "
       "A time budget, where one is set, makes answers depend on the machine.</p>\n";
   return html;
+}
+
+/// The summary for the terminal, one line a set and solver.
+std::string summaryTable(const json& summary) {
+  std::size_t set = 3, solver = 20;
+  for (const auto& [setName, facts] : summary["sets"].items()) {
+    set = std::max(set, setName.size());
+    for (const auto& [name, s] : facts["solvers"].items()) solver = std::max(solver, name.size());
+  }
+  std::string text =
+      fmt::format("{:<{}} {:<{}} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", "set", set, "solver", solver,
+                  "solved", "95 % interval", "mean us", "median us", "p99 us", "iter.");
+  for (const auto& [setName, facts] : summary["sets"].items())
+    for (const auto& [name, s] : facts["solvers"].items()) {
+      if (s["status"].contains("unsupported") && s["status"]["unsupported"] == s["problems"]) {
+        text += fmt::format("{:<{}} {:<{}} {:>8}\n", setName, set, name, solver, "unsupported");
+        continue;
+      }
+      const json& seconds = s["time"]["seconds"];
+      text +=
+          fmt::format("{:<{}} {:<{}} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", setName, set, name, solver,
+                      shown(s["solved_share"], 100.0, "{:.2f}%"),
+                      shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " - " +
+                          shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"),
+                      shown(seconds["mean"], 1e6, "{:.1f}"), shown(seconds["median"], 1e6, "{:.1f}"),
+                      shown(seconds["p99"], 1e6, "{:.1f}"), shown(s["iterations"]["median"], 1.0, "{:.0f}"));
+    }
+  return text;
 }
 
 const char* const pageStyle =
@@ -696,10 +847,9 @@ std::string machineFacts() {
       EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, GELENK_CERES_VERSION);
 }
 
-std::string writeReport(const std::string& folder, const ReportStyle& style) {
-  const Results results = readResults(folder);
+Report writeReport(const std::string& folder, const Results& results, const ReportStyle& style) {
   const std::vector<Group> groups = grouped(results);
-  json summary = summarise(folder, results, groups);
+  json summary = summarise(results, groups);
   summary["program"] = "gelenk " + style.version;
   summary["machine"] = machineFacts();
   writeFile(folder + "/summary.json", summary.dump(2) + "\n");
@@ -714,13 +864,19 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     html += "<p><b>No plots: the program gnuplot was not found when this report was written.</b></p>\n";
   if (canPlot) std::filesystem::create_directories(folder + "/plots");
   for (const Group& group : groups) {
-    const ProblemSetEntry& entry = problemSet(group.set);
-    html += fmt::format("<h2>{}: {}</h2>\n<p>{} problems. Level: {}.</p>\n", group.set, entry.title,
-                        group.rows.at(group.solvers[0]).size(), entry.levels);
+    const SetChoice choice = setChoice(group.set);
+    const ProblemSetEntry& entry = *choice.entry;
+    std::string restarts = choice.restarts ? std::to_string(*choice.restarts) : std::string();
+    for (const std::string& usual : valuesOf(results.record, "restarts"))
+      if (!choice.restarts) restarts = usual;
+    html += fmt::format("<h2>{}: {}</h2>\n<p>{} problems. Level: {}. {}.</p>\n", escaped(group.set),
+                        entry.title, group.rows.at(group.solvers[0]).size(), entry.levels,
+                        restarts == "0" ? "One attempt" : "Up to " + restarts + " random restarts");
     html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) +
             seedsTable(summary["sets"][group.set]) + pairsTable(summary["sets"][group.set]["pairs"]);
     if (!canPlot) continue;
     html += "<div class=\"plots\">\n";
+    int sweeps = 0;
     const auto figure = [&](const std::string& name, const std::string& script, const std::string& caption,
                             int height = 0) {
       if (script.empty()) return;
@@ -748,34 +904,24 @@ std::string writeReport(const std::string& folder, const ReportStyle& style) {
     figure(
         "displacement", displacementPlot(group, style),
         "Joint displacement of the solved problems against the minimal-change path (left is less motion).");
+    for (const Sweep& sweep : sweepsOf(group)) {
+      const std::string name = fmt::format("{}.{}", sweep.entry->name, sweep.parameter->name);
+      const std::string rest = sweep.rest == sweep.entry->name ? "" : " of " + sweep.rest;
+      figure("sweep-" + name + (rest.empty() ? "" : "-" + std::to_string(++sweeps)),
+             sweepPlot(group, sweep, style),
+             escaped(fmt::format(
+                 "{}{}: {} Success (Wilson 95 %), time and iterations (median, quartiles); dotted: "
+                 "the default, {:g}.",
+                 name, rest, sweep.parameter->meaning, sweep.parameter->value)),
+             640);
+    }
     if (group.drag) figure("jitter", jitterPlot(group, style), "Jitter against lag, one point a drag speed.");
     html += "</div>\n";
   }
-  html += methodsSection(folder, style, summary) + "</body></html>\n";
+  html += methodsSection(results, style, summary) + "</body></html>\n";
   writeFile(folder + "/report.html", html);
-  return canPlot ? note : "gnuplot was not found: report.html has no plots (install the package gnuplot-nox)";
-}
-
-std::string summaryTable(const std::string& folder) {
-  const json summary = json::parse(readFile(folder + "/summary.json"));
-  std::string text = fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", "set", "solver",
-                                 "solved", "95 % interval", "mean us", "median us", "p99 us", "iter.");
-  for (const auto& [set, facts] : summary["sets"].items())
-    for (const auto& [solver, s] : facts["solvers"].items()) {
-      if (s["status"].contains("unsupported") && s["status"]["unsupported"] == s["problems"]) {
-        text += fmt::format("{:<4} {:<20} {:>8}\n", set, solver, "unsupported");
-        continue;
-      }
-      const json& seconds = s["time"]["seconds"];
-      text +=
-          fmt::format("{:<4} {:<20} {:>8} {:>18} {:>10} {:>10} {:>10} {:>7}\n", set, solver,
-                      shown(s["solved_share"], 100.0, "{:.2f}%"),
-                      shown(s["solved_wilson_95"][0], 100.0, "{:.2f}") + " - " +
-                          shown(s["solved_wilson_95"][1], 100.0, "{:.2f}"),
-                      shown(seconds["mean"], 1e6, "{:.1f}"), shown(seconds["median"], 1e6, "{:.1f}"),
-                      shown(seconds["p99"], 1e6, "{:.1f}"), shown(s["iterations"]["median"], 1.0, "{:.0f}"));
-    }
-  return text;
+  if (!canPlot) note = "gnuplot was not found: report.html has no plots (install the package gnuplot-nox)";
+  return {.note = note, .table = summaryTable(summary)};
 }
 
 }  // namespace gelenk

@@ -13,12 +13,14 @@ struct ReportStyle {
   std::function<std::string(const std::string& solver)> colour;  ///< "#rrggbb"
 };
 
-/// Writes summary.json and report.html (self-contained; plots as SVG drawn by gnuplot) from what the folder
-/// holds. Returns a note for the user where something is missing, such as gnuplot; empty otherwise.
-std::string writeReport(const std::string& folder, const ReportStyle& style);
+struct Report {
+  std::string note;   ///< for the user where something is missing, such as gnuplot; empty otherwise
+  std::string table;  ///< the summary for the terminal, one line a set and solver
+};
 
-/// A table of the summary for the terminal, one line a set and solver.
-std::string summaryTable(const std::string& folder);
+/// Writes summary.json and report.html (self-contained; plots as SVG drawn by gnuplot) of the results into
+/// the folder.
+Report writeReport(const std::string& folder, const Results& results, const ReportStyle& style);
 
 /// Runs gnuplot on a script that begins with `set terminal svg`; the SVG text, or empty where gnuplot is
 /// absent or fails.

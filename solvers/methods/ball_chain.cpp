@@ -32,14 +32,15 @@ Matrix3d reachMatrix(std::span<const Vector3d> points) {
 }
 
 /// Turns joint i about its point by r_i x y, all at once, root first.
-void turnAll(std::span<Vector3d> points, std::span<Quaterniond> rotations, const Vector3d& y) {
+void turnAll(std::span<Vector3d> points, std::span<Quaterniond> rotations, const Vector3d& y,
+             double largestTurn) {
   const Vector3d effector = points.back();
   Quaterniond sum = Quaterniond::Identity();
   Vector3d before = points[0];
   double largest = 0.0;
   for (size_t i = 0; i + 1 < points.size(); ++i)
     largest = std::max(largest, (effector - points[i]).cross(y).squaredNorm());
-  const double scale = largest > 1.0 ? 1.0 / std::sqrt(largest) : 1.0;
+  const double scale = largest > largestTurn * largestTurn ? largestTurn / std::sqrt(largest) : 1.0;
   for (size_t i = 0; i + 1 < points.size(); ++i) {
     const Vector3d half = (effector - before).cross(y) * (0.5 * scale);
     sum = sum * Quaterniond(1.0, half.x(), half.y(),
@@ -93,6 +94,7 @@ struct BallPath {
 
 class BallChain final : public IkSolver {
  public:
+  explicit BallChain(const BallChainParameters& parameters) : p_(parameters) {}
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.goals.empty()) return {};
     if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Position)
@@ -104,42 +106,52 @@ class BallChain final : public IkSolver {
     if (!whyUnsupported(problem).empty()) return unsupported(problem);
     const Skeleton& skeleton = *problem.skeleton;
     return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
-      if (attempt.isOver()) return;
       const BallPath path(skeleton, problem.goals[0]);
       const size_t n = path.joints.size();
-      std::vector<Vector3d> points(n + 1);
-      std::vector<Quaterniond> turned(n, Quaterniond::Identity()), before(n);
-      Isometry3d above = Isometry3d::Identity();
-      for (size_t i = 0; i < n; ++i) {
-        above = above * path.fromParent[i];
-        points[i] = above.translation();
-        above.rotate(ballRotation(skeleton, attempt.at.q(), path.joints[i]));
-        before[i] = Quaterniond(above.linear());
+      const auto run = [&] {
+        std::vector<Vector3d> points(n + 1);
+        std::vector<Quaterniond> turned(n, Quaterniond::Identity()), before(n);
+        Isometry3d above = Isometry3d::Identity();
+        for (size_t i = 0; i < n; ++i) {
+          above = above * path.fromParent[i];
+          points[i] = above.translation();
+          above.rotate(ballRotation(skeleton, attempt.at.q(), path.joints[i]));
+          before[i] = Quaterniond(above.linear());
+        }
+        points[n] = above * path.tip;
+        const BallChainResult result =
+            solveBallChain(points, turned, problem.goals[0].target, 0.5 * problem.positionTolerance,
+                           budget.maxIterations - 1, p_);
+        VectorXd q = attempt.at.q();
+        Quaterniond parent = Quaterniond::Identity();
+        for (size_t i = 0; i < n; ++i) {
+          const Quaterniond world = turned[i] * before[i];
+          setBallRotation(
+              skeleton, q, path.joints[i],
+              ((parent * Quaterniond(path.fromParent[i].linear())).conjugate() * world).normalized());
+          parent = world;
+        }
+        for (int i = 0; i < result.iterations; ++i) attempt.countIteration(0.0, 0.0);
+        attempt.propose(q);
+      };
+      while (!attempt.isOver()) {
+        run();
+        if (attempt.isOver()) return;
+        const Attempt::Rest rest = attempt.rest();
+        if (rest == Attempt::Rest::No) attempt.stop(Stop::Stalled);
       }
-      points[n] = above * path.tip;
-      const BallChainResult result = solveBallChain(
-          points, turned, problem.goals[0].target, 0.5 * problem.positionTolerance, budget.maxIterations - 1);
-      VectorXd q = attempt.at.q();
-      Quaterniond parent = Quaterniond::Identity();
-      for (size_t i = 0; i < n; ++i) {
-        const Quaterniond world = turned[i] * before[i];
-        setBallRotation(
-            skeleton, q, path.joints[i],
-            ((parent * Quaterniond(path.fromParent[i].linear())).conjugate() * world).normalized());
-        parent = world;
-      }
-      for (int i = 0; i < result.iterations; ++i) attempt.countIteration(0.0, 0.0);
-      attempt.propose(q);
-      if (attempt.isOver()) return;
-      attempt.stop(attempt.isStationary() ? Stop::Stationary : Stop::Stalled);
     });
   }
+
+ private:
+  BallChainParameters p_;
 };
 
 }  // namespace
 
 BallChainResult solveBallChain(std::span<Vector3d> points, std::span<Quaterniond> rotations,
-                               const Vector3d& target, double tolerance, int maxIterations) {
+                               const Vector3d& target, double tolerance, int maxIterations,
+                               const BallChainParameters& parameters) {
   BallChainResult result;
   result.distance = (target - points.back()).norm();
   int withoutProgress = 0;
@@ -148,7 +160,7 @@ BallChainResult solveBallChain(std::span<Vector3d> points, std::span<Quaterniond
     ++result.iterations;
     const Vector3d e = target - points.back();
     Matrix3d A = reachMatrix(points);
-    A.diagonal().array() += 1e-3 * caution * e.squaredNorm() + 1e-12 * (1.0 + A.trace());
+    A.diagonal().array() += parameters.damping * caution * e.squaredNorm() + 1e-12 * (1.0 + A.trace());
     const Vector3d y = A.ldlt().solve(e);
     double slope = 0.0, reach = 0.0;
     for (const Vector3d& p : points.first(points.size() - 1)) {
@@ -159,7 +171,7 @@ BallChainResult solveBallChain(std::span<Vector3d> points, std::span<Quaterniond
     if (slope < 1e-9 * reach * e.norm())
       leaveLine(points, rotations);
     else
-      turnAll(points, rotations, y);
+      turnAll(points, rotations, y, parameters.largestTurn);
     const double now = (target - points.back()).norm();
     caution = now < result.distance ? std::max(1.0, 0.25 * caution) : 8.0 * caution;
     withoutProgress = now < result.distance * (1.0 - 1e-9) ? 0 : withoutProgress + 1;
@@ -169,6 +181,8 @@ BallChainResult solveBallChain(std::span<Vector3d> points, std::span<Quaterniond
   return result;
 }
 
-std::unique_ptr<IkSolver> makeBallChain() { return std::make_unique<BallChain>(); }
+std::unique_ptr<IkSolver> makeBallChain(const BallChainParameters& parameters) {
+  return std::make_unique<BallChain>(parameters);
+}
 
 }  // namespace gelenk

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/iteration/attempt.h"
 
@@ -28,6 +29,7 @@ struct Effector {
 
 struct Wanted {
   bool position, orientation;
+  double orientationWeight;  ///< arm^2, m^2
   Vector3d point;
   Matrix3d rotation;
 };
@@ -42,30 +44,23 @@ double bestAngle(const Wanted& wanted, const Effector& effector, const Vector3d&
   };
   if (wanted.position) add(effector.point - about, wanted.point - about, 2.0);
   if (wanted.orientation)
-    for (int k = 0; k < 3; ++k) add(effector.rotation.col(k), wanted.rotation.col(k), 1.0);
+    for (int k = 0; k < 3; ++k)
+      add(effector.rotation.col(k), wanted.rotation.col(k), wanted.orientationWeight);
   return std::hypot(sine, cosine) > 1e-14 ? std::atan2(sine, cosine) : 0.0;
 }
 
 /// New value of a rotation's angle within its range; whole turns are free where the range holds one.
-double turned(const AxisDof& dof, double q, double by) {
-  double angle = q + by;
-  const double turn = 2.0 * M_PI;
-  if (dof.isFullTurn()) {
-    if (angle < dof.lower) angle += turn * std::ceil((dof.lower - angle) / turn);
-    if (angle > dof.upper) angle -= turn * std::ceil((angle - dof.upper) / turn);
-  }
-  return std::clamp(angle, dof.lower, dof.upper);
-}
+double turned(const AxisDof& dof, double q, double by) { return intoRange(dof, q + by); }
 
 class Sweep {
  public:
-  Sweep(const Goal& goal, CountedEvaluator& at)
+  Sweep(const Goal& goal, CountedEvaluator& at, double arm)
       : skeleton_(at.skeleton()),
         frames_(at.frames()),
         q_(at.q()),
         goal_(goal),
         effector_{frames_[goal.joint] * goal.pointInJoint, frames_[goal.joint].linear()},
-        wanted_{goal.kind != GoalKind::Orientation, goal.kind != GoalKind::Position, goal.target,
+        wanted_{goal.kind != GoalKind::Orientation, goal.kind != GoalKind::Position, arm * arm, goal.target,
                 goal.orientation.normalized().toRotationMatrix()} {
     dofTwists(skeleton_, q_, frames_, twists_);
   }
@@ -86,7 +81,7 @@ class Sweep {
     const Vector3d v = twists_.col(iv).head<3>(), omega = twists_.col(iv).tail<3>();
     if (dof.kind == AxisDof::Kind::Translation) {
       if (!wanted_.position) return;
-      const double to = std::clamp(q_[iq] + v.dot(wanted_.point - effector_.point), dof.lower, dof.upper);
+      const double to = intoRange(dof, q_[iq] + v.dot(wanted_.point - effector_.point));
       effector_.point += v * (to - q_[iq]);
       q_[iq] = to;
       return;
@@ -136,6 +131,7 @@ class Sweep {
 
 class Ccd final : public IkSolver {
  public:
+  explicit Ccd(const CcdParameters& parameters) : p_(parameters) {}
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.goals.empty()) return {};
     if (problem.goals.size() != 1) return "moves one effector only";
@@ -149,18 +145,23 @@ class Ccd final : public IkSolver {
     if (!whyUnsupported(problem).empty()) return unsupported(problem);
     return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
       while (!attempt.isOver()) {
-        if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+        if (attempt.rest() == Attempt::Rest::Over) return;
         const VectorXd before = attempt.at.q();
-        const VectorXd q = Sweep(problem.goals[0], attempt.at).run();
+        const VectorXd q = Sweep(problem.goals[0], attempt.at, p_.arm).run();
         attempt.countIteration(difference(*problem.skeleton, before, q).norm(), 0.0);
         attempt.propose(q);
       }
     });
   }
+
+ private:
+  CcdParameters p_;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeCcd() { return std::make_unique<Ccd>(); }
+std::unique_ptr<IkSolver> makeCcd(const CcdParameters& parameters) {
+  return std::make_unique<Ccd>(parameters);
+}
 
 }  // namespace gelenk

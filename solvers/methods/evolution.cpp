@@ -1,8 +1,9 @@
 #include "solvers/methods/evolution.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <stdexcept>
+#include <vector>
 
 #include "solvers/iteration/attempt.h"
 #include "solvers/iteration/normal_equations.h"
@@ -15,9 +16,8 @@ using Eigen::VectorXd;
 
 class Evolution {
  public:
-  static constexpr int population = 16, parents = 8, elite = 2, polishSteps = 4, patience = 10;
-
-  explicit Evolution(const IkProblem& problem) : nv_(problem.skeleton->nv()) {
+  Evolution(const IkProblem& problem, const EvolutionParameters& parameters)
+      : p_(parameters), nv_(problem.skeleton->nv()), people_(parameters.population) {
     for (Individual& one : people_) one = {VectorXd(problem.skeleton->nq()), VectorXd::Zero(nv_)};
   }
 
@@ -27,14 +27,14 @@ class Evolution {
     int patient = 0;
     while (!attempt.isOver()) {
       attempt.countIteration(0.0, 0.0);
-      for (int i = 0; i < elite; ++i)
+      for (int i = 0; i < p_.elite; ++i)
         if (polish(attempt, people_[i])) return;
-      for (int i = parents; i < population; ++i) breed(attempt, people_[i]);
+      for (int i = p_.parents; i < p_.population; ++i) breed(attempt, people_[i]);
       sort();
       if (people_[0].cost < 0.99 * reference) {
         reference = people_[0].cost;
         patient = 0;
-      } else if (++patient >= patience) {
+      } else if (++patient >= p_.patience) {
         populate(attempt, false);
         reference = people_[0].cost;
         patient = 0;
@@ -62,8 +62,8 @@ class Evolution {
 
   void populate(Attempt& attempt, bool keepStart) {
     people_[0].q = attempt.at.q();
-    for (int i = 0; i < population; ++i) {
-      if (i > 0 || !keepStart) people_[i].q = randomWithinLimits(attempt.at.skeleton(), attempt.random());
+    for (int i = 0; i < p_.population; ++i) {
+      if (i > 0 || !keepStart) people_[i].q = attempt.randomStart();
       people_[i].momentum.setZero();
       evaluate(attempt, people_[i]);
     }
@@ -80,15 +80,16 @@ class Evolution {
 
   void breed(Attempt& attempt, Individual& child) {
     std::mt19937_64& random = attempt.random();
-    const Individual& a = people_[random() % parents];
-    const Individual& b = people_[random() % parents];
+    const Individual& a = people_[random() % p_.parents];
+    const Individual& b = people_[random() % p_.parents];
     difference(attempt.at.skeleton(), a.q, b.q, between_);
-    const double width = 0.3 * between_.norm() / std::sqrt(static_cast<double>(nv_)) + 1e-4;
+    const double width = p_.mutation * between_.norm() / std::sqrt(static_cast<double>(nv_)) + 1e-4;
     for (int k = 0; k < nv_; ++k) {
       const double mix = uniform01(random);
       move_[k] = mix * between_[k] + 0.5 * uniform01(random) * a.momentum[k];
       if (uniform01(random) < 2.0 / nv_) move_[k] += width * bell(random);
     }
+    attempt.movingJoints().silence(move_);
     child.momentum = 0.3 * move_;
     attempt.limits.retract(a.q, move_, child.q);
     evaluate(attempt, child);
@@ -99,7 +100,7 @@ class Evolution {
     CountedEvaluator& at = attempt.at;
     at.moveTo(one.q);
     double mu = 1e-3 * at.cost() + 1e-12;
-    for (int i = 0; i < polishSteps; ++i) {
+    for (int i = 0; i < p_.polish; ++i) {
       if (at.withinTolerance()) return attempt.isOver();
       attempt.limits.moveTo(one.q);
       J_ = at.jacobian();
@@ -129,8 +130,9 @@ class Evolution {
     return at.withinTolerance() && attempt.isOver();
   }
 
+  EvolutionParameters p_;
   int nv_;
-  std::array<Individual, population> people_;
+  std::vector<Individual> people_;
   VectorXd between_ = VectorXd(nv_), move_ = VectorXd(nv_), step_ = VectorXd(nv_), r_, candidate_;
   MatrixXd J_;
   DampedSystem system_;
@@ -138,14 +140,26 @@ class Evolution {
 
 class EvolutionSolver final : public IkSolver {
  public:
+  explicit EvolutionSolver(const EvolutionParameters& parameters) : parameters_(parameters) {}
   std::string whyUnsupported(const IkProblem&) const override { return {}; }
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
-    return solveWithRestarts(problem, budget, trace, Evolution(problem));
+    return solveWithRestarts(problem, budget, trace, Evolution(problem, parameters_));
   }
+
+ private:
+  EvolutionParameters parameters_;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeEvolution() { return std::make_unique<EvolutionSolver>(); }
+std::unique_ptr<IkSolver> makeEvolution(const EvolutionParameters& p) {
+  if (p.parents > p.population)
+    throw std::invalid_argument("evolution.parents must not exceed evolution.population, " +
+                                std::to_string(p.population) + ", but is " + std::to_string(p.parents));
+  if (p.elite > p.parents)
+    throw std::invalid_argument("evolution.elite must not exceed evolution.parents, " +
+                                std::to_string(p.parents) + ", but is " + std::to_string(p.elite));
+  return std::make_unique<EvolutionSolver>(p);
+}
 
 }  // namespace gelenk

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/iteration/attempt.h"
 
@@ -24,9 +25,9 @@ Vector3d pulled(const Vector3d& to, const Vector3d& from, double length, const V
   return to + (square > 1e-24 ? Vector3d(along * (length / std::sqrt(square))) : Vector3d(fallback * length));
 }
 
-/// A straight chain cannot bend by pulling along its own line: its inner points move aside by a hundredth of
-/// the first bone.
-void bendIfInLine(std::span<Vector3d> points, const Vector3d& target) {
+/// A straight chain cannot bend by pulling along its own line: its inner points move aside by a share of the
+/// first bone.
+void bendIfInLine(std::span<Vector3d> points, const Vector3d& target, double share) {
   const Vector3d line = points.back() - points.front();
   const double length = line.norm();
   if (points.size() < 3 || length == 0.0) return;
@@ -37,7 +38,7 @@ void bendIfInLine(std::span<Vector3d> points, const Vector3d& target) {
   double most = aside(target);
   for (const Vector3d& p : points) most = std::max(most, aside(p));
   if (most > 1e-6 * length) return;
-  const double by = 0.01 * (points[1] - points[0]).norm();
+  const double by = share * (points[1] - points[0]).norm();
   for (size_t i = 1; i + 1 < points.size(); i += 2) points[i] += u.unitOrthogonal() * by;
 }
 
@@ -51,8 +52,9 @@ struct Pivot {
 
 class FabrikChain {
  public:
-  FabrikChain(const Skeleton& skeleton, const Goal& goal, const VectorXd& q)
-      : skeleton_(skeleton), goal_(goal) {
+  FabrikChain(const Skeleton& skeleton, const Goal& goal, const VectorXd& q,
+              const FabrikParameters& parameters)
+      : skeleton_(skeleton), goal_(goal), p_(parameters) {
     std::vector<int> path;
     for (int j = goal.joint; j >= 0; j = skeleton.parent(j)) path.push_back(j);
     Isometry3d since = Isometry3d::Identity(), worldFromPivot = Isometry3d::Identity();
@@ -101,7 +103,7 @@ class FabrikChain {
 
   /// All iterations on bare points, then the rotations. Returns the iterations.
   int runOnPoints(VectorXd& q, double tolerance, int maxIterations) {
-    const FabrikResult result = fabrikPoints(points_, goal_.target, tolerance, maxIterations);
+    const FabrikResult result = fabrikPoints(points_, goal_.target, tolerance, maxIterations, p_);
     turnTowardsPoints(q);
     return result.iterations;
   }
@@ -110,7 +112,7 @@ class FabrikChain {
   void iterate(VectorXd& q) {
     moveTo(q);
     here_ = points_;
-    bendIfInLine(points_, goal_.target);
+    bendIfInLine(points_, goal_.target, p_.bend);
     Vector3d place = goal_.target;
     for (size_t i = lengths_.size(); i-- > 0;) {
       points_[i + 1] = place;
@@ -188,17 +190,12 @@ class FabrikChain {
       cosine += from.dot(to) - dof.axis.dot(from) * dof.axis.dot(to);
     }
     if (std::hypot(sine, cosine) < 1e-14) return;
-    double angle = q[at + k] + std::atan2(sine, cosine);
-    const double turn = 2.0 * M_PI;
-    if (dof.isFullTurn()) {
-      if (angle < dof.lower) angle += turn * std::ceil((dof.lower - angle) / turn);
-      if (angle > dof.upper) angle -= turn * std::ceil((angle - dof.upper) / turn);
-    }
-    q[at + k] = std::clamp(angle, dof.lower, dof.upper);
+    q[at + k] = intoRange(dof, q[at + k] + std::atan2(sine, cosine));
   }
 
   const Skeleton& skeleton_;
   const Goal& goal_;
+  FabrikParameters p_;
   std::vector<Pivot> pivots_;
   Vector3d tip_ = Vector3d::Zero();  ///< the effector's point in the last pivot's frame
   std::vector<Vector3d> points_;     ///< of the pivots and the effector: where the passes want them
@@ -210,11 +207,12 @@ class FabrikChain {
 
 class Fabrik final : public IkSolver {
  public:
+  explicit Fabrik(const FabrikParameters& parameters) : p_(parameters) {}
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.goals.empty()) return {};
     if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Position)
       return "solves exactly one position goal";
-    const FabrikChain chain(*problem.skeleton, problem.goals[0], neutral(*problem.skeleton));
+    const FabrikChain chain(*problem.skeleton, problem.goals[0], neutral(*problem.skeleton), p_);
     return chain.hasPivots() ? "" : "no joint on the path turns";
   }
 
@@ -222,7 +220,7 @@ class Fabrik final : public IkSolver {
     if (!whyUnsupported(problem).empty()) return unsupported(problem);
     return solveWithRestarts(problem, budget, trace, [&](Attempt& attempt) {
       if (attempt.isOver()) return;
-      FabrikChain chain(*problem.skeleton, problem.goals[0], attempt.at.q());
+      FabrikChain chain(*problem.skeleton, problem.goals[0], attempt.at.q(), p_);
       if (chain.isFree()) {
         VectorXd q = attempt.at.q();
         chain.moveTo(q);
@@ -232,7 +230,7 @@ class Fabrik final : public IkSolver {
         for (int i = 0; i < iterations; ++i) attempt.countIteration(0.0, 0.0);
       }
       while (!attempt.isOver()) {
-        if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+        if (attempt.rest() == Attempt::Rest::Over) return;
         VectorXd q = attempt.at.q();
         chain.iterate(q);
         attempt.countIteration(difference(*problem.skeleton, attempt.at.q(), q).norm(), 0.0);
@@ -240,12 +238,15 @@ class Fabrik final : public IkSolver {
       }
     });
   }
+
+ private:
+  FabrikParameters p_;
 };
 
 }  // namespace
 
 FabrikResult fabrikPoints(std::span<Vector3d> points, const Vector3d& target, double tolerance,
-                          int maxIterations) {
+                          int maxIterations, const FabrikParameters& parameters) {
   FabrikResult result;
   const size_t n = points.size() - 1;
   constexpr size_t onStack = 64;
@@ -254,7 +255,7 @@ FabrikResult fabrikPoints(std::span<Vector3d> points, const Vector3d& target, do
   double* lengths = n > onStack ? many.data() : few;
   for (size_t i = 0; i < n; ++i) lengths[i] = (points[i + 1] - points[i]).norm();
   const Vector3d root = points[0];
-  bendIfInLine(points, target);
+  bendIfInLine(points, target, parameters.bend);
   const double enough = tolerance * tolerance;
   while (result.iterations < maxIterations && (points[n] - target).squaredNorm() > enough) {
     ++result.iterations;
@@ -271,6 +272,8 @@ FabrikResult fabrikPoints(std::span<Vector3d> points, const Vector3d& target, do
   return result;
 }
 
-std::unique_ptr<IkSolver> makeFabrik() { return std::make_unique<Fabrik>(); }
+std::unique_ptr<IkSolver> makeFabrik(const FabrikParameters& parameters) {
+  return std::make_unique<Fabrik>(parameters);
+}
 
 }  // namespace gelenk

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kinematics/configuration.h"
-#include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/attempt.h"
 
 namespace gelenk {
 
@@ -89,12 +89,11 @@ MatrixXd differenceQuotient(const VectorFunction& f, const VectorXd& phi, double
 
 namespace {
 
-enum class Derivative { Analytic, DifferenceQuotient };
+constexpr double analytic = 0.0;  // for a delta: no difference quotient
 
-/// dr = -J dq by the difference quotient along every tangent axis.
-MatrixXd residualJacobian(CountedEvaluator& at, Derivative derivative) {
-  if (derivative == Derivative::Analytic) return at.jacobian();
-  constexpr double delta = 1e-7;
+/// dr = -J dq, analytic or by the difference quotient along every tangent axis.
+MatrixXd residualJacobian(CountedEvaluator& at, double delta) {
+  if (delta == analytic) return at.jacobian();
   const VectorXd q = at.q(), r = at.residual();
   MatrixXd J(at.rows(), at.skeleton().nv());
   for (int k = 0; k < at.skeleton().nv(); ++k) {
@@ -119,7 +118,7 @@ std::optional<VectorXd> newtonStep(const MatrixXd& J, const VectorXd& r) {
 
 class NewtonSolver final : public IkSolver {
  public:
-  explicit NewtonSolver(Derivative derivative) : derivative_(derivative) {}
+  explicit NewtonSolver(double delta) : delta_(delta) {}
 
   std::string whyUnsupported(const IkProblem& problem) const override {
     int rows = 0;
@@ -149,7 +148,7 @@ class NewtonSolver final : public IkSolver {
         break;
       }
       if (at.seconds() > budget.maxSeconds) break;
-      const std::optional<VectorXd> dq = newtonStep(residualJacobian(at, derivative_), at.residual());
+      const std::optional<VectorXd> dq = newtonStep(residualJacobian(at, delta_), at.residual());
       ++at.counters().factorisations;
       if (!dq || !dq->allFinite()) {
         report.why = Stop::Failure;  // singular: the inverse on the slide does not exist
@@ -198,11 +197,12 @@ class NewtonSolver final : public IkSolver {
     return true;
   }
 
-  Derivative derivative_;
+  double delta_;
 };
 
 class Newton1dSolver final : public IkSolver {
  public:
+  explicit Newton1dSolver(double delta) : delta_(delta) {}
   std::string whyUnsupported(const IkProblem& problem) const override {
     if (problem.skeleton->nv() == 1) return {};
     return "one-dimensional Newton needs a skeleton of one degree of freedom, this one has " +
@@ -232,7 +232,7 @@ class Newton1dSolver final : public IkSolver {
       }
       if (at.seconds() > budget.maxSeconds) break;
       const double q = at.q()[0], residual = at.residual().norm();
-      const double delta = 1e-6, g = gradient(q), slope = (gradient(q + delta) - g) / delta;
+      const double g = gradient(q), slope = (gradient(q + delta_) - g) / delta_;
       const double dq = -g / slope;
       if (trace != TraceLevel::Off)
         report.trace.push_back(
@@ -248,7 +248,7 @@ class Newton1dSolver final : public IkSolver {
       }
       at.moveTo(projectToLimits(*problem.skeleton, VectorXd::Constant(1, q + dq)));
       if (std::abs(at.q()[0] - q) < 1e-12) {
-        report.why = at.withinTolerance() ? Stop::Converged : Stop::Stationary;
+        report.why = at.withinTolerance() ? Stop::Converged : whyAtRest(problem, at.q());
         break;
       }
     }
@@ -259,14 +259,19 @@ class Newton1dSolver final : public IkSolver {
     report.seconds = at.seconds();
     return report;
   }
+
+ private:
+  double delta_;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeNewton1d() { return std::make_unique<Newton1dSolver>(); }
-std::unique_ptr<IkSolver> makeNewton() { return std::make_unique<NewtonSolver>(Derivative::Analytic); }
-std::unique_ptr<IkSolver> makeNewtonDifferenceQuotient() {
-  return std::make_unique<NewtonSolver>(Derivative::DifferenceQuotient);
+std::unique_ptr<IkSolver> makeNewton1d(const Newton1dParameters& parameters) {
+  return std::make_unique<Newton1dSolver>(parameters.delta);
+}
+std::unique_ptr<IkSolver> makeNewton() { return std::make_unique<NewtonSolver>(analytic); }
+std::unique_ptr<IkSolver> makeNewtonDifferenceQuotient(const NewtonDifferenceQuotientParameters& parameters) {
+  return std::make_unique<NewtonSolver>(parameters.delta);
 }
 
 }  // namespace gelenk

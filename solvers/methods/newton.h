@@ -64,16 +64,35 @@ NewtonRun newton(const VectorFunction& f, const MatrixFunction& D, const Eigen::
 /// D by difference quotients, column by column. Lecture 10.1.4, derivative.
 Eigen::MatrixXd differenceQuotient(const VectorFunction& f, const Eigen::VectorXd& phi, double delta = 1e-7);
 
+struct Newton1dParameters {
+  double delta = 1e-6;
+
+  static constexpr auto fields() {
+    using P = Newton1dParameters;
+    return std::to_array<ParameterField<P>>(
+        {{&P::delta, "delta", 1e-12, 1.0, "rad, m", "ours", "Delta of the difference quotient."}});
+  }
+};
 /// Skeletons of one degree of freedom: the zero of the derivative of half the squared residual, by 1-D Newton
 /// with the difference quotient; it ends in the nearest pose where the target cannot be reached.
 /// Lecture 10.1.4.
-std::unique_ptr<IkSolver> makeNewton1d();
+std::unique_ptr<IkSolver> makeNewton1d(const Newton1dParameters& parameters = {});
 
 /// dq = D^+ r with the full step, D analytic; rows that no joint can change are left out. n = m: LU. n > m:
 /// D^T (D D^T)^-1. n < m: not of full row rank, not on the slides, unsupported. Lecture 10.1.4.
 std::unique_ptr<IkSolver> makeNewton();
 
+struct NewtonDifferenceQuotientParameters {
+  double delta = 1e-7;
+
+  static constexpr auto fields() {
+    using P = NewtonDifferenceQuotientParameters;
+    return std::to_array<ParameterField<P>>(
+        {{&P::delta, "delta", 1e-12, 1.0, "rad, m", "ours", "Delta of the difference quotients."}});
+  }
+};
 /// The same with D by difference quotients along the tangent axes.
-std::unique_ptr<IkSolver> makeNewtonDifferenceQuotient();
+std::unique_ptr<IkSolver> makeNewtonDifferenceQuotient(
+    const NewtonDifferenceQuotientParameters& parameters = {});
 
 }  // namespace gelenk

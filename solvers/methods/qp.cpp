@@ -80,16 +80,17 @@ bool ConvexQp::solve(const MatrixXd& H, const VectorXd& g, const MatrixXd& C, co
 namespace {
 
 struct QpDifferential {
-  static constexpr double largestStep = 0.5;
+  using Parameters = QpDifferentialParameters;
   static constexpr bool monotone = false;
   static constexpr bool ownLimits = true;
-  explicit QpDifferential(const IkProblem&) {}
+  QpDifferential(const IkProblem&, const Parameters& parameters) : p(parameters) {}
+  double largestStep() const { return p.largestStep; }
   double damping() const { return damping_; }
 
   void step(CountedEvaluator&, const LimitSet& limits, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
     const int n = static_cast<int>(J.cols());
-    damping_ = 1e-3 * r.squaredNorm() + 1e-9;
+    damping_ = p.damping * r.squaredNorm() + p.base;
     H.noalias() = J.transpose() * J;
     H.diagonal().array() += damping_;
     g.noalias() = J.transpose() * r;
@@ -104,10 +105,11 @@ struct QpDifferential {
     for (int k = 0; k < n; ++k) {
       C(rows + k, k) = 1.0;
       C(rows + n + k, k) = -1.0;
-      b[rows + k] = b[rows + n + k] = largestStep;
+      b[rows + k] = b[rows + n + k] = p.largestStep;
     }
     qp.solve(H, g, C, b, dq);
   }
+  Parameters p;
   double damping_ = 0.0;
   MatrixXd H, C;
   VectorXd g, b;
@@ -116,6 +118,8 @@ struct QpDifferential {
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeQpDifferential() { return std::make_unique<StepSolver<QpDifferential>>(); }
+std::unique_ptr<IkSolver> makeQpDifferential(const QpDifferentialParameters& parameters) {
+  return std::make_unique<StepSolver<QpDifferential>>(parameters);
+}
 
 }  // namespace gelenk

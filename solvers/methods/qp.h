@@ -31,9 +31,22 @@ class ConvexQp {
   bool optimal_ = false;
 };
 
+struct QpDifferentialParameters {
+  double damping = 1e-3, base = 1e-9, largestStep = 0.5;
+
+  static constexpr auto fields() {
+    using P = QpDifferentialParameters;
+    return std::to_array<ParameterField<P>>(
+        {{&P::damping, "damping", 0.0, 1e3, "1", "ours; form: Sugihara 2011",
+          "Share of the squared residual in the damping mu."},
+         {&P::base, "base", 1e-15, 1.0, "m^2", "ours", "Damping that is left where the residual vanishes."},
+         {&P::largestStep, "largest-step", 1e-3, 6.3, "rad, m", "ours",
+          "Bound on every coordinate of a step, a constraint of the program."}});
+  }
+};
 /// Differential IK as a quadratic program: minimise |J dq - r|^2 + mu |dq|^2 within the linearised limits and
-/// |dq_k| <= 0.5, with mu = 1e-3 |r|^2 + 1e-9 (ours). The limits bound the step itself instead of correcting
-/// it. Escande, Mansard, Wieber 2014; the damping after Sugihara 2011.
-std::unique_ptr<IkSolver> makeQpDifferential();
+/// |dq_k| <= largest-step, with mu = damping |r|^2 + base. The limits bound the step itself instead of
+/// correcting it. Escande, Mansard, Wieber 2014; the damping after Sugihara 2011.
+std::unique_ptr<IkSolver> makeQpDifferential(const QpDifferentialParameters& parameters = {});
 
 }  // namespace gelenk

@@ -1,7 +1,7 @@
 #include "solvers/methods/quasi_newton.h"
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
 #include "solvers/iteration/attempt.h"
 
@@ -14,7 +14,8 @@ using Eigen::VectorXd;
 /// B, the inverse Hessian as learned so far, in full.
 class DenseInverse {
  public:
-  explicit DenseInverse(int nv) : B_(nv, nv), By_(nv) {}
+  using Parameters = BfgsParameters;
+  DenseInverse(int nv, const Parameters&) : B_(nv, nv), By_(nv) {}
   void reset() { fresh_ = true; }
   bool fresh() const { return fresh_; }
   void apply(const VectorXd& g, VectorXd& d) { d.noalias() = B_ * g; }
@@ -36,56 +37,61 @@ class DenseInverse {
 /// The same product from the last pairs (s, y).
 class LimitedInverse {
  public:
-  explicit LimitedInverse(int nv) {
-    for (Pair& pair : pairs_) pair = {VectorXd(nv), VectorXd(nv), 0.0};
-  }
+  using Parameters = LbfgsParameters;
+  LimitedInverse(int nv, const Parameters& parameters)
+      : memory_(parameters.memory), pairs_(memory_, {VectorXd(nv), VectorXd(nv), 0.0}), alpha_(memory_) {}
   void reset() { count_ = 0; }
   bool fresh() const { return count_ == 0; }
   void apply(const VectorXd& g, VectorXd& d) {
-    std::array<double, memory> alpha;
     d = g;
-    const int kept = std::min(count_, memory);
+    const int kept = std::min(count_, memory_);
     for (int i = 0; i < kept; ++i) {
       const Pair& p = newest(i);
-      alpha[i] = p.s.dot(d) / p.sy;
-      d -= alpha[i] * p.y;
+      alpha_[i] = p.s.dot(d) / p.sy;
+      d -= alpha_[i] * p.y;
     }
     d *= newest(0).sy / newest(0).y.squaredNorm();
     for (int i = kept - 1; i >= 0; --i) {
       const Pair& p = newest(i);
-      d += (alpha[i] - p.y.dot(d) / p.sy) * p.s;
+      d += (alpha_[i] - p.y.dot(d) / p.sy) * p.s;
     }
   }
   void update(const VectorXd& s, const VectorXd& y, double sy) {
-    Pair& p = pairs_[count_++ % memory];
+    Pair& p = pairs_[count_++ % memory_];
     p.s = s;
     p.y = y;
     p.sy = sy;
   }
 
  private:
-  static constexpr int memory = 8;
   struct Pair {
     VectorXd s, y;
     double sy = 0.0;
   };
-  const Pair& newest(int back) const { return pairs_[(count_ - 1 - back) % memory]; }
-  std::array<Pair, memory> pairs_;
+  const Pair& newest(int back) const { return pairs_[(count_ - 1 - back) % memory_]; }
+  int memory_;
+  std::vector<Pair> pairs_;
+  std::vector<double> alpha_;
   int count_ = 0;
 };
 
 template <typename Inverse>
 class QuasiNewton {
  public:
-  explicit QuasiNewton(const IkProblem& problem)
-      : inverse_(problem.skeleton->nv()), nv_(problem.skeleton->nv()) {}
+  QuasiNewton(const IkProblem& problem, const typename Inverse::Parameters& parameters)
+      : inverse_(problem.skeleton->nv(), parameters), p_(parameters) {}
 
   void operator()(Attempt& attempt) {
     CountedEvaluator& at = attempt.at;
     inverse_.reset();
     bool havePair = false;
     while (!attempt.isOver()) {
-      if (attempt.isStationary()) return attempt.stop(Stop::Stationary);
+      const Attempt::Rest rest = attempt.rest();
+      if (rest == Attempt::Rest::Over) return;
+      if (rest == Attempt::Rest::Left) {
+        inverse_.reset();
+        havePair = false;
+      }
       g_.noalias() = at.jacobian().transpose() * at.residual();  // points downhill
       if (havePair) learn();
       q_ = at.q();
@@ -121,10 +127,9 @@ class QuasiNewton {
 
   /// Leaves `at` at a better place and true, or where it was and false.
   bool search(Attempt& attempt) {
-    constexpr double largestStep = 1.0, armijo = 1e-4;
     const double largest = d_.template lpNorm<Eigen::Infinity>();
     if (!std::isfinite(largest)) return false;
-    if (largest > largestStep) d_ *= largestStep / largest;
+    if (largest > p_.largestStep) d_ *= p_.largestStep / largest;
     CountedEvaluator& at = attempt.at;
     const double before = at.cost(), slope = d_.dot(attempt.projectedGradient());
     attempt.countIteration(d_.norm(), 0.0);
@@ -134,7 +139,7 @@ class QuasiNewton {
       attempt.limits.retract(q_, s_, candidate_);
       at.moveTo(candidate_);
       const double fall = before - at.cost();
-      if (fall >= armijo * t * slope && fall > 0.0) {
+      if (fall >= p_.armijo * t * slope && fall > 0.0) {
         difference(at.skeleton(), q_, candidate_, s_);  // what the projection left of it
         attempt.consider();
         return true;
@@ -148,22 +153,30 @@ class QuasiNewton {
   }
 
   Inverse inverse_;
-  int nv_;
+  typename Inverse::Parameters p_;
   VectorXd q_, candidate_, g_, lastG_, d_, s_, y_, moved_;
 };
 
 template <typename Inverse>
 class QuasiNewtonSolver final : public IkSolver {
  public:
+  explicit QuasiNewtonSolver(const typename Inverse::Parameters& parameters) : parameters_(parameters) {}
   std::string whyUnsupported(const IkProblem&) const override { return {}; }
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
-    return solveWithRestarts(problem, budget, trace, QuasiNewton<Inverse>(problem));
+    return solveWithRestarts(problem, budget, trace, QuasiNewton<Inverse>(problem, parameters_));
   }
+
+ private:
+  typename Inverse::Parameters parameters_;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeBfgs() { return std::make_unique<QuasiNewtonSolver<DenseInverse>>(); }
-std::unique_ptr<IkSolver> makeLbfgs() { return std::make_unique<QuasiNewtonSolver<LimitedInverse>>(); }
+std::unique_ptr<IkSolver> makeBfgs(const BfgsParameters& parameters) {
+  return std::make_unique<QuasiNewtonSolver<DenseInverse>>(parameters);
+}
+std::unique_ptr<IkSolver> makeLbfgs(const LbfgsParameters& parameters) {
+  return std::make_unique<QuasiNewtonSolver<LimitedInverse>>(parameters);
+}
 
 }  // namespace gelenk

@@ -12,36 +12,33 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Rules that take every step and remember nothing.
+template <typename P>
 struct OpenRule {
-  static constexpr double largestStep = 0.5;  // a linearisation holds no farther
+  using Parameters = P;
   static constexpr bool monotone = false;
-  explicit OpenRule(const IkProblem&) {}
+  OpenRule(const IkProblem&, const P& parameters) : p(parameters) {}
+  double largestStep() const { return p.largestStep; }
   double damping() const { return damping_; }
 
  protected:
+  P p;
   double damping_ = 0.0;
 };
 
-struct PseudoInverse : OpenRule {
-  static constexpr double truncation = 0.01;
+struct PseudoInverse : OpenRule<PseudoInverseParameters> {
   using OpenRule::OpenRule;
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
     svd.factorise(J);
     dq.setZero();
     for (Eigen::Index i = 0; i < svd.sigma().size(); ++i)
-      if (svd.sigma()[i] > truncation * svd.sigma()[0])
+      if (svd.sigma()[i] > p.truncation * svd.sigma()[0])
         dq += svd.U().col(i).dot(r) / svd.sigma()[i] * svd.V().col(i);
   }
   SingularSystem svd;
 };
 
-struct MinimalChangePath : PseudoInverse {
-  static constexpr double largestStep = 0.02;
-  using PseudoInverse::PseudoInverse;
-};
-
-struct JacobianTranspose : OpenRule {
+struct JacobianTranspose : OpenRule<JacobianTransposeParameters> {
   using OpenRule::OpenRule;
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
@@ -53,20 +50,18 @@ struct JacobianTranspose : OpenRule {
   VectorXd moved;
 };
 
-struct DampedLeastSquares : OpenRule {
-  static constexpr double lambda = 0.05;
+struct DampedLeastSquares : OpenRule<DampedLeastSquaresParameters> {
   using OpenRule::OpenRule;
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
-    damping_ = lambda;
-    system.factorise(J, lambda * lambda);
+    damping_ = p.lambda;
+    system.factorise(J, p.lambda * p.lambda);
     system.solve(J, r, dq);
   }
   DampedSystem system;
 };
 
-struct Nakamura : OpenRule {
-  static constexpr double largestLambda = 0.1, threshold = 0.02;
+struct Nakamura : OpenRule<NakamuraParameters> {
   using OpenRule::OpenRule;
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
@@ -76,7 +71,7 @@ struct Nakamura : OpenRule {
       const double length = J.row(i).norm();
       w *= length > 0.0 ? svd.sigma()[i] / length : 0.0;
     }
-    const double lambda = w < threshold ? largestLambda * (1.0 - w / threshold) : 0.0;
+    const double lambda = w < p.threshold ? p.largestLambda * (1.0 - w / p.threshold) : 0.0;
     damping_ = lambda;
     dq.setZero();
     for (Eigen::Index i = 0; i < svd.sigma().size(); ++i) {
@@ -87,20 +82,19 @@ struct Nakamura : OpenRule {
   SingularSystem svd;
 };
 
-struct Chiaverini : OpenRule {
-  static constexpr double region = 0.04;
+struct Chiaverini : OpenRule<ChiaveriniParameters> {
   using OpenRule::OpenRule;
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
     svd.factorise(J);
     const VectorXd& sigma = svd.sigma();
-    const double epsilon = region * sigma[0];
+    const double epsilon = p.region * sigma[0], largest = p.largestLambda * sigma[0];
     damping_ = 0.0;
     dq.setZero();
     for (Eigen::Index i = 0; i < sigma.size(); ++i) {
       double lambda2 = 0.0;
       if (sigma[i] < epsilon) {
-        lambda2 = (1.0 - sigma[i] * sigma[i] / (epsilon * epsilon)) * epsilon * epsilon;
+        lambda2 = (1.0 - sigma[i] * sigma[i] / (epsilon * epsilon)) * largest * largest;
         damping_ = std::sqrt(lambda2);
       }
       const double bottom = sigma[i] * sigma[i] + lambda2;
@@ -110,10 +104,10 @@ struct Chiaverini : OpenRule {
   SingularSystem svd;
 };
 
-struct SelectivelyDamped : OpenRule {
-  static constexpr double largestStep = M_PI / 4.0;
-  static constexpr double largestError = 0.7;
-  explicit SelectivelyDamped(const IkProblem& problem) : OpenRule(problem) {
+struct SelectivelyDamped : OpenRule<SelectivelyDampedParameters> {
+  double largestStep() const { return p.gammaMax; }
+  SelectivelyDamped(const IkProblem& problem, const SelectivelyDampedParameters& parameters)
+      : OpenRule(problem, parameters) {
     int row = 0;
     for (const Goal& goal : problem.goals) {
       const int end = row + residualRows(goal, *problem.skeleton);
@@ -126,7 +120,7 @@ struct SelectivelyDamped : OpenRule {
     clamped = r;
     for (const Block& block : blocks) {
       const double length = clamped.segment(block.row, block.rows).norm();
-      if (length > largestError) clamped.segment(block.row, block.rows) *= largestError / length;
+      if (length > p.largestError) clamped.segment(block.row, block.rows) *= p.largestError / length;
     }
     svd.factorise(J);
     dq.setZero();
@@ -139,7 +133,7 @@ struct SelectivelyDamped : OpenRule {
           M += std::abs(svd.V()(k, i)) * J.col(k).segment(block.row, block.rows).norm();
       }
       M /= svd.sigma()[i];
-      const double gamma = largestStep * std::min(1.0, N / M);
+      const double gamma = p.gammaMax * std::min(1.0, N / M);
       contribution = svd.U().col(i).dot(clamped) / svd.sigma()[i] * svd.V().col(i);
       const double largest = contribution.lpNorm<Eigen::Infinity>();
       dq += (largest > gamma ? gamma / largest : 1.0) * contribution;
@@ -153,13 +147,11 @@ struct SelectivelyDamped : OpenRule {
   VectorXd clamped, contribution;
 };
 
-struct LmChan : OpenRule {
-  static constexpr double lambda = 0.1;
-  static constexpr double largestStep = 1.0;
+struct LmChan : OpenRule<LmChanParameters> {
   using OpenRule::OpenRule;
   void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
-    damping_ = lambda * at.cost();
+    damping_ = p.lambda * at.cost();
     system.factorise(J, damping_);
     system.solve(J, r, dq);
     if (!dq.allFinite()) {  // E underflows beside the sizes of J at a singular place
@@ -170,13 +162,11 @@ struct LmChan : OpenRule {
   DampedSystem system;
 };
 
-struct LmSugihara : OpenRule {
-  static constexpr double base = 1e-3;
-  static constexpr double largestStep = 1.0;
+struct LmSugihara : OpenRule<LmSugiharaParameters> {
   using OpenRule::OpenRule;
   void step(CountedEvaluator& at, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
-    damping_ = at.cost() + base;
+    damping_ = at.cost() + p.bias;
     system.factorise(J, damping_);
     system.solve(J, r, dq);
   }
@@ -184,16 +174,18 @@ struct LmSugihara : OpenRule {
 };
 
 /// mu by the gain ratio. Nielsen 1999.
+template <typename P>
 struct GainRatioRule {
-  static constexpr double largestStep = 1.5;
+  using Parameters = P;
   static constexpr bool monotone = true;
-  explicit GainRatioRule(const IkProblem&) {}
+  GainRatioRule(const IkProblem&, const P& parameters) : p(parameters) {}
+  double largestStep() const { return p.largestStep; }
   double damping() const { return mu_; }
   void begin() { mu_ = 0.0; }
   void adapt(double gain) {
     if (gain > 0.0) {
       mu_ *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3));
-      growth_ = 2.0;
+      growth_ = p.growth;
     } else {
       mu_ *= growth_;
       growth_ *= 2.0;
@@ -203,63 +195,67 @@ struct GainRatioRule {
  protected:
   void startDamping(const MatrixXd& J) {
     if (mu_ > 0.0) return;
-    mu_ = 1e-3 * std::max(1e-12, J.colwise().squaredNorm().maxCoeff());
-    growth_ = 2.0;
+    mu_ = p.tau * std::max(1e-12, J.colwise().squaredNorm().maxCoeff());
+    growth_ = p.growth;
   }
-  double mu_ = 0.0, growth_ = 2.0;
+  P p;
+  double mu_ = 0.0, growth_ = 0.0;
 };
 
-struct LmGainRatio : GainRatioRule {
-  using GainRatioRule::GainRatioRule;
+template <typename P>
+struct MarquardtRule : GainRatioRule<P> {
+  using GainRatioRule<P>::GainRatioRule;
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
             VectorXd& dq) {
-    startDamping(J);
-    system.factorise(J, mu_);
+    this->startDamping(J);
+    double& mu = this->mu_;
+    system.factorise(J, mu);
     system.solve(J, r, dq);
-    while (!dq.allFinite() && mu_ < 1e15) {  // mu has fallen below the rounding of a singular J
-      mu_ = 10.0 * std::max(mu_, 1e-16 * (1.0 + J.squaredNorm()));
-      system.factorise(J, mu_);
+    while (!dq.allFinite() && mu < 1e15) {  // mu has fallen below the rounding of a singular J
+      mu = 10.0 * std::max(mu, 1e-16 * (1.0 + J.squaredNorm()));
+      system.factorise(J, mu);
       system.solve(J, r, dq);
     }
   }
   DampedSystem system;
 };
+using LmGainRatio = MarquardtRule<LmGainRatioParameters>;
 
-struct Halley : LmGainRatio {
-  using LmGainRatio::LmGainRatio;
+struct Halley : MarquardtRule<HalleyParameters> {
+  using MarquardtRule::MarquardtRule;
   void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd& r,
             const VectorXd& fixed, VectorXd& dq) {
-    LmGainRatio::step(at, limits, J, r, fixed, dq);
+    MarquardtRule::step(at, limits, J, r, fixed, dq);
     const double length = dq.norm();
-    if (!(length < 1.0)) return;  // too long for a second order to tell anything
+    if (!(length < p.longest)) return;  // too long for a second order to tell anything
     at.jacobianDerivative(dq, curved);
     curved = J + 0.5 * curved;
     limits.projectColumns(curved);
     system.factorise(curved, mu_);
     system.solve(curved, r, corrected);
-    if (corrected.allFinite() && (corrected - dq).norm() < 0.5 * length) dq.swap(corrected);
+    if (corrected.allFinite() && (corrected - dq).norm() < p.guard * length) dq.swap(corrected);
   }
   MatrixXd curved;
   VectorXd corrected;
 };
 
-struct Geodesic : LmGainRatio {
-  using LmGainRatio::LmGainRatio;
+struct Geodesic : MarquardtRule<GeodesicParameters> {
+  using MarquardtRule::MarquardtRule;
   void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd& r,
             const VectorXd& fixed, VectorXd& dq) {
-    LmGainRatio::step(at, limits, J, r, fixed, dq);
+    MarquardtRule::step(at, limits, J, r, fixed, dq);
     at.jacobianDerivative(dq, curved);
     bend.noalias() = curved * dq;
     system.solve(J, bend, second);
-    if (second.allFinite() && second.norm() <= 0.75 * dq.norm()) dq -= 0.5 * second;
+    if (second.allFinite() && second.norm() <= p.guard * dq.norm()) dq -= 0.5 * second;
   }
   MatrixXd curved;
   VectorXd bend, second;
 };
 
-struct ExactHessian : GainRatioRule {
+struct ExactHessian : GainRatioRule<ExactHessianParameters> {
   using GainRatioRule::GainRatioRule;
-  void begin() { mu_ = 1e-6; }
+  void begin() { mu_ = p.startDamping; }
   void step(CountedEvaluator& at, const LimitSet& limits, const MatrixXd& J, const VectorXd&,
             const VectorXd& fixed, VectorXd& dq) {
     H = at.hessian();
@@ -271,7 +267,7 @@ struct ExactHessian : GainRatioRule {
     limits.project(gradient);
     shifted = H;
     limits.projectBothSides(shifted);
-    double shift = std::max(mu_, 1e-3 * slope);
+    double shift = std::max(mu_, p.slopeShift * slope);
     for (int tries = 0; tries < 60; ++tries, shift *= 4.0) {
       A = shifted;
       A.diagonal().array() += shift;
@@ -303,26 +299,42 @@ struct ExactHessian : GainRatioRule {
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makePseudoInverse() { return std::make_unique<StepSolver<PseudoInverse>>(); }
-std::unique_ptr<IkSolver> makeMinimalChangePath() {
-  return std::make_unique<StepSolver<MinimalChangePath>>();
+std::unique_ptr<IkSolver> makePseudoInverse(const PseudoInverseParameters& parameters) {
+  return std::make_unique<StepSolver<PseudoInverse>>(parameters);
 }
-std::unique_ptr<IkSolver> makeJacobianTranspose() {
-  return std::make_unique<StepSolver<JacobianTranspose>>();
+std::unique_ptr<IkSolver> makeMinimalChangePath() { return makePseudoInverse({.largestStep = 0.02}); }
+std::unique_ptr<IkSolver> makeJacobianTranspose(const JacobianTransposeParameters& parameters) {
+  return std::make_unique<StepSolver<JacobianTranspose>>(parameters);
 }
-std::unique_ptr<IkSolver> makeDampedLeastSquares() {
-  return std::make_unique<StepSolver<DampedLeastSquares>>();
+std::unique_ptr<IkSolver> makeDampedLeastSquares(const DampedLeastSquaresParameters& parameters) {
+  return std::make_unique<StepSolver<DampedLeastSquares>>(parameters);
 }
-std::unique_ptr<IkSolver> makeNakamura() { return std::make_unique<StepSolver<Nakamura>>(); }
-std::unique_ptr<IkSolver> makeChiaverini() { return std::make_unique<StepSolver<Chiaverini>>(); }
-std::unique_ptr<IkSolver> makeSelectivelyDamped() {
-  return std::make_unique<StepSolver<SelectivelyDamped>>();
+std::unique_ptr<IkSolver> makeNakamura(const NakamuraParameters& parameters) {
+  return std::make_unique<StepSolver<Nakamura>>(parameters);
 }
-std::unique_ptr<IkSolver> makeLmChan() { return std::make_unique<StepSolver<LmChan>>(); }
-std::unique_ptr<IkSolver> makeLmSugihara() { return std::make_unique<StepSolver<LmSugihara>>(); }
-std::unique_ptr<IkSolver> makeLmGainRatio() { return std::make_unique<StepSolver<LmGainRatio>>(); }
-std::unique_ptr<IkSolver> makeExactHessian() { return std::make_unique<StepSolver<ExactHessian>>(); }
-std::unique_ptr<IkSolver> makeHalley() { return std::make_unique<StepSolver<Halley>>(); }
-std::unique_ptr<IkSolver> makeGeodesic() { return std::make_unique<StepSolver<Geodesic>>(); }
+std::unique_ptr<IkSolver> makeChiaverini(const ChiaveriniParameters& parameters) {
+  return std::make_unique<StepSolver<Chiaverini>>(parameters);
+}
+std::unique_ptr<IkSolver> makeSelectivelyDamped(const SelectivelyDampedParameters& parameters) {
+  return std::make_unique<StepSolver<SelectivelyDamped>>(parameters);
+}
+std::unique_ptr<IkSolver> makeLmChan(const LmChanParameters& parameters) {
+  return std::make_unique<StepSolver<LmChan>>(parameters);
+}
+std::unique_ptr<IkSolver> makeLmSugihara(const LmSugiharaParameters& parameters) {
+  return std::make_unique<StepSolver<LmSugihara>>(parameters);
+}
+std::unique_ptr<IkSolver> makeLmGainRatio(const LmGainRatioParameters& parameters) {
+  return std::make_unique<StepSolver<LmGainRatio>>(parameters);
+}
+std::unique_ptr<IkSolver> makeExactHessian(const ExactHessianParameters& parameters) {
+  return std::make_unique<StepSolver<ExactHessian>>(parameters);
+}
+std::unique_ptr<IkSolver> makeHalley(const HalleyParameters& parameters) {
+  return std::make_unique<StepSolver<Halley>>(parameters);
+}
+std::unique_ptr<IkSolver> makeGeodesic(const GeodesicParameters& parameters) {
+  return std::make_unique<StepSolver<Geodesic>>(parameters);
+}
 
 }  // namespace gelenk

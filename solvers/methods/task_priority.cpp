@@ -12,16 +12,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct TaskPriority {
-  static constexpr double largestStep = 0.5;
+  using Parameters = TaskPriorityParameters;
   static constexpr bool monotone = false;
   static constexpr bool ownOrder = true;
-  static constexpr double truncation = 1e-3;
 
-  explicit TaskPriority(const IkProblem& problem) {
+  TaskPriority(const IkProblem& problem, const Parameters& parameters) : p(parameters) {
     int row = 0;
     for (const Goal& goal : problem.goals) {
       const int rows = residualRows(goal, *problem.skeleton);
-      const int priority = goal.kind == GoalKind::Posture ? std::numeric_limits<int>::max() : goal.priority;
+      const int priority = goalType(goal.kind).judged ? goal.servedAs() : std::numeric_limits<int>::max();
       auto level =
           std::find_if(levels.begin(), levels.end(), [&](const Level& l) { return l.priority == priority; });
       if (level == levels.end()) level = levels.insert(levels.end(), Level{.priority = priority});
@@ -37,6 +36,7 @@ struct TaskPriority {
     }
     N.resize(nv, nv);
   }
+  double largestStep() const { return p.largestStep; }
   double damping() const { return 0.0; }
 
   void step(CountedEvaluator&, const LimitSet&, const MatrixXd& J, const VectorXd& r, const VectorXd&,
@@ -48,7 +48,7 @@ struct TaskPriority {
         level.J.row(i) = J.row(level.rows[i]);
         level.r[i] = r[level.rows[i]];
       }
-      const double lambda2 = 1e-2 * level.r.squaredNorm() + 1e-12;
+      const double lambda2 = p.damping * level.r.squaredNorm() + p.base;
       level.r.noalias() -= level.J * dq;
       restricted.noalias() = level.J * N;
       level.svd.factorise(restricted);
@@ -57,7 +57,7 @@ struct TaskPriority {
         if (!(sigma[i] > 1e-9)) continue;
         dq += level.svd.U().col(i).dot(level.r) * sigma[i] / (sigma[i] * sigma[i] + lambda2) *
               level.svd.V().col(i);
-        if (sigma[i] > truncation * sigma[0])
+        if (sigma[i] > p.truncation * sigma[0])
           N.noalias() -= level.svd.V().col(i) * level.svd.V().col(i).transpose();
       }
     }
@@ -70,12 +70,15 @@ struct TaskPriority {
     VectorXd r = {};
     SingularSystem svd = {};
   };
+  Parameters p;
   std::vector<Level> levels;
   MatrixXd N, restricted;
 };
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeTaskPriority() { return std::make_unique<StepSolver<TaskPriority>>(); }
+std::unique_ptr<IkSolver> makeTaskPriority(const TaskPriorityParameters& parameters) {
+  return std::make_unique<StepSolver<TaskPriority>>(parameters);
+}
 
 }  // namespace gelenk

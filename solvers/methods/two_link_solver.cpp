@@ -7,7 +7,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/notation/euler.h"
 #include "kinematics/rotation.h"
-#include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/attempt.h"
 #include "solvers/methods/two_link.h"
 
 namespace gelenk {
@@ -187,7 +187,7 @@ class TwoLinkSolver final : public IkSolver {
     report.residual = at.residual().norm();
     report.why = !report.q.allFinite()  ? Stop::Failure
                  : at.withinTolerance() ? Stop::Converged
-                                        : Stop::Stationary;
+                                        : whyAtRest(problem, at.q());
     if (report.why == Stop::Failure) report.q = problem.start;
     report.counters = at.counters();
     report.seconds = at.seconds();

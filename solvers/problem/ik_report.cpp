@@ -6,6 +6,7 @@ const char* toString(Stop stop) {
   switch (stop) {
     case Stop::Converged: return "converged";
     case Stop::Stationary: return "stationary";
+    case Stop::Saddle: return "saddle";
     case Stop::Stalled: return "stalled";
     case Stop::Budget: return "budget";
     case Stop::Failure: return "failure";

@@ -9,7 +9,9 @@ namespace gelenk {
 /// the second.
 enum class Stop {
   Converged,    ///< every goal within its tolerance and all limits kept, by the solver's own evaluation
-  Stationary,   ///< no descent direction is left: the best point near the start of a goal that is not met
+  Stationary,   ///< no descent direction is left and the cost rises or stays in all: the best point near the
+                ///< start of a goal that is not met
+  Saddle,       ///< no slope is left, but the cost curves downwards somewhere and no way there was found
   Stalled,      ///< steps or progress too small without being stationary
   Budget,       ///< iterations or time spent
   Failure,      ///< a numerical breakdown; q is the last good configuration

@@ -1,7 +1,6 @@
 #include "solvers/problem/judge.h"
 
 #include "kinematics/configuration.h"
-#include "solvers/iteration/evaluator.h"
 
 namespace gelenk {
 
@@ -17,20 +16,10 @@ Judgement judge(const IkProblem& problem, const Eigen::VectorXd& q) {
   verdict.limitViolation = limitViolation(skeleton, q);
   verdict.solved = verdict.limitViolation <= 1e-9;
   for (const Goal& goal : problem.goals) {
-    Eigen::VectorXd r(residualRows(goal, skeleton));
-    goalResidual(goal, skeleton, q, frames, r);
-    GoalError error;
-    switch (goal.kind) {
-      case GoalKind::Position:
-      case GoalKind::Pole: error.position = r.norm(); break;
-      case GoalKind::Orientation:
-      case GoalKind::Aim: error.orientation = r.norm(); break;
-      case GoalKind::Pose:
-        error.position = r.head<3>().norm();
-        error.orientation = r.tail<3>().norm();
-        break;
-      case GoalKind::Posture: break;
-    }
+    const GoalType& type = goalType(goal.kind);
+    Eigen::VectorXd r(type.rows(skeleton));
+    type.residual(goal, {skeleton, q, frames}, r);
+    const GoalError error = type.judged ? type.error(r) : GoalError{};
     verdict.solved = verdict.solved && error.position <= problem.positionTolerance &&
                      error.orientation <= problem.orientationTolerance;
     verdict.goals.push_back(error);

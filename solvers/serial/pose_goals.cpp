@@ -7,7 +7,7 @@ namespace {
 
 bool makeOnePose(const Goal& a, const Goal& b) {
   return a.kind == GoalKind::Position && b.kind == GoalKind::Orientation && a.joint == b.joint &&
-         a.weight == b.weight && a.priority == b.priority;
+         a.weight == b.weight && a.servedAs() == b.servedAs();
 }
 
 bool anyToMerge(const IkProblem& problem) {

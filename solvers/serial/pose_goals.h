@@ -13,10 +13,4 @@ IkProblem withPoseGoals(const IkProblem& problem);
 /// The solver, given withPoseGoals(problem).
 std::unique_ptr<IkSolver> mergingPoseGoals(std::unique_ptr<IkSolver> solver);
 
-/// For the catalogue: &mergingPoseGoals<&makeSerialPose>.
-template <std::unique_ptr<IkSolver> (*make)()>
-std::unique_ptr<IkSolver> mergingPoseGoals() {
-  return mergingPoseGoals(make());
-}
-
 }  // namespace gelenk

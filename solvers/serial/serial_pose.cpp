@@ -1,13 +1,16 @@
 #include "solvers/serial/serial_pose.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
+#include "solvers/serial/same_joints.h"
 
 namespace gelenk {
 
@@ -22,8 +25,6 @@ using Clock = std::chrono::steady_clock;
 using ChainMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, maxChainDofs, maxChainDofs>;
 using Twist = Eigen::Matrix<double, 6, 1>;
 
-constexpr double farJump =
-    0.5;  // radians or chain lengths: more than a dragged goal should ask of a joint at once
 constexpr double margin =
     0.98;  // of the tolerances: what the kernel accepts, the judge's own arithmetic accepts too
 
@@ -49,14 +50,13 @@ TipError tipError(const TipGoal& goal, const Isometry3d& worldFromTip) {
 /// |w|, for i <= j:
 ///   position: Jp_i . Jp_j - e . (z_i x Jp_j)
 ///   rotation: z_i . z_j - 1/2 w . (z_i x z_j) + c ((w.z_i)(w.z_j) - theta^2 z_i . z_j),
-///             c = 1/theta^2 - cot(theta/2) / (2 theta), the curvature of the rotation vector.
+///             c = (1 - (theta/2) cot(theta/2)) / theta^2, the curvature of the rotation vector.
 void exactHessian(const ChainJacobian& J, const TipError& error, bool position, bool rotation,
                   ChainMatrix& H) {
   const Eigen::Index n = J.cols();
   const Vector3d &e = error.position, &w = error.rotation;
   const double theta = w.norm();
-  const double c =
-      theta > 1e-3 ? 1.0 / (theta * theta) - 1.0 / (std::tan(0.5 * theta) * 2.0 * theta) : 1.0 / 12.0;
+  const double c = theta > 1e-3 ? (1.0 - squaredAngleAcross(theta)) / (theta * theta) : 1.0 / 12.0;
   for (Eigen::Index j = 0; j < n; ++j)
     for (Eigen::Index i = 0; i <= j; ++i) {
       const Vector3d pi = J.col(i).head<3>(), pj = J.col(j).head<3>(), zi = J.col(i).tail<3>(),
@@ -72,10 +72,8 @@ void exactHessian(const ChainJacobian& J, const TipError& error, bool position, 
 }
 
 double nearestWithin(double angle, double start, double lower, double upper) {
-  double turned = angle - 2.0 * M_PI * std::nearbyint((angle - start) / (2.0 * M_PI));
-  if (turned < lower) turned += 2.0 * M_PI * std::ceil((lower - turned) / (2.0 * M_PI));
-  if (turned > upper) turned -= 2.0 * M_PI * std::ceil((turned - upper) / (2.0 * M_PI));
-  return std::clamp(turned, lower, upper);
+  const double turned = angle - 2.0 * M_PI * std::nearbyint((angle - start) / (2.0 * M_PI));
+  return std::clamp(wrapInto(turned, lower, upper), lower, upper);
 }
 
 }  // namespace
@@ -143,7 +141,7 @@ SerialPoseSolver::Prepared SerialPoseSolver::prepare(const TipGoal& goal,
   Prepared prepared;
   prepared.target = kernelTarget(goal);
   KernelTask& task = prepared.task;
-  task.attemptIterations = std::clamp(options.maxIterations, 1, task.attemptIterations);
+  task.attemptIterations = std::clamp(options.maxIterations, 1, options.method.attemptIterations);
   task.position = hasPosition(goal.kind);
   task.orientation = hasOrientation(goal.kind);
   const Vector3d pointInLast = chain_.lastFromTip * goal.pointInTip;
@@ -185,8 +183,7 @@ double SerialPoseSolver::jump(const double* start, const KernelAnswer& found) co
 
 /// Starts close to one whose own descent failed or led far away: the goal is near, and so should the answer
 /// be.
-void SerialPoseSolver::nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const {
-  constexpr double most = 0.3;  // radians or chain lengths
+void SerialPoseSolver::nudge(const double* start, double most, std::uint64_t seed, LaneStarts& starts) const {
   std::uint64_t state = seed;
   for (int i = 0; i < chain_.n; ++i)
     for (int l = 0; l < kernelLanes; ++l) {
@@ -230,9 +227,9 @@ struct SerialPoseSolver::Search {
     if (options.restarts == 0) task.attemptIterations = std::clamp(options.maxIterations, 1, 30);
     solver.kernel_->attempt(solver.scaled_, task, prepared.target, start, found);
     count(found);
-    if (options.restarts == 0 || solver.jump(start, found) <= farJump) return;
+    if (options.restarts == 0 || solver.jump(start, found) <= options.method.farJump) return;
     LaneStarts starts;
-    solver.nudge(start, options.seed, starts);
+    solver.nudge(start, options.method.nudge, options.seed, starts);
     KernelAnswer other;
     race(starts, std::min(options.restarts, kernelLanes), options.seed, other);
     if (solver.jump(start, other) < solver.jump(start, found)) found = other;
@@ -377,6 +374,53 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
   TipError error = evaluate(answer.q, J);
   ChainVector slope = slopeOf(J, error);
   double shift = 1e-6;
+  // Where no slope is left: the lowest second derivative on the joints that are not locked, and its
+  // direction.
+  const auto lowestCurvature = [&](bool lockTouched, ChainVector& way) {
+    exactHessian(J, error, position, rotation, H);
+    ++answer.counters.hessians;
+    const double size = H.cwiseAbs().maxCoeff();
+    for (int i = 0; i < n; ++i) {
+      const bool touches =
+          !chain_.wraps[i] && (answer.q[i] <= chain_.lower[i] || answer.q[i] >= chain_.upper[i]);
+      if (!isLocked(answer.q, slope, i) && !(lockTouched && touches)) continue;
+      H.row(i).setZero();
+      H.col(i).setZero();
+    }
+    const Eigen::SelfAdjointEigenSolver<ChainMatrix> eigen(H);
+    way = eigen.eigenvectors().col(0);
+    Eigen::Index largest = 0;
+    way.cwiseAbs().maxCoeff(&largest);
+    if (way[largest] < 0.0) way = -way;  // the same way on every machine
+    const double lowest = eigen.eigenvalues()[0];
+    return lowest < -1e-7 * size ? lowest : 0.0;
+  };
+  /// On from a saddle to a lower place; false, and why, where this is a place to rest.
+  const auto leaveSaddle = [&] {
+    ChainVector way(n);
+    const double curvature = lowestCurvature(false, way);
+    const ChainVector from = answer.q;
+    for (double length = 0.5; curvature < 0.0 && length > 1e-4; length *= 0.5) {
+      double lowest = error.squared() + 0.5 * curvature * length * length;  // half of what is promised
+      bool found = false;
+      for (const double sign : {1.0, -1.0}) {
+        ChainVector q = from + sign * length * way;
+        for (int i = 0; i < n; ++i)
+          if (!chain_.wraps[i]) q[i] = std::clamp(q[i], chain_.lower[i], chain_.upper[i]);
+        const TipError there = evaluate(q, moved);
+        if (!(there.squared() < lowest)) continue;
+        lowest = there.squared();
+        answer.q = q;
+        found = true;
+      }
+      if (!found) continue;
+      error = evaluate(answer.q, J);
+      slope = slopeOf(J, error);
+      return true;
+    }
+    answer.why = curvature < 0.0 && lowestCurvature(true, way) < 0.0 ? Stop::Saddle : Stop::Stationary;
+    return false;
+  };
   for (int iteration = 0;; ++iteration) {
     if ((!position || error.position.norm() <= margin * options.positionTolerance) &&
         (!rotation || error.rotation.norm() <= margin * options.orientationTolerance)) {
@@ -384,8 +428,9 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       break;
     }
     if (freeSlope(answer.q, slope) < 1e-11 * (1.0 + chain_.length)) {
-      answer.why = Stop::Stationary;
-      break;
+      if (!leaveSaddle() || iteration == options.maxIterations) break;
+      ++answer.counters.iterations;
+      continue;
     }
     if (iteration == options.maxIterations) break;
     ++answer.counters.iterations;
@@ -432,8 +477,8 @@ SerialPoseAnswer SerialPoseSolver::closest(const TipGoal& goal, const ChainVecto
       shift = std::max(4.0 * shift, 1e-3 * slope.norm());
     }
     if (!improved) {
-      answer.why =
-          freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) ? Stop::Stationary : Stop::Stalled;
+      answer.why = Stop::Stalled;
+      if (freeSlope(answer.q, slope) < 1e-6 * (1.0 + chain_.length) && leaveSaddle()) continue;
       break;
     }
   }
@@ -486,7 +531,8 @@ namespace {
 /// a solve for another skeleton, or without prepare, extracts its chain on the spot.
 class SerialPose final : public IkSolver {
  public:
-  explicit SerialPose(bool withTable) : withTable_(withTable) {}
+  SerialPose(bool withTable, const SerialPoseParameters& parameters)
+      : withTable_(withTable), parameters_(parameters) {}
 
   void prepare(const Skeleton& skeleton) override {
     prepared_ = skeleton.joints();
@@ -536,8 +582,8 @@ class SerialPose final : public IkSolver {
   }
 
  private:
-  static void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget,
-                  TraceLevel trace, IkReport& report) {
+  void run(const SerialPoseSolver& solver, const IkProblem& problem, const Budget& budget, TraceLevel trace,
+           IkReport& report) const {
     const Goal& goal = problem.goals.front();
     const SerialChain& chain = solver.chain();
     TipGoal tip{.kind = goal.kind,
@@ -555,7 +601,8 @@ class SerialPose final : public IkSolver {
                                                   .restarts = budget.restarts,
                                                   .maxIterations = budget.maxIterations,
                                                   .maxSeconds = budget.maxSeconds,
-                                                  .seed = budget.seed});
+                                                  .seed = budget.seed,
+                                                  .method = parameters_});
     for (int i = 0; i < chain.n; ++i) report.q[chain.qIndex[i]] = answer.q[i];
     report.why = answer.why;
     report.counters = answer.counters;
@@ -589,29 +636,18 @@ class SerialPose final : public IkSolver {
       const SerialPoseOptions options{.restarts = 0, .maxIterations = steps, .closestPose = newton};
       const SerialPoseAnswer along =
           newton ? solver.closest(tip, answer.from, options) : solver.solve(tip, answer.from, options);
-      if (along.why == Stop::Converged || along.why == Stop::Stationary) break;
+      if (along.why != Stop::Budget && along.why != Stop::Stalled) break;
       record(along.q);
     }
     record(answer.q);
   }
 
-  /// Prepared for a skeleton with the same joints (its address may have been used again).
   bool isPreparedFor(const Skeleton& skeleton) const {
-    if (prepared_.empty() || prepared_.size() != skeleton.joints().size()) return false;
-    for (size_t j = 0; j < prepared_.size(); ++j) {
-      const Joint &a = prepared_[j], &b = skeleton.joints()[j];
-      if (a.parent != b.parent || a.ball != b.ball || a.axes.size() != b.axes.size() ||
-          a.parentFromZero.matrix() != b.parentFromZero.matrix())
-        return false;
-      for (size_t k = 0; k < a.axes.size(); ++k)
-        if (a.axes[k].kind != b.axes[k].kind || a.axes[k].axis != b.axes[k].axis ||
-            a.axes[k].lower != b.axes[k].lower || a.axes[k].upper != b.axes[k].upper)
-          return false;
-    }
-    return true;
+    return !prepared_.empty() && sameJoints(prepared_, skeleton.joints());
   }
 
   bool withTable_;
+  SerialPoseParameters parameters_;
   std::vector<Joint> prepared_;
   std::vector<std::unique_ptr<SerialPoseSolver>> solvers_;
   std::vector<std::string> reasons_;
@@ -619,7 +655,11 @@ class SerialPose final : public IkSolver {
 
 }  // namespace
 
-std::unique_ptr<IkSolver> makeSerialPose() { return std::make_unique<SerialPose>(false); }
-std::unique_ptr<IkSolver> makeSerialPoseTable() { return std::make_unique<SerialPose>(true); }
+std::unique_ptr<IkSolver> makeSerialPose(const SerialPoseParameters& parameters) {
+  return std::make_unique<SerialPose>(false, parameters);
+}
+std::unique_ptr<IkSolver> makeSerialPoseTable(const SerialPoseParameters& parameters) {
+  return std::make_unique<SerialPose>(true, parameters);
+}
 
 }  // namespace gelenk

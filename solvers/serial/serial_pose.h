@@ -23,6 +23,23 @@ struct TipGoal {
   Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();  ///< worldFromTip wanted; a rotation
 };
 
+/// Constants of the method.
+struct SerialPoseParameters {
+  int attemptIterations = 15;
+  double farJump = 0.5, nudge = 0.3;
+
+  static constexpr auto fields() {
+    using P = SerialPoseParameters;
+    return std::to_array<ParameterField<P>>(
+        {{&P::attemptIterations, "attempt-iterations", 1, 1000, "1", "ours",
+          "A start of the race that has not converged by then is given up."},
+         {&P::farJump, "far-jump", 0.0, 100.0, "rad, chain lengths", "ours",
+          "Where the start's own descent moves a joint farther, starts close by are tried as well."},
+         {&P::nudge, "nudge", 0.0, 6.3, "rad, chain lengths", "ours",
+          "How far off those starts are at most."}});
+  }
+};
+
 struct SerialPoseOptions {
   double positionTolerance = 1e-6;     ///< metres
   double orientationTolerance = 1e-6;  ///< radians
@@ -32,6 +49,7 @@ struct SerialPoseOptions {
   std::uint64_t seed = 1;
   bool closestPose = true;  ///< false: an unsolved answer may be any pose, which saves time where such
                             ///< answers are thrown away
+  SerialPoseParameters method = {};
 };
 
 struct SerialPoseAnswer {
@@ -96,7 +114,7 @@ class SerialPoseSolver {
   Prepared prepare(const TipGoal& goal, const SerialPoseOptions& options) const;
   KernelTarget kernelTarget(const TipGoal& goal) const;
   double jump(const double* start, const KernelAnswer& found) const;
-  void nudge(const double* start, std::uint64_t seed, LaneStarts& starts) const;
+  void nudge(const double* start, double most, std::uint64_t seed, LaneStarts& starts) const;
   void toLimits(double* q, const double* start) const;
   void reportErrors(const TipGoal& goal, const Prepared& prepared, const KernelAnswer& found,
                     SerialPoseAnswer& answer) const;
@@ -108,8 +126,8 @@ class SerialPoseSolver {
 };
 
 /// "serial-pose": the default. Budget::restarts are its random starts.
-std::unique_ptr<IkSolver> makeSerialPose();
+std::unique_ptr<IkSolver> makeSerialPose(const SerialPoseParameters& parameters = {});
 /// The same with a seed table, built by prepare().
-std::unique_ptr<IkSolver> makeSerialPoseTable();
+std::unique_ptr<IkSolver> makeSerialPoseTable(const SerialPoseParameters& parameters = {});
 
 }  // namespace gelenk

@@ -2,26 +2,35 @@
 
 #include <Eigen/Core>
 #include <chrono>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "solvers/problem/ik_problem.h"
 #include "solvers/problem/ik_report.h"
-#include "solvers/tree/hybrid_descent.h"
+#include "solvers/problem/ik_solver.h"
+#include "solvers/tree/drag_descent.h"
 
 namespace gelenk {
 
-/// A drag follows its target as far as the body lets it; a pin stays where it is.
-enum class GoalRole : unsigned char { Drag, Pin };
-
-struct DragGoal {
-  Goal goal;
-  GoalRole role = GoalRole::Drag;
+/// Keeps a body from tipping over: its centre of mass stays over the hull of those of its points that stand
+/// on the ground.
+struct BalanceOptions {
+  std::shared_ptr<const Masses> masses = {};
+  struct Support {
+    int joint;
+    Eigen::Vector3d inJoint;  ///< metres
+  };
+  std::vector<Support> supports = {};  ///< heels, balls of the feet, toes
+  Eigen::Vector3d up = Eigen::Vector3d::UnitY();
+  double margin = 0.01;    ///< metres inside the hull
+  double standing = 0.03;  ///< a support at most so high above the lowest one stands, metres
 };
 
 /// Constants of the drag solver. Lengths are in units of DragSolver::unit(), about a metre for a figure of
 /// human size, so that the same constants serve an arm of hundreds of metres. Defaults:
-/// docs/solvers/hybrid.md.
+/// docs/solvers/drag.md.
 struct DragOptions {
   double posture = 1e-3;     ///< lambda: pull towards the rest pose, the soft reach
   double change = 5e-3;      ///< kappa: cost of the change within a frame
@@ -40,8 +49,10 @@ struct DragOptions {
   int repairs = 3;               ///< further iterations that restore the pins when the budget is spent
   double pinTolerance =
       7e-4;  ///< a frame that would leave a pin farther off is taken again with a smaller budget, units
-  double settled = 1e-3;  ///< a frame ends with the first step below, radians or units
-  double unit = 0.0;      ///< metres a unit; 0: from the skeleton's size
+  double settled = 1e-3;     ///< a frame ends with the first step below, radians or units
+  double unit = 0.0;         ///< metres a unit; 0: from the skeleton's size
+  double roundings = 0.999;  ///< of the tolerances in solve(): what the judge's own arithmetic may add
+  std::optional<BalanceOptions> balance = {};
   std::vector<double> stiffness =
       {};  ///< s of every tangent dimension, nv; empty: postureStiffness(skeleton)
 };
@@ -59,10 +70,11 @@ double characteristicLength(const Skeleton& skeleton);
 /// corrections and the structure persist from frame to frame; after the first frame with the same goals
 /// nothing allocates (traces aside).
 ///
-/// Goals may come, go and change joint, point, kind and role between frames. Position, Orientation, Pose, Aim
-/// and Pole are served (a Pole wants a small weight: it is a preference); Posture goals are ignored: the
-/// posture term always pulls towards the skeleton's rest pose.
-/// Targets that are not finite are left out.
+/// Goals may come, go and change joint, point, kind and role between frames. Every type with a DragForm is
+/// served (a Pole wants a small weight: it is a preference); Posture goals are ignored: the posture term
+/// always pulls towards the skeleton's rest pose. Drags and holds are drawn, pins stand by their weight.
+/// Targets that are not finite are left out. Throws std::invalid_argument for a goal that makes no sense on
+/// the skeleton (whyMisplaced).
 class DragSolver {
  public:
   /// skeleton must outlive the solver.
@@ -74,7 +86,7 @@ class DragSolver {
   /// Stationary: at rest short of them; Budget: still moving), the goals' residual (weighted root of summed
   /// squares, metres; orientation by its arm; pins by their Goal::weight), work done and, on demand, a record
   /// an iteration.
-  const IkReport& frame(std::span<const DragGoal> goals, TraceLevel trace = TraceLevel::Off);
+  const IkReport& frame(std::span<const Goal> goals, TraceLevel trace = TraceLevel::Off);
   /// From problem.start (nq) to a solution at once: no target corrections, cut, rotation budget or cost of
   /// change, and a posture term that fades. Reset before the next frame().
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace = TraceLevel::Off);
@@ -90,38 +102,78 @@ class DragSolver {
 
   /// What is kept of a goal between frames.
   struct Memory {
-    int joint = -1;
+    int joint = -1, otherJoint = -1;
     GoalKind kind = GoalKind::Position;
-    GoalRole role = GoalRole::Drag;
+    Role role = Role::Drag;
+    const GoalType* type = nullptr;
     int firstPoint = 0, pointCount = 0;
-    Eigen::Vector3d bias[4];  ///< of each of its points
-    TreePoint a, b, c;        ///< Pole: the bend's three points
+    Eigen::Vector3d bias[4];             ///< of each of its points
+    std::array<TreePoint, 3> reference;  ///< DragForm::references
+    int block = -1;
+    Goal last = {};       ///< of blocks: as it was asked in the frame before
+    double weight = 0.0;  ///< of blocks, also while they rest
+  };
+  /// How hard goals pull: a frame of a drag, or a cold solve, where all stand by their own weights.
+  struct Pull {
+    double drag, pin, cut;
   };
 
-  bool sameStructure(std::span<const DragGoal> goals) const;
-  bool met(double positionTolerance, double orientationTolerance) const;
-  void rebuild(std::span<const DragGoal> goals);
-  void setTargets(std::span<const DragGoal> goals);
-  void updateMovingTargets(std::span<const DragGoal> goals);
+  const Goal& goalAt(std::span<const Goal> goals, std::size_t i) const {
+    return i < goals.size() ? goals[i] : balance_;
+  }
+  std::size_t countOf(std::span<const Goal> goals) const { return goals.size() + (options_.balance ? 1 : 0); }
+  bool sameStructure(std::span<const Goal> goals) const;
+  bool met(std::span<const Goal> goals, double positionTolerance, double orientationTolerance);
+  void rebuild(std::span<const Goal> goals);
+  void compile(const Goal& goal, const Memory& memory);
+  void setTargets(std::span<const Goal> goals, const Pull& pull);
+  bool setPoints(const Goal& goal, Memory& memory, double weight, double reported, double cut);
+  bool setBlock(const Goal& goal, Memory& memory, double weight, double cut);
+  void updateMovingTargets(std::span<const Goal> goals);
   void restoreTargets();
   void updateBiases();
+  void updateSupport();
   void holdDragsWhereTheyAre();
-  double largestError(GoalRole role) const;
-  bool descend(std::span<const DragGoal> goals, double budget, int iterations, TraceLevel trace,
+  double errorOf(const Memory& memory) const;
+  double largestError(bool pins) const;
+  bool descend(std::span<const Goal> goals, double budget, int iterations, TraceLevel trace,
                Clock::time_point begin);
   double residual() const;
   void record(TraceLevel trace, const StepOutcome& outcome, double before, double seconds);
+  void count(const StepOutcome& outcome);
+  Pull dragging() const { return {options_.dragWeight, options_.pinWeight, options_.cut}; }
+  Eigen::Vector3d worldOf(const TreePoint& point) const;
 
   DragOptions options_;
-  HybridDescent descent_;
+  DragDescent descent_;
   std::vector<Memory> memory_, previous_;
   std::vector<int> joints_;
   std::vector<Eigen::Vector3d> wanted_;  ///< of each point: the target without cut and bias
   std::vector<double> reportWeight_;     ///< of each point: its share of the residual reported
+  std::vector<Carried> carried_;
+  Goal balance_;                     ///< where options_.balance is given
+  std::vector<TreePoint> supports_;  ///< of it
+  std::vector<Eigen::Vector3d> standing_, standingBefore_;
+  Frames frames_;
   bool fresh_ = true, strained_ = false, spent_ = false;
   double budgetShare_ = 1.0;
   int framesHeld_ = 0;  ///< with the same targets
   IkReport report_;
 };
+
+struct DragParameters {
+  double posture = 1e-3, poseArm = 0.3;
+
+  static constexpr auto fields() {
+    using P = DragParameters;
+    return std::to_array<ParameterField<P>>(
+        {{&P::posture, "posture", 0.0, 1.0, "1", "ours",
+          "Pull towards the rest pose in the first step; it fades tenfold a step."},
+         {&P::poseArm, "pose-arm", 1e-3, 10.0, "unit", "ours",
+          "Orientations count as three points on arms of this length, in body units."}});
+  }
+};
+/// The drag solver's steps as a cold solve of the catalogue: DragSolver::solve. docs/solvers/drag.md.
+std::unique_ptr<IkSolver> makeDrag(const DragParameters& parameters = {});
 
 }  // namespace gelenk

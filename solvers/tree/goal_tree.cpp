@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinematics/configuration.h"
+#include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/serial/simd.h"
 
@@ -149,6 +149,8 @@ void GoalTree::build(std::span<const int> joints, const Vector3d& origin) {
     carrierFromJoint_[i] = offset;
   }
   sums_.resize(nodes_.size());
+  below_.resize(nodes_.size());
+  twistOfDof_.resize(dofs_);
   twistStride_ = TreeMatrix::padded(deepest);
   twists_.assign(6 * twistStride_, 0.0);
 }
@@ -156,11 +158,10 @@ void GoalTree::build(std::span<const int> joints, const Vector3d& origin) {
 bool GoalTree::project(const TreeNode& node, double* c) {
   bool moved = false;
   if (node.motion == TreeMotion::LimitedBall) {
-    const Vector2d offset = Vector2d(c[0], c[1]) - node.swingCentre;
-    if (offset.cwiseQuotient(node.swingRadii).squaredNorm() > 1.0) {
-      const Vector2d inside = node.swingCentre + nearestOnEllipse(node.swingRadii, offset);
-      c[0] = inside.x();
-      c[1] = inside.y();
+    Vector2d swing(c[0], c[1]);
+    if (intoSwing(node.swingCentre, node.swingRadii, swing)) {
+      c[0] = swing.x();
+      c[1] = swing.y();
       moved = true;
     }
     c += 2;
@@ -290,8 +291,64 @@ double GoalTree::cost(const TreePose& pose, std::span<const TreePoint> points) c
   return sum;
 }
 
+Vector3d GoalTree::at(const TreePose& pose, const TreeSum& sum, std::span<const TreeShare> shares) const {
+  Vector3d y = sum.constant;
+  for (const TreeShare& part : shares.subspan(sum.first, sum.count)) {
+    const TreePose::NodeFrame& frame = pose.frames[part.node];
+    Vector3d x = frame.R * part.local;
+    if (!part.direction) x += frame.p;
+    y += part.share * x;
+  }
+  return y;
+}
+
 void GoalTree::gather(const TreePose& pose, std::span<const TreePoint> points) {
+  beginGather();
+  addPoints(pose, points);
+  endGather();
+}
+
+void GoalTree::beginGather() {
   for (Sums& s : sums_) s = {0.0, Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), {}, Matrix3d::Zero()};
+}
+
+void GoalTree::addForce(const TreePose& pose, const TreeSum& sum, std::span<const TreeShare> shares,
+                        const Vector3d& force) {
+  for (const TreeShare& part : shares.subspan(sum.first, sum.count)) {
+    const TreePose::NodeFrame& frame = pose.frames[part.node];
+    Sums& s = sums_[part.node];
+    const Vector3d f = part.share * force;
+    Vector3d p = frame.R * part.local;
+    if (!part.direction) {
+      p += frame.p;
+      s.F += f;
+    }
+    s.T += p.cross(f);
+    s.P += p * f.transpose();
+  }
+}
+
+void GoalTree::slopeOf(const TreePose& pose, const TreeSum& sum, std::span<const TreeShare> shares,
+                       Vector3d* slope) {
+  std::fill(below_.begin(), below_.end(), Eigen::Vector4d::Zero());
+  for (const TreeShare& part : shares.subspan(sum.first, sum.count)) {
+    const TreePose::NodeFrame& frame = pose.frames[part.node];
+    Eigen::Vector4d& b = below_[part.node];
+    b.head<3>() += part.share * (frame.R * part.local);
+    if (part.direction) continue;
+    b.head<3>() += part.share * frame.p;
+    b[3] += part.share;
+  }
+  for (int i = nodeCount() - 1; i >= 0; --i) {
+    const TreeNode& node = nodes_[i];
+    if (node.parent >= 0) below_[node.parent] += below_[i];
+    const Vector3d moment = below_[i].head<3>();
+    for (int k = node.dof; k < node.dof + node.dofs(); ++k)
+      slope[k] = below_[i][3] * twistOfDof_[k][1] + twistOfDof_[k][0].cross(moment);
+  }
+}
+
+void GoalTree::addPoints(const TreePose& pose, std::span<const TreePoint> points) {
   for (const TreePoint& point : points) {
     if (point.node < 0) continue;
     Sums& s = sums_[point.node];
@@ -315,6 +372,9 @@ void GoalTree::gather(const TreePose& pose, std::span<const TreePoint> points) {
     s.A[4] += wp[0] * p[2];
     s.A[5] += wp[1] * p[2];
   }
+}
+
+void GoalTree::endGather() {
   for (int i = nodeCount() - 1; i >= 0; --i) {
     if (nodes_[i].parent < 0) continue;
     Sums& above = sums_[nodes_[i].parent];
@@ -395,6 +455,7 @@ void GoalTree::gradientAndHessian(const TreePose& pose, double beta, double* gra
       if (node.motion == TreeMotion::TranslationAxis) {
         const Vector3d v = frame.R * node.axis;
         gradient[k] = -v.dot(s.F);
+        twistOfDof_[k] = {Vector3d::Zero(), v};
         M = s.h.cross(v) + beta * s.F.cross(v);
         N = s.m * v;
         for (int a = 0; a < 3; ++a) {
@@ -405,6 +466,7 @@ void GoalTree::gradientAndHessian(const TreePose& pose, double beta, double* gra
         const Vector3d& omega = w[d];
         const Vector3d v = p.cross(omega);
         gradient[k] = -(omega.dot(s.T) + v.dot(s.F));
+        twistOfDof_[k] = {omega, v};
         const Vector3d Aw(s.A[0] * omega[0] + s.A[3] * omega[1] + s.A[4] * omega[2],
                           s.A[3] * omega[0] + s.A[1] * omega[1] + s.A[5] * omega[2],
                           s.A[4] * omega[0] + s.A[5] * omega[1] + s.A[2] * omega[2]);

@@ -53,6 +53,24 @@ struct TreePoint {
   Eigen::Vector3d target = Eigen::Vector3d::Zero();
 };
 
+/// A share of a point, or of a direction, fixed to a node: one term of a TreeSum.
+struct TreeShare {
+  int node = 0;
+  bool direction = false;
+  double share = 1.0;
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< units; directions: none
+};
+
+/// y = constant + sum of shares: the centre of mass, the difference of two points, a point. Units from the
+/// origin; directions: none.
+struct TreeSum {
+  int first = 0, count = 0;  ///< among the shares
+  bool direction = false;
+  Eigen::Vector3d constant = Eigen::Vector3d::Zero();
+  double scale = 1.0;                               ///< metres a unit; directions 1
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< scale y + shift is the sum in the world, metres
+};
+
 /// Where the nodes are.
 struct TreePose {
   struct NodeFrame {
@@ -92,6 +110,14 @@ class GoalTree {
   /// nodeFromJoint, units: a point of the joint seen from its carrier (from the origin where there is none).
   Eigen::Vector3d toCarrier(int joint, const Eigen::Vector3d& pointInJoint) const;
   Eigen::Matrix3d carrierFromJoint(int joint) const { return carrierFromJoint_[joint].linear(); }
+  /// Whether the joint's way to the root is part of the structure, and the nearest joint above it of which
+  /// this is true (-1: none).
+  bool holds(int joint) const { return onPath_[joint] != 0; }
+  int holderOf(int joint) const {
+    while (joint >= 0 && !onPath_[joint]) joint = skeleton_->parent(joint);
+    return joint;
+  }
+  const Eigen::Vector3d& origin() const { return origin_; }
   /// World point to units from the origin.
   Eigen::Vector3d toTree(const Eigen::Vector3d& world) const { return (world - origin_) / unit_; }
 
@@ -111,8 +137,20 @@ class GoalTree {
   /// Sum of the points' costs.
   double cost(const TreePose& pose, std::span<const TreePoint> points) const;
 
+  Eigen::Vector3d at(const TreePose& pose, const TreeSum& sum, std::span<const TreeShare> shares) const;
+
   /// Sums over the goals below every node; gradientAndHessian needs them at the same pose.
   void gather(const TreePose& pose, std::span<const TreePoint> points);
+  /// Adds a force on a sum (-d cost / dy): its part of the gradient and of beta's share of the Hessian. To
+  /// be called between beginGather and endGather, which gather does by itself.
+  void beginGather();
+  void addPoints(const TreePose& pose, std::span<const TreePoint> points);
+  void addForce(const TreePose& pose, const TreeSum& sum, std::span<const TreeShare> shares,
+                const Eigen::Vector3d& force);
+  void endGather();
+  /// dy / d(dof), three numbers a dof, of a sum; after gradientAndHessian at the same pose.
+  void slopeOf(const TreePose& pose, const TreeSum& sum, std::span<const TreeShare> shares,
+               Eigen::Vector3d* slope);
   /// gradient: dofCount(); H: structure dofParents(). beta = 1: the exact Hessian of the cost; 0:
   /// Gauss-Newton.
   void gradientAndHessian(const TreePose& pose, double beta, double* gradient, TreeMatrix& H);
@@ -136,6 +174,8 @@ class GoalTree {
   std::vector<char> onPath_;
   std::vector<Eigen::Isometry3d> carrierFromJoint_;
   std::vector<Sums> sums_;
+  std::vector<std::array<Eigen::Vector3d, 2>> twistOfDof_;  ///< (omega, v)
+  std::vector<Eigen::Vector4d> below_;                      ///< by node: first moment and share of a sum
   std::vector<double> twists_;  ///< w.x, w.y, w.z, v.x, v.y, v.z of the current path, each by depth
   int twistStride_ = 0;
 };

@@ -164,4 +164,22 @@ void TreeMatrix::solve(double* x) const {
     }
 }
 
+GELENK_SIMD_CLONES
+void TreeMatrix::solveUpper(double* Y) const {
+  for (int at = static_cast<int>(groups_.size()) - 1; at >= 0; --at) {  // leaves first
+    const Group& group = groups_[at];
+    for (int g = group.count - 1; g >= 0; --g) {
+      const int k = group.first + g;
+      const double* entries = row(k);
+      const Double4 value = four(Y + 4 * k);
+      for (int r = group.runBegin; r < group.runEnd; ++r) {
+        const Run run = runs_[r];
+        for (int i = 0; i < run.length; ++i) four(Y + 4 * (run.first + i)) -= entries[run.depth + i] * value;
+      }
+      for (int above = 0; above < g; ++above)
+        four(Y + 4 * (group.first + above)) -= entries[depth_[group.first] + above] * value;
+    }
+  }
+}
+
 }  // namespace gelenk

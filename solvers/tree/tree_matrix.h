@@ -48,6 +48,9 @@ class TreeMatrix {
   bool factor(double smallestPivot);
   /// x <- (L^T D L)^-1 x after factor(). x: size().
   void solve(double* x) const;
+  /// The first third of it for four columns at once: Y <- L^-T Y. Y: size() times four, the columns of a dof
+  /// side by side.
+  void solveUpper(double* Y) const;
 
  private:
   struct Run {  ///< ancestors of equal step: depths [depth, depth + length) are the degrees of freedom

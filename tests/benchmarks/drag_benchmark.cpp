@@ -1,12 +1,13 @@
 // The drag solver on the built-in figure: five goals (both hands, head, two planted feet). `drag_benchmark
-// --marks` prints the table of docs/solvers/hybrid.md instead of timing one thing after the other.
+// --marks` prints the table of docs/solvers/drag.md instead of timing one thing after the other,
+// `--balanced-marks` the one of docs/goals.md.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
 #include <cstring>
 
 #include "solvers/problem/judge.h"
-#include "solvers/tree/hybrid_solver.h"
+#include "solvers/tree/drag_solver.h"
 #include "tests/solvers/tree/drag_marks.h"
 
 namespace gelenk {
@@ -20,14 +21,16 @@ using marks::Shown;
 enum class Kind { Reachable, Unreachable, Held };
 
 /// One frame an iteration, along a path that begins anew at its end.
-void DragFrame(benchmark::State& state, Kind kind, double step) {
+void DragFrame(benchmark::State& state, Kind kind, double step, bool balanced = false) {
   const Figure figure;
   std::mt19937_64 random(1);
   const Path path = kind == Kind::Unreachable
                         ? marks::wildPath(figure, random, 2000, step)
                         : marks::reachablePath(figure, random, kind == Kind::Held ? 100 : 2000, step);
-  DragSolver solver(figure.skeleton);
-  std::vector<DragGoal> goals = figure.goals();
+  DragOptions options;
+  if (balanced) options.balance = marks::balanceOf(figure);
+  DragSolver solver(figure.skeleton, options);
+  std::vector<Goal> goals = figure.goals();
   if (kind == Kind::Held) {
     marks::follow(figure, solver, path, step);
     figure.setTargets(goals, path.back());
@@ -56,6 +59,10 @@ BENCHMARK_CAPTURE(DragFrame, reachable_5cm, Kind::Reachable, 0.05)->Unit(benchma
 BENCHMARK_CAPTURE(DragFrame, unreachable_1cm, Kind::Unreachable, 0.01)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(DragFrame, unreachable_5cm, Kind::Unreachable, 0.05)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(DragFrame, held, Kind::Held, 0.01)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(DragFrame, balanced_reachable_5cm, Kind::Reachable, 0.05, true)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(DragFrame, balanced_unreachable_5cm, Kind::Unreachable, 0.05, true)
+    ->Unit(benchmark::kMicrosecond);
 
 std::vector<IkProblem> coldProblems(const Figure& figure, int count, bool wholeRange) {
   std::mt19937_64 random(1);
@@ -81,12 +88,12 @@ std::vector<IkProblem> coldProblems(const Figure& figure, int count, bool wholeR
 void ColdSolve(benchmark::State& state, bool wholeRange) {
   const Figure figure;
   const auto problems = coldProblems(figure, 1000, wholeRange);
-  const auto hybrid = makeHybrid();
+  const auto cold = makeDrag();
   std::vector<double> seconds;
   std::size_t at = 0, solved = 0;
   for (auto _ : state) {
     const IkProblem& problem = problems[at++ % problems.size()];
-    const IkReport report = hybrid->solve(problem, {.restarts = 30}, TraceLevel::Off);
+    const IkReport report = cold->solve(problem, {.restarts = 30}, TraceLevel::Off);
     seconds.push_back(report.seconds);
     solved += report.why == Stop::Converged;
   }
@@ -101,22 +108,26 @@ BENCHMARK_CAPTURE(ColdSolve, whole_range, true)->Unit(benchmark::kMicrosecond);
 // ------------------------------------------------------------------------------------------------------------
 
 void row(const char* name, const Shown& s) {
-  std::printf("%-20s %7.3f %8.3f %9.3f %8.3f %7.2f  %8.1e %5d %6.2f %7.1f %7.1f\n", name,
+  std::printf("%-20s %7.3f %8.3f %9.3f %8.3f %7.2f  %8.1e %5d %6.2f %7.1f %7.1f %6.1f%% %7.1f\n", name,
               1e3 * quantile(s.errors, 0.5), 1e3 * quantile(s.errors, 0.99), 1e3 * s.worstPin,
               s.worstRotation, s.worstJump, s.worstViolation, s.notFinite,
               static_cast<double>(s.iterations) / static_cast<double>(s.seconds.size()),
-              1e6 * quantile(s.seconds, 0.5), 1e6 * quantile(s.seconds, 0.99));
+              1e6 * quantile(s.seconds, 0.5), 1e6 * quantile(s.seconds, 0.99),
+              100.0 * s.outside / static_cast<double>(s.seconds.size()), 1e3 * s.worstTipping);
 }
 
-void printMarks(unsigned long long seed) {
+void printMarks(unsigned long long seed, bool balanced) {
   constexpr int paths = 10, frames = 1000;
   const Figure figure;
-  DragSolver solver(figure.skeleton);
+  DragOptions options;
+  if (balanced) options.balance = marks::balanceOf(figure);
+  DragSolver solver(figure.skeleton, options);
   std::mt19937_64 random(seed);
+  if (balanced) std::printf("with balance; tipped: share of frames and most mm outside the soles\n");
   std::printf("%d frames a row, seed %llu; errors and pins in mm, joints in radians a frame\n",
               paths * frames, seed);
-  std::printf("%-20s %7s %8s %9s %8s %7s  %8s %5s %6s %7s %7s\n", "drag", "p50", "p99", "pin max", "rot max",
-              "jump", "limits", "NaN", "steps", "us p50", "us p99");
+  std::printf("%-20s %7s %8s %9s %8s %7s  %8s %5s %6s %7s %7s %7s %7s\n", "drag", "p50", "p99", "pin max",
+              "rot max", "jump", "limits", "NaN", "steps", "us p50", "us p99", "tipped", "most");
   for (const bool reachable : {true, false})
     for (const double step : {0.01, 0.05}) {
       Shown all, held;
@@ -145,6 +156,7 @@ void printMarks(unsigned long long seed) {
           after25, moving25, paths, after200, quantile(held.errors, 1.0));
     }
 
+  if (balanced) return;
   double worst = 0.0;
   for (int i = 0; i < paths; ++i) {
     solver.reset(figure.start);
@@ -161,11 +173,11 @@ void printMarks(unsigned long long seed) {
 
   for (const bool wholeRange : {false, true})
     for (const int restarts : {0, 30}) {
-      const auto hybrid = makeHybrid();
+      const auto cold = makeDrag();
       std::vector<double> seconds;
       int solved = 0;
       for (const IkProblem& problem : coldProblems(figure, 1000, wholeRange)) {
-        const IkReport report = hybrid->solve(problem, {.restarts = restarts}, TraceLevel::Off);
+        const IkReport report = cold->solve(problem, {.restarts = restarts}, TraceLevel::Off);
         seconds.push_back(report.seconds);
         solved += judge(problem, report.q).solved;
       }
@@ -182,8 +194,9 @@ void printMarks(unsigned long long seed) {
 
 int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
-    if (std::strcmp(argv[i], "--marks") == 0) {
-      gelenk::printMarks(i + 1 < argc ? std::strtoull(argv[i + 1], nullptr, 10) : 2024);
+    if (std::strcmp(argv[i], "--marks") == 0 || std::strcmp(argv[i], "--balanced-marks") == 0) {
+      gelenk::printMarks(i + 1 < argc ? std::strtoull(argv[i + 1], nullptr, 10) : 2024,
+                         std::strcmp(argv[i], "--balanced-marks") == 0);
       return 0;
     }
   benchmark::Initialize(&argc, argv);

@@ -5,10 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <filesystem>
+#include <iomanip>
+#include <sstream>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/image.h"
 #include "apps/document/model.h"
 #include "apps/render/lettering.h"
@@ -32,9 +34,13 @@ class RenderCommand : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   void run(const std::string& arguments) const {
-    CLI::App app;
-    addRenderCommand(app);
-    app.parse("render " + arguments);
+    CommandLine line("", "");
+    Command program = line.root();
+    addRenderCommand(program);
+    std::vector<std::string> words{"render"};
+    std::istringstream rest(arguments);
+    for (std::string word; rest >> std::quoted(word, '\'');) words.push_back(word);
+    line.parse(std::move(words));
   }
   std::string complaintOf(const std::string& arguments) const {
     try {

@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "kinematics/io/text_file.h"
-#include "tests/sandbox/program.h"
 #include "tests/places.h"
+#include "tests/sandbox/program.h"
 
 namespace gelenk {
 namespace {

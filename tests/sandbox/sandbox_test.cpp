@@ -95,9 +95,9 @@ TEST(Sandbox, KeysPinUndoAndChangeTheSolver) {
                                 "20 key tab\n30 keydown ctrl\n31 key z\n33 keyup ctrl\n");
   stage.frames(12, &replay);
   EXPECT_EQ(stage.goal("hand_r")["state"], "pinned");
-  EXPECT_EQ(json::parse(stage.sandbox.status())["solver"], "hybrid");
+  EXPECT_EQ(json::parse(stage.sandbox.status())["solver"], "drag");
   stage.frames(12, &replay);
-  EXPECT_NE(json::parse(stage.sandbox.status())["solver"], "hybrid");
+  EXPECT_NE(json::parse(stage.sandbox.status())["solver"], "drag");
   stage.frames(12, &replay);
   EXPECT_EQ(stage.goal("hand_r")["state"], "free");
 }

@@ -11,8 +11,8 @@
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
-#include "tests/sandbox/program.h"
 #include "tests/places.h"
+#include "tests/sandbox/program.h"
 
 namespace gelenk {
 namespace {
@@ -35,10 +35,10 @@ class RealWindow : public ::testing::Test {
     for (int line = 0; line < 40 && !parseInteger(number); ++line) number = xvfb_->readLine();
     ASSERT_TRUE(parseInteger(number)) << "Xvfb did not start";
     display_ = "DISPLAY=:" + number;
-    program_ =
-        std::make_unique<Program>(std::vector<std::string>{testing::programFile(), "sandbox", "figure", "--status",
-                                                           statusPath(), "--size", "900x640", "--scale", "1"},
-                                  std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
+    program_ = std::make_unique<Program>(
+        std::vector<std::string>{testing::programFile(), "sandbox", "figure", "--status", statusPath(),
+                                 "--size", "900x640", "--scale", "1"},
+        std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
     waitFor([](const json& s) { return s["frame"] >= 2; });
   }
   void TearDown() override {

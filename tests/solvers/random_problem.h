@@ -210,4 +210,35 @@ inline Skeleton randomBallChain(std::mt19937_64& random) {
   return Skeleton(joints);
 }
 
+/// A trunk with two arms of three joints and their tips: hinges about z and y in turn, or balls.
+inline Skeleton fork(bool balls) {
+  std::vector<Joint> joints{{.name = "trunk", .parent = -1, .ball = balls}};
+  if (!balls) joints[0].axes = {{AxisDof::Kind::Rotation, Eigen::Vector3d::UnitY(), -1.0, 1.0}};
+  for (const double side : {-1.0, 1.0})
+    for (int i = 0; i <= 3; ++i) {
+      Joint joint{.name = (side < 0.0 ? "l" : "r") + std::to_string(i),
+                  .parent = i == 0 ? 0 : static_cast<int>(joints.size()) - 1,
+                  .ball = balls && i < 3};
+      joint.parentFromZero.translation() = Eigen::Vector3d(side * 0.3, i == 0 ? 0.5 : 0.1, 0.0);
+      if (!balls && i < 3)
+        joint.axes = {{AxisDof::Kind::Rotation, i % 2 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ(),
+                       -2.0, 2.0}};
+      joints.push_back(joint);
+    }
+  return Skeleton(joints);
+}
+
+/// One position on the tip of the first arm, within reach or not: the second arm is nobody's business.
+inline OwnedProblem forkProblem(std::shared_ptr<const Skeleton> model, std::mt19937_64& random, int number) {
+  OwnedProblem owned{.skeleton = std::move(model)};
+  const Skeleton& skeleton = *owned.skeleton;
+  owned.problem = {.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random)};
+  const int tip = skeleton.jointIndex("l3");
+  const Eigen::Vector3d there =
+      forwardKinematics(skeleton, randomWithinLimits(skeleton, random))[tip].translation();
+  owned.problem.goals = {{.joint = tip, .target = (number % 3 ? 1.0 : 4.0) * there}};
+  owned.story = number % 3 ? "one arm of two" : "one arm of two, out of reach";
+  return owned;
+}
+
 }  // namespace gelenk::testing

@@ -1,9 +1,14 @@
 // Every solver that joins the catalogue inherits these tests.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <cmath>
 #include <cstdlib>
+#include <set>
 
+#include "kinematics/configuration.h"
 #include "solvers/iteration/evaluator.h"
+#include "solvers/iteration/limit_set.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
 #include "tests/solvers/random_problem.h"
@@ -52,6 +57,7 @@ std::vector<ContractModel> contractModels() {
   for (int dofs = 1; dofs <= 8; ++dofs) add(testing::randomDhChain(random, dofs), testing::chainProblem);
   for (int i = 0; i < 4; ++i) add(testing::randomWristArm(random), testing::chainProblem);
   for (int i = 0; i < 6; ++i) add(testing::randomBallChain(random), testing::chainProblem);
+  for (const bool balls : {false, true}) add(testing::fork(balls), testing::forkProblem);
   for (int n = 1; n <= 4; ++n) add(testing::straightChain(n, n % 2 ? unlimited : 1.5), testing::chainProblem);
   return models;
 }
@@ -161,6 +167,99 @@ TEST_P(SolverContract, TracingChangesNothingAndTellsTheResiduals) {
   });
 }
 
+/// Joints that no goal looks at from below keep every bit, restarts or not.
+TEST_P(SolverContract, JointsOffTheGoalsPathsStay) {
+  int held = 0;
+  forEachProblem(problemCount(), 15, [&](const Owned& owned, const IkReport& report) {
+    const Skeleton& skeleton = *owned.skeleton;
+    if (owned.problem.goals.empty()) return;
+    for (int i = 0; i < skeleton.jointCount(); ++i) {
+      bool below = false;
+      for (const Goal& goal : owned.problem.goals) {
+        below = below || goal.kind == GoalKind::Posture;
+        for (int j = goal.joint; j >= 0; j = skeleton.parent(j)) below = below || j == i;
+      }
+      const VectorXd& start = owned.problem.start;
+      const Joint& joint = skeleton.joint(i);
+      if (below || limitViolation(skeleton, start, i) > 0.0) continue;
+      if (joint.ball && std::abs(ballRotation(skeleton, start, i).norm() - 1.0) > 1e-12) continue;
+      const int n = static_cast<int>(joint.axes.size()) + (joint.ball ? 4 : 0);
+      EXPECT_EQ(report.q.segment(skeleton.qIndex(i), n), start.segment(skeleton.qIndex(i), n)) << joint.name;
+      held += n > 0;
+    }
+  });
+  RecordProperty("held", held);
+}
+
+/// The lowest second derivative of the cost over the directions that limits leave, by differences of the
+/// slope, and the largest entry.
+std::pair<double, double> lowestCurvature(const IkProblem& problem, const VectorXd& q) {
+  const Skeleton& skeleton = *problem.skeleton;
+  CountedEvaluator at(problem);
+  const int nv = skeleton.nv();
+  const double h = 1e-5;
+  Eigen::MatrixXd H(nv, nv);
+  const auto slopeAt = [&](const VectorXd& x) -> VectorXd {
+    at.moveTo(x);
+    return at.jacobian().transpose() * at.residual();
+  };
+  for (int k = 0; k < nv; ++k)
+    H.col(k) = (slopeAt(integrate(skeleton, q, -h * VectorXd::Unit(nv, k))) -
+                slopeAt(integrate(skeleton, q, h * VectorXd::Unit(nv, k)))) /
+               (2.0 * h);
+  H = (0.5 * (H + H.transpose())).eval();
+  const double size = H.cwiseAbs().maxCoeff();
+  LimitSet limits(skeleton);
+  limits.moveTo(q);
+  limits.lockBlocked(slopeAt(q));
+  limits.lockTouched();
+  limits.projectBothSides(H);
+  return {Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(H).eigenvalues()[0], size};
+}
+
+TEST_P(SolverContract, OnlyAMinimumIsCalledStationary) {
+  forEachProblem(problemCount(), 16, [&](const Owned& owned, const IkReport& report) {
+    std::set<int> priorities;
+    for (const Goal& goal : owned.problem.goals) priorities.insert(goal.servedAs());
+    if (report.why != Stop::Stationary || priorities.size() > 1) return;  // an order of goals has no one cost
+    const auto [lowest, size] = lowestCurvature(owned.problem, report.q);
+    EXPECT_GE(lowest, -1e-5 * size);
+  });
+}
+
+/// The straight arm with its target on its own line: no slope, but reachable.
+TEST_P(SolverContract, AStraightArmReachesATargetOnItsLine) {
+  const std::string name(GetParam().name);
+  if (name.starts_with("newton") || name.starts_with("kdl"))
+    GTEST_SKIP() << "full steps need an inverse, which does not exist there; peers are as they are";
+  std::vector<Skeleton> arms{testing::straightChain(2), testing::straightChain(2, 3.0),
+                             testing::straightChain(4, 2.0)};
+  {
+    std::vector<Joint> joints;
+    for (int i = 0; i <= 2; ++i) {
+      Joint joint{.name = "b" + std::to_string(i), .parent = i - 1, .ball = i < 2};
+      if (i > 0) joint.parentFromZero.translation().x() = 1.0;
+      joints.push_back(joint);
+    }
+    arms.emplace_back(joints);
+  }
+  for (const Skeleton& arm : arms) {
+    const int tip = arm.jointCount() - 1;
+    for (const double share : {0.6, 0.95, 0.2}) {
+      IkProblem problem{.skeleton = &arm, .start = neutral(arm)};
+      problem.goals = {{.joint = tip, .target = {share * tip, 0.0, 0.0}}};
+      problem.positionTolerance = 1e-4;
+      if (!solver->whyUnsupported(problem).empty()) continue;
+      solver->prepare(arm);
+      const IkReport report =
+          solver->solve(problem, {.maxIterations = 2000, .maxSeconds = 1e9}, TraceLevel::Off);
+      EXPECT_TRUE(judge(problem, report.q).solved)
+          << tip << " bones, " << share << " of the reach: " << toString(report.why) << ", "
+          << report.residual;
+    }
+  }
+}
+
 TEST_P(SolverContract, NoGoalsAreMetAtOnce) {
   forEachProblem(40, 14, [&](const Owned& owned, const IkReport& report) {
     if (!owned.problem.goals.empty()) return;
@@ -169,8 +268,13 @@ TEST_P(SolverContract, NoGoalsAreMetAtOnce) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract,
-                         ::testing::ValuesIn(solverCatalogue().begin(), solverCatalogue().end()),
+std::vector<SolverEntry> everyEntry() {
+  std::vector<SolverEntry> all(solverCatalogue().begin(), solverCatalogue().end());
+  all.push_back(solverEntry("default"));
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract, ::testing::ValuesIn(everyEntry()),
                          [](const auto& info) {
                            std::string name(info.param.name);
                            for (char& c : name)
@@ -218,7 +322,7 @@ TEST(Catalogue, APositionAndAnOrientationOfOneEffectorAreAPose) {
   IkProblem one{.skeleton = &puma, .start = randomWithinLimits(puma, random), .goals = {pose}}, two = one;
   for (const std::vector<Goal>& goals : {std::vector<Goal>{position, orientation}, {orientation, position}}) {
     two.goals = goals;
-    for (const char* name : {"serial-pose", "serial-pose-table", "spherical-wrist"}) {
+    for (const char* name : {"serial-pose", "serial-pose-table", "closed-form"}) {
       const auto solver = makeSolver(name);
       EXPECT_EQ(solver->whyUnsupported(two), "") << name;
       const IkReport report = solver->solve(two, budget, TraceLevel::Off);
@@ -229,6 +333,96 @@ TEST(Catalogue, APositionAndAnOrientationOfOneEffectorAreAPose) {
   }
   two.goals[0].weight = 2.0;  // another residual than the pose's
   EXPECT_NE(makeSolver("serial-pose")->whyUnsupported(two), "");
+}
+
+TEST(Catalogue, EveryParameterIsNamedWithinItsRangeAndExplained) {
+  for (const SolverEntry& entry : solverCatalogue())
+    for (const Parameter& p : entry.parameters) {
+      SCOPED_TRACE(std::string(entry.name) + "." + std::string(p.name));
+      EXPECT_LT(p.lower, p.upper);
+      EXPECT_GE(p.value, p.lower);
+      EXPECT_LE(p.value, p.upper);
+      EXPECT_FALSE(p.unit.empty());
+      EXPECT_FALSE(p.source.empty());
+      EXPECT_TRUE(p.meaning.ends_with('.'));
+      EXPECT_EQ(p.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz-"), std::string_view::npos);
+      int same = 0;
+      for (const Parameter& other : entry.parameters) same += other.name == p.name;
+      EXPECT_EQ(same, 1);
+      EXPECT_NO_THROW(entry.make({{std::string(p.name), p.value}}));
+      EXPECT_THROW(entry.make({{std::string(p.name), std::nextafter(p.upper, INFINITY)}}),
+                   std::invalid_argument);
+      EXPECT_THROW(entry.make({{std::string(p.name), p.lower - 1.0}}), std::invalid_argument);
+      EXPECT_THROW(entry.make({{std::string(p.name), NAN}}), std::invalid_argument);
+      if (p.whole) {
+        EXPECT_THROW(entry.make({{std::string(p.name), p.value + 0.5}}), std::invalid_argument);
+      }
+    }
+}
+
+/// A parameter that no problem's answer or work depends on is none.
+TEST(Catalogue, EveryParameterChangesWhatItsSolverDoes) {
+  const std::vector<ContractModel> models = contractModels();
+  for (const SolverEntry& entry : solverCatalogue())
+    for (const Parameter& p : entry.parameters) {
+      const double low = p.lower > 0.0 ? std::sqrt(p.lower * p.value) : p.lower;
+      const auto usual = entry.make();
+      bool changed = false;
+      for (double value : {p.whole ? std::floor(low) : low, p.lower, p.upper}) {
+        if (value == p.value || changed) continue;
+        std::unique_ptr<IkSolver> other;
+        try {
+          other = entry.make({{std::string(p.name), value}});
+        } catch (const std::invalid_argument&) {
+          continue;  // evolution's numbers bound each other
+        }
+        for (const ContractModel& model : models)
+          for (int i = 0; i < 60 && !changed; ++i) {
+            std::seed_seq parts{3u, static_cast<unsigned>(i)};
+            std::mt19937_64 random(parts);
+            const testing::OwnedProblem owned = model.draw(model.skeleton, random, i);
+            if (!usual->whyUnsupported(owned.problem).empty()) continue;
+            const Budget budget{.maxIterations = 30, .maxSeconds = 1e9, .restarts = i % 2 * 20};
+            const IkReport a = usual->solve(owned.problem, budget, TraceLevel::Off),
+                           b = other->solve(owned.problem, budget, TraceLevel::Off);
+            changed = a.q != b.q || a.counters.iterations != b.counters.iterations ||
+                      a.counters.forwardKinematics != b.counters.forwardKinematics;
+          }
+      }
+      EXPECT_TRUE(changed) << entry.name << "." << p.name;
+    }
+}
+
+TEST(Catalogue, ChoicesAreTextsAndBack) {
+  EXPECT_EQ(toText(solverSpec("dls")), "dls");
+  EXPECT_EQ(toText(solverSpec("dls[largest-step=1,lambda=0.1]")), "dls[lambda=0.1,largest-step=1]");
+  EXPECT_EQ(toText(solverSpec("dls[lambda=0.05]")), "dls");  // the default
+  EXPECT_EQ(toText(withParameter(solverSpec("dls[lambda=0.1]"), "lambda", 0.05)), "dls");
+  const ParameterSetting setting = parameterSetting("lm-chan.lambda=2");
+  EXPECT_EQ(setting.entry->name, "lm-chan");
+  EXPECT_EQ(setting.parameter, "lambda");
+  EXPECT_EQ(setting.value, 2.0);
+  const auto reason = [](auto run) -> std::string {
+    try {
+      run();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(
+      reason([] { makeSolver("dls[lamda=0.1]"); }).find("there are: lambda (0.05 m; 0 to 10), largest-step"),
+      std::string::npos);
+  EXPECT_NE(reason([] { makeSolver("dls[lambda=11]"); }).find("dls.lambda must lie in 0 to 10 m, not 11"),
+            std::string::npos);
+  EXPECT_NE(reason([] { makeSolver("l-bfgs[memory=2.5]"); }).find("whole number"), std::string::npos);
+  EXPECT_NE(reason([] { makeSolver("two-link[lambda=1]"); }).find("no parameters"), std::string::npos);
+  EXPECT_NE(reason([] { makeSolver("evolution[parents=20]"); }).find("must not exceed"), std::string::npos);
+  for (const char* broken :
+       {"dls[", "dls[]", "dls[lambda]", "dls[lambda=]", "dls[lambda=0.1", "dls[lambda=x]"})
+    EXPECT_NE(reason([&] { makeSolver(broken); }), "accepted") << broken;
+  for (const char* broken : {"dls", "dls.lambda", "lambda=0.1", "dls.lambda=", "dls.mu=1", "dsl.lambda=1"})
+    EXPECT_NE(reason([&] { parameterSetting(broken); }), "accepted") << broken;
 }
 
 TEST(Catalogue, NamesAreUniqueAndUnknownOnesListThem) {

@@ -61,7 +61,7 @@ TEST_F(BadFiles, AGoodTrioOpensAndStandsInPlace) {
   const auto rest = linearBlendSkin(*imported.model.skin, restFrames(imported.model.skeleton));
   for (std::size_t v = 0; v < 4; ++v)
     EXPECT_LE((rest.positions[v] - imported.model.skin->mesh.positions[v]).norm(), 1e-15);
-  EXPECT_THAT(imported.model.notes.at(0), HasSubstr("four largest weights kept"));
+  EXPECT_THAT(imported.model.notes.at(0).text, HasSubstr("four largest weights kept"));
 }
 
 TEST_F(BadFiles, AnObjWithASkeletonAndNoWeightsGetsHeatWeights) {
@@ -72,7 +72,7 @@ TEST_F(BadFiles, AnObjWithASkeletonAndNoWeightsGetsHeatWeights) {
                                                                  .mapping = {},
                                                                  .figure = {}});
   ASSERT_TRUE(imported.model.skin);
-  EXPECT_THAT(imported.model.notes.at(0), HasSubstr("heat"));
+  EXPECT_THAT(imported.model.notes.at(0).text, HasSubstr("heat"));
 }
 
 TEST_F(BadFiles, EachIsRefusedInOneSentenceThatNamesTheFile) {

@@ -1,9 +1,9 @@
 // `gelenk convert` as a person types it.
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/scene_file.h"
@@ -26,11 +26,11 @@ class ConvertCommand : public ::testing::Test {
   ~ConvertCommand() override { std::filesystem::remove_all(folder_); }
 
   void convert(std::vector<std::string> words) const {
-    CLI::App app;
-    addCommands(app);
+    CommandLine line("", "");
+    Command program = line.root();
+    addCommands(program);
     words.insert(words.begin(), "convert");
-    std::reverse(words.begin(), words.end());
-    app.parse(words);
+    line.parse(std::move(words));
   }
   std::string path(const std::string& name) const { return folder_ + name; }
   std::string file(const std::string& name, const std::string& content) const {

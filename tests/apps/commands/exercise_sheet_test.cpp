@@ -61,7 +61,7 @@ TEST_F(SmallSheet, JointsOfEqualNamesAreMatchedAndTheRestIsListed) {
   EXPECT_LE((bound[skeleton.jointIndex("larm")].translation() - Eigen::Vector3d(0.1, 1.5, 0)).norm(), 1e-12);
   EXPECT_LE((bound[skeleton.jointIndex("lhand")].translation() - Eigen::Vector3d(0.5, 1.5, 0)).norm(), 1e-12);
   std::string notes;
-  for (const std::string& note : model.notes) notes += note + "\n";
+  for (const Note& note : model.notes) notes += note.text + "\n";
   EXPECT_NE(notes.find("without a fitted counterpart (they follow their parent): lhand, rarm, rhand"),
             std::string::npos)
       << notes;

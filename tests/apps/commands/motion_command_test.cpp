@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/second_clip.h"
 #include "kinematics/io/text_file.h"
@@ -25,11 +25,11 @@ class MotionCommand : public ::testing::Test {
   ~MotionCommand() override { std::filesystem::remove_all(folder_); }
 
   void run(const std::string& command, std::vector<std::string> words) {
-    CLI::App app;
-    addCommands(app);
+    CommandLine line("", "");
+    Command program = line.root();
+    addCommands(program);
     words.insert(words.begin(), command);
-    std::reverse(words.begin(), words.end());
-    app.parse(words);
+    line.parse(std::move(words));
   }
   std::string path(const std::string& name) const { return folder_ + name; }
 
@@ -110,7 +110,7 @@ TEST_F(MotionCommand, CarriesAMotionToTheFigureByNames) {
 TEST_F(MotionCommand, RefusesWhatDoesNotFit) {
   const std::string base = bvh("base.bvh", 10, 10, 20), wave = bvh("wave.bvh", 50, 50, 7),
                     out = path("out.bvh");
-  EXPECT_THROW(run("motion", {base, "--weight", "0.5", "-o", out}), CLI::RequiresError);
+  EXPECT_THROW(run("motion", {base, "--weight", "0.5", "-o", out}), UsageError);
   EXPECT_THROW(run("motion", {base, "--layer", wave, "--bones", "tail", "-o", out}), std::invalid_argument);
   EXPECT_THROW(run("motion", {base, "--layer", wave, "--weight", "2", "-o", out}), std::invalid_argument);
   EXPECT_THROW(run("motion", {base, "--layer", path("none.bvh"), "-o", out}), std::exception);

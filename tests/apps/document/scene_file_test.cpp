@@ -279,7 +279,7 @@ TEST(SceneFile, SaysWhatIsWrongAndWhere) {
           {"handle no truth value", with("\"handle\": true", "\"handle\": \"yes\""), 0,
            "handle: true or false, found \"yes\""},
           {"unknown solver", with("\"name\": \"dls\"", "\"name\": \"magic\""), 0,
-           "solver.name: one of the solvers hybrid"},
+           "solver.name: one of the solvers drag"},
           {"a parameter no number", with("\"lambda\": ", "\"lambda\": \"x\", \"y\": "), 0,
            "solver.parameters.dls.lambda: a number, found \"x\""},
           {"distance negative", with("\"distance\": 4.0", "\"distance\": -4.0"), 0,

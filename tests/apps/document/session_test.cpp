@@ -406,7 +406,7 @@ TEST(Session, UnknownSolversAreNamedWithThoseThatExist) {
     EXPECT_NE(std::string(error.what()).find("magic"), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("dls"), std::string::npos);
   }
-  EXPECT_EQ(session.solver(), "hybrid");
+  EXPECT_EQ(session.solver(), "drag");
 }
 
 }  // namespace

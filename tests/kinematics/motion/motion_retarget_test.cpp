@@ -4,9 +4,12 @@
 
 #include <filesystem>
 
+#include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/bvh.h"
 #include "kinematics/notation/mannequin.h"
+#include "kinematics/rotation.h"
+#include "kinematics/skeleton_transform.h"
 #include "tests/kinematics/random_skeleton.h"
 #include "tests/places.h"
 
@@ -108,6 +111,139 @@ TEST(Retarget, WalkOfTheTrialDataGoesOnTheFigureWithLimbsThatPointAlike) {
     }
   }
   EXPECT_LE(worst, 1e-6);  // hips and shoulders are balls: only rounding of acos near 1
+}
+
+const std::string inputs = testing::inputFolder() + "/";
+
+Vector3d place(const Skeleton& skeleton, const MotionClip& clip, int frame, const char* joint) {
+  return forwardKinematics(skeleton, clip.q.col(frame))[skeleton.jointIndex(joint)].translation();
+}
+
+TEST(Retarget, AZeroPoseThatIsNoStanceChangesNothingButTheNames) {
+  const BvhMotion source = readBvh(inputs + "lying_zero_pose.bvh"), target = readBvh(inputs + "apose.bvh");
+  const RetargetedClip result = retargeted(source.skeleton, source.clip, target.skeleton);
+  EXPECT_NEAR(result.scale, 1.0, 1e-9);
+  EXPECT_EQ(result.standingFrame, 0);
+  // Both bodies have the same bones, so every joint stays where the source has it.
+  for (int f = 0; f < 2; ++f)
+    for (const char* joint : {"Hips", "Spine", "Head", "LeftArm", "LeftForeArm", "LeftHand", "RightHand",
+                              "LeftUpLeg", "LeftLeg", "LeftFoot", "RightFoot"})
+      EXPECT_LT((place(target.skeleton, result.clip, f, (std::string("mixamorig:") + joint).c_str()) -
+                 place(source.skeleton, source.clip, f, joint))
+                    .norm(),
+                1e-6)
+          << joint << " in frame " << f + 1;
+  EXPECT_LT((place(target.skeleton, result.clip, 1, "mixamorig:Hips") - Vector3d(0.3, 0.85, 0)).norm(), 1e-9);
+  EXPECT_NEAR(place(target.skeleton, result.clip, 1, "mixamorig:LeftFoot").y(), 0.05, 1e-9);
+}
+
+/// The clip with the whole source turned and placed otherwise.
+BvhMotion zUp(const std::string& file) {
+  BvhMotion bvh = readBvh(file);
+  bvh.skeleton = rotated(bvh.skeleton, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX())));
+  return bvh;
+}
+
+TEST(Retarget, TheAxisThatPointsUpIsFoundInSourceAndToldOfTheTarget) {
+  const BvhMotion target = readBvh(inputs + "apose.bvh");
+  for (const char* file : {"lying_zero_pose.bvh", "forearm.bvh"}) {
+    const BvhMotion plain = readBvh(inputs + file), turned = zUp(inputs + file);
+    const RetargetedClip a = retargeted(plain.skeleton, plain.clip, target.skeleton),
+                         b = retargeted(turned.skeleton, turned.clip, target.skeleton);
+    EXPECT_EQ(a.sourceUp, Vector3d::UnitY()) << file;
+    EXPECT_EQ(b.sourceUp, Vector3d::UnitZ()) << file;
+    EXPECT_LT((a.clip.q - b.clip.q).cwiseAbs().maxCoeff(), 1e-9) << file;
+    const Skeleton standing =
+        rotated(target.skeleton, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX())));
+    const RetargetedClip c =
+        retargeted(plain.skeleton, plain.clip, standing, {.targetUp = Vector3d::UnitZ()});
+    EXPECT_LT((a.clip.q - c.clip.q).cwiseAbs().maxCoeff(), 1e-9) << file;
+  }
+}
+
+TEST(Retarget, HingesReachTheirDirectionByTheTwistOfTheBallAbove) {
+  const BvhMotion source = readBvh(inputs + "forearm.bvh");
+  const Skeleton figure = mannequin();
+  const RetargetedClip result = retargeted(source.skeleton, source.clip, figure);
+  const std::vector<Vector3d> expected{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int f = 0; f < 3; ++f) {
+    const Vector3d forearm =
+        (place(figure, result.clip, f, "hand_l") - place(figure, result.clip, f, "lowerarm_l")).normalized();
+    EXPECT_LT((forearm - expected[f]).norm(), 1e-6) << "frame " << f + 1 << ": " << forearm.transpose();
+    const Vector3d upper =
+        (place(figure, result.clip, f, "lowerarm_l") - place(figure, result.clip, f, "upperarm_l"))
+            .normalized();
+    EXPECT_LT((upper - Vector3d::UnitX()).norm(), 1e-6);
+    EXPECT_LE(limitViolation(figure, result.clip.q.col(f), figure.jointIndex("lowerarm_l")), 0.1) << f;
+  }
+}
+
+TEST(Retarget, ElbowsAndKneesPointAsTheSourcesDoInEveryDirection) {
+  // Random directions of forearm and shank on balls; the figure's are hinges.
+  const BvhMotion source = readBvh(inputs + "forearm.bvh");
+  MotionClip clip = source.clip;
+  clip.q = source.clip.q.col(0).replicate(1, 200);
+  std::mt19937_64 random(5);
+  for (int f = 0; f < 200; ++f)
+    for (const char* joint : {"LeftArm", "LeftForeArm", "RightArm", "RightForeArm", "LeftUpLeg", "LeftLeg"})
+      for (int k = 0; k < 3; ++k)
+        clip.q(source.skeleton.qIndex(source.skeleton.jointIndex(joint)) + k, f) =
+            2.0 * (2.0 * uniform01(random) - 1.0);
+  const Skeleton figure = mannequin();
+  const RetargetedClip result = retargeted(source.skeleton, clip, figure);
+  int hinges = 0;
+  for (const RemainingAngle& angle : result.remaining)
+    for (const char* name : {"upperarm_l", "lowerarm_l", "lowerarm_r", "calf_l"})
+      if (figure.joint(angle.joint).name == name) {
+        EXPECT_LT(angle.mean, 1e-6) << name;
+        ++hinges;
+      }
+  EXPECT_EQ(hinges, 4);
+}
+
+TEST(Retarget, TheScaleComesFromTheLegsBonesWhateverThePoseAndUnit) {
+  const BvhMotion source = readBvh(inputs + "lying_zero_pose.bvh", {.metresPerUnit = 0.1}),
+                  target = readBvh(inputs + "apose.bvh");
+  EXPECT_NEAR(retargeted(source.skeleton, source.clip, target.skeleton).scale, 10.0, 1e-9);
+  const RetargetedClip given = retargeted(source.skeleton, source.clip, target.skeleton, {.scale = 2.0});
+  EXPECT_NEAR(place(target.skeleton, given.clip, 1, "mixamorig:Hips").x(), 0.06, 1e-9);
+  EXPECT_THROW(retargeted(source.skeleton, source.clip, target.skeleton, {.scale = -1.0}),
+               std::invalid_argument);
+}
+
+TEST(Retarget, KeptFeetStayInTheirScaledPlaces) {
+  // A source that squats: its feet stand still while the hips go down. The target's shanks are longer.
+  BvhMotion source = readBvh(inputs + "forearm.bvh");
+  MotionClip clip{.framesPerSecond = 30.0, .q = source.clip.q.col(0).replicate(1, 20)};
+  const auto angle = [&](const char* joint) {
+    return source.skeleton.qIndex(source.skeleton.jointIndex(joint)) + 1;
+  };
+  for (int f = 0; f < 20; ++f) {
+    const double bend = 0.04 * f;
+    clip.q(1, f) -= 0.8 * (1.0 - std::cos(bend));
+    for (const char* side : {"Left", "Right"}) {
+      clip.q(angle((std::string(side) + "UpLeg").c_str()), f) = -bend;
+      clip.q(angle((std::string(side) + "Leg").c_str()), f) = 2.0 * bend;
+      clip.q(angle((std::string(side) + "Foot").c_str()), f) = -bend;
+    }
+  }
+  std::vector<Joint> joints = readBvh(inputs + "apose.bvh").skeleton.joints();
+  for (Joint& joint : joints)
+    if (joint.name.ends_with("Foot")) joint.parentFromZero.translation().y() = -0.5;
+  const Skeleton target(joints);
+  const RetargetedClip loose = retargeted(source.skeleton, clip, target),
+                       kept = retargeted(source.skeleton, clip, target, {.keepFeet = true});
+  const auto slid = [&](const RetargetedClip& result) {
+    return (place(target, result.clip, 19, "mixamorig:LeftFoot") -
+            place(target, result.clip, 0, "mixamorig:LeftFoot"))
+        .norm();
+  };
+  EXPECT_GT(slid(loose), 0.01);
+  EXPECT_LT(slid(kept), 1e-6);
+  ASSERT_EQ(kept.kept.size(), 2u);
+  EXPECT_LT(kept.kept[0].largest, 1e-6);
+  EXPECT_EQ(kept.kept[0].contactFrames, 19);
+  EXPECT_LT(kept.kept[0].targetSlide, 1e-6);
 }
 
 }  // namespace

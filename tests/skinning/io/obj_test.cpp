@@ -1,9 +1,14 @@
 #include "skinning/io/obj.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "kinematics/configuration.h"
+#include "kinematics/io/text_file.h"
 #include "tests/kinematics/io/bad_input.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -23,6 +28,78 @@ TEST(Obj, PolygonsBecomeFansAndEveryCornerFormIsRead) {
   EXPECT_EQ(mesh.triangles[1], (std::array{0, 2, 3}));
   EXPECT_EQ(mesh.triangles[2], (std::array{0, 1, 3}));
   EXPECT_EQ(mesh.positions[2], Eigen::Vector3d(1, 1, 0));
+}
+
+double areaOf(const Mesh& mesh) {
+  double area = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles)
+    area += 0.5 * (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]).norm();
+  return area;
+}
+
+TEST(Obj, ConcavePolygonsDoNotFold) {
+  std::vector<Note> notes;
+  const Mesh quad = readObj(testing::inputFolder() + "/concave.obj", &notes);
+  EXPECT_EQ(quad.triangles, (std::vector<std::array<int, 3>>{{2, 3, 0}, {2, 0, 1}}));  // 3 4 1 and 3 1 2
+  EXPECT_NEAR(areaOf(quad), 1.0, 1e-12);
+  EXPECT_TRUE(notes.empty());
+}
+
+TEST(Obj, PolygonsOfAnyShapeAndStartKeepTheirAreaAndSense) {
+  // Stars, combs and an L in a turned plane; area by the shoelace formula in that plane.
+  std::vector<std::vector<Eigen::Vector2d>> shapes;
+  for (const int points : {3, 5, 12}) {
+    std::vector<Eigen::Vector2d> star;
+    for (int k = 0; k < 2 * points; ++k)
+      star.push_back((k % 2 ? 0.3 : 1.0) *
+                     Eigen::Vector2d(std::cos(M_PI * k / points), std::sin(M_PI * k / points)));
+    shapes.push_back(star);
+  }
+  shapes.push_back({{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}});  // with corners on one line
+  shapes.push_back({{0, 0}, {1, 0}, {2, 0}, {2, 2}, {1, 2}, {1, 1}, {0.9, 1}, {0.9, 2}, {0, 2}});
+  std::vector<Eigen::Vector2d> comb;
+  for (int k = 0; k < 8; ++k) comb.insert(comb.end(), {{k, 0.0}, {k, 2.0}, {k + 0.5, 2.0}, {k + 0.5, 0.0}});
+  comb.insert(comb.end(), {{8, -1}, {0, -1}});
+  shapes.push_back(comb);
+  const Eigen::Matrix3d turn = Eigen::Quaterniond(0.3, 0.5, -0.7, 0.2).normalized().toRotationMatrix();
+  for (std::size_t s = 0; s < shapes.size(); ++s)
+    for (std::size_t start = 0; start < shapes[s].size(); ++start)
+      for (const bool backwards : {false, true}) {
+        std::vector<Eigen::Vector2d> shape = shapes[s];
+        std::rotate(shape.begin(), shape.begin() + static_cast<std::ptrdiff_t>(start), shape.end());
+        if (backwards) std::reverse(shape.begin(), shape.end());
+        double area = 0.0;
+        std::string text, face = "f";
+        for (std::size_t k = 0; k < shape.size(); ++k) {
+          const Eigen::Vector2d &a = shape[k], &b = shape[(k + 1) % shape.size()];
+          area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+          const Eigen::Vector3d p = turn * Eigen::Vector3d(a.x(), a.y(), 4.0);
+          text += "v " + exactNumber(p.x()) + " " + exactNumber(p.y()) + " " + exactNumber(p.z()) + "\n";
+          face += " " + std::to_string(k + 1);
+        }
+        std::vector<Note> notes;
+        const Mesh mesh = parseObj(text + face + "\n", "shape.obj", &notes);
+        EXPECT_EQ(mesh.triangles.size(), shape.size() - 2);
+        EXPECT_NEAR(areaOf(mesh), std::abs(area), 1e-9) << "shape " << s << " from corner " << start;
+        const Eigen::Vector3d normal = turn.col(2) * (area > 0.0 ? 1.0 : -1.0);
+        for (const auto& [a, b, c] : mesh.triangles)
+          EXPECT_GE((mesh.positions[b] - mesh.positions[a])
+                        .cross(mesh.positions[c] - mesh.positions[a])
+                        .dot(normal),
+                    -1e-12);
+        EXPECT_TRUE(notes.empty()) << "shape " << s << " from corner " << start;
+      }
+}
+
+TEST(Obj, CrossingPolygonsAreTold) {
+  std::vector<Note> notes;
+  const Mesh mesh = parseObj(
+      "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3 4\nv 0 0 1\nv 2 0 1\nv 3 0 1\nv 1 0 1\nf 5 6 7 8\n",
+      "bow.obj", &notes);
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].kind, "polygon-crossing");
+  EXPECT_EQ(notes[0].count, 2);  // a bow tie, and one without area
 }
 
 TEST(Obj, VerticesWithoutFacesKeepTheirPlace) {

@@ -10,6 +10,7 @@
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
 #include "solvers/lab/statistics.h"
+#include "solvers/lab/sweep.h"
 #include "solvers/problem/judge.h"
 #include "tests/kinematics/random_skeleton.h"
 
@@ -236,18 +237,18 @@ TEST_F(Comparison, ShardsJoinToTheUnshardedRun) {
   EXPECT_FALSE(fs::exists(path("joined")));
   mergeComparisons(shards, path("joined"));
   expectSameAnswers("whole", "joined");
-  EXPECT_EQ(readMarker(path("whole")), readMarker(path("joined")));
+  EXPECT_EQ(readRecord(path("whole")), readRecord(path("joined")));
 }
 
 TEST_F(Comparison, SolversThatDrawRandomNumbersAreRunWithSeveralSeeds) {
   ComparisonPlan p{.sets = {"D1"}, .solvers = {"dls", "evolution"}, .problems = 6, .seed = 3};
   p.budget = {.maxIterations = 20, .maxSeconds = 1e9, .seed = 3};
-  EXPECT_EQ(seedCount(p, "dls"), 1);  // nothing in it is random without restarts
-  EXPECT_EQ(seedCount(p, "evolution"), 20);
+  EXPECT_EQ(seedCount(p, "dls", 0), 1);  // nothing in it is random without restarts
+  EXPECT_EQ(seedCount(p, "evolution", 0), 20);
   p.budget.restarts = 1;
-  EXPECT_EQ(seedCount(p, "dls"), 1);  // unless asked for
+  EXPECT_EQ(seedCount(p, "dls", 1), 1);  // unless asked for
   p.seeds = 4;
-  EXPECT_EQ(seedCount(p, "dls"), 4);
+  EXPECT_EQ(seedCount(p, "dls", 1), 4);
   run(p, "a");
   const Results results = readResults(path("a"));
   ASSERT_EQ(results.seeds.size(), 2u * 6u * 4u);
@@ -262,7 +263,7 @@ TEST_F(Comparison, SolversThatDrawRandomNumbersAreRunWithSeveralSeeds) {
     differ += row.displacement != first.displacement;
   }
   EXPECT_GT(differ, 6);  // other seeds, other answers: the arm has a spare degree of freedom
-  writeReport(path("a"),
+  writeReport(path("a"), results,
               {.version = "test", .commandLine = "", .colour = [](const std::string&) { return "#336699"; }});
   EXPECT_NE(readFile(path("a") + "/summary.json").find("problems_solved_by_every_seed"), std::string::npos);
 }
@@ -333,11 +334,103 @@ TEST_F(Comparison, PlansWithoutSenseAreRefusedWithAReason) {
   refused([](ComparisonPlan& p) { p.budget.restarts = -1; });
 }
 
+// ---- parameters
+
+TEST(Sweep, IsEvenlySpacedAndRefusesWhatMakesNoSense) {
+  const ParameterSweep log = parameterSweep("dls.lambda=0.01:1:log9");
+  EXPECT_EQ(log.values,
+            (std::vector<double>{0.01, 0.01778, 0.03162, 0.05623, 0.1, 0.1778, 0.3162, 0.5623, 1.0}));
+  EXPECT_EQ(parameterSweep("dls.lambda=0:1:lin5").values, (std::vector<double>{0.0, 0.25, 0.5, 0.75, 1.0}));
+  EXPECT_EQ(parameterSweep("l-bfgs.memory=1:4:log9").values, (std::vector<double>{1, 2, 3, 4}));
+  for (const char* bad :
+       {"dls.lambda=0.01:1", "dls.lambda=0.01:1:9", "dls.lambda=1:0.01:log9", "dls.lambda=0:1:log9",
+        "dls.lambda=0.01:1:log1", "dls.lambda=0.01:20:log9", "dls.mu=0.01:1:log9", "dls=0.01:1:log9",
+        "dls.lambda=0.01:1:log", "dls.lambda=:1:log9", ""})
+    EXPECT_THROW(parameterSweep(bad), std::invalid_argument) << bad;
+}
+
+TEST(Sweep, SettingsAndGridsReachTheSolversTheyName) {
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(withParameters({"dls", "ccd"}, {"dls.lambda=0.1"}), (Texts{"dls[lambda=0.1]", "ccd"}));
+  EXPECT_EQ(withParameters({"ccd"}, {}, {"dls.lambda=0.1:0.3:lin3"}),
+            (Texts{"ccd", "dls[lambda=0.1]", "dls[lambda=0.2]", "dls[lambda=0.3]"}));
+  EXPECT_EQ(withParameters({}, {"dls.largest-step=1"}, {"dls.lambda=0.05:0.1:lin2"}),
+            (Texts{"dls[largest-step=1]", "dls[lambda=0.1,largest-step=1]"}));
+  EXPECT_EQ(withParameters({}, {}, {"dls.lambda=0.1:0.2:lin2", "dls.largest-step=1:2:lin2"}).size(), 4u);
+  EXPECT_THROW(withParameters({"ccd"}, {"dls.lambda=0.1"}), std::invalid_argument);
+}
+
+TEST_F(Comparison, ParametersStandInTheRecordOfEveryResult) {
+  ComparisonPlan p{
+      .sets = {"D1"},
+      .solvers = withParameters({"ccd"}, {}, {"dls.lambda=0.05:1:log3", "dls.largest-step=0.5:1:lin2"}),
+      .problems = 8,
+      .seed = 3};
+  p.budget.maxIterations = 40;
+  ASSERT_EQ(p.solvers.size(), 7u);
+  run(p, "a");
+  const Results results = readResults(path("a"));
+  EXPECT_EQ(results.rows.size(), 7u * 8u);
+  EXPECT_EQ(results.rows.back().solver, "dls[lambda=1,largest-step=1]");
+  EXPECT_EQ(valuesOf(results.record, "parameters").back(),
+            "dls[lambda=1,largest-step=1]: lambda=1 largest-step=1");
+  EXPECT_NE(readFile(path("a") + "/solvers.csv").find("\"dls[lambda=1,largest-step=1]\",lambda,1,0.05,m,"),
+            std::string::npos);
+  // another value is another comparison, also where only a default was left out before
+  ComparisonPlan other = p;
+  other.solvers.back() = "dls[lambda=2,largest-step=1]";
+  EXPECT_THROW(run(other, "a"), std::runtime_error);
+  // answers differ between values, and stay what one value gives alone
+  ComparisonPlan alone = p;
+  alone.solvers = {"dls[lambda=1,largest-step=1]"};
+  run(alone, "alone");
+  const Results one = readResults(path("alone"));
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(one.rows[i].residual, results.rows[48 + i].residual);
+    EXPECT_EQ(one.rows[i].counters.iterations, results.rows[48 + i].counters.iterations);
+  }
+  // interrupted and sharded runs lead to the same
+  run(p, "cut", 20);
+  run(p, "cut");
+  expectSameAnswers("a", "cut");
+  std::vector<std::string> shards;
+  for (int k = 1; k <= 2; ++k) {
+    ComparisonPlan part = p;
+    part.shard = k;
+    part.shards = 2;
+    run(part, "part" + std::to_string(k));
+    shards.push_back(path("part" + std::to_string(k)));
+  }
+  mergeComparisons(shards, path("joined"));
+  expectSameAnswers("a", "joined");
+  writeReport(path("a"), results,
+              {.version = "test", .commandLine = "", .colour = [](const std::string&) { return "#336699"; }});
+  const std::string html = readFile(path("a") + "/report.html");
+  if (html.find("gnuplot was not found") == std::string::npos) {
+    EXPECT_NE(html.find("dls.lambda: Damping"), std::string::npos);      // a curve over three values
+    EXPECT_EQ(html.find("dls.largest-step: Steps"), std::string::npos);  // two make none
+  }
+  EXPECT_NE(readFile(path("a") + "/summary.json").find("\"largest-step\": 1.0"), std::string::npos);
+}
+
+TEST_F(Comparison, ASetMayBeAskedOnceMoreWithRestarts) {
+  ComparisonPlan p{.sets = {"D1", "D1[restarts=5]"}, .solvers = {"lm-chan"}, .problems = 20, .seed = 3};
+  run(p, "a");
+  const Results results = readResults(path("a"));
+  EXPECT_EQ(results.sets[0].checksum, results.sets[1].checksum);
+  int single = 0, restarted = 0;
+  for (const ResultRow& row : results.rows) (row.set == "D1" ? single : restarted) += row.solved;
+  EXPECT_GT(restarted, single);
+  for (const char* bad : {"D1[", "D1[restarts]", "D1[restarts=-1]", "D1[restarts=x]", "D9[restarts=5]"})
+    EXPECT_THROW(setChoice(bad), std::invalid_argument) << bad;
+}
+
 TEST_F(Comparison, TheReportIsSelfContainedAndSaysWhatWasUnsupported) {
   run(plan(), "a");
-  writeReport(path("a"), {.version = "test",
-                          .commandLine = "gelenk compare <x>",
-                          .colour = [](const std::string&) { return "#336699"; }});
+  writeReport(path("a"), readResults(path("a")),
+              {.version = "test", .commandLine = "gelenk compare <x>", .colour = [](const std::string&) {
+                 return "#336699";
+               }});
   const std::string html = readFile(path("a") + "/report.html"),
                     summary = readFile(path("a") + "/summary.json");
   EXPECT_NE(html.find("unsupported"), std::string::npos);

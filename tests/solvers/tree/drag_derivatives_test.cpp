@@ -26,8 +26,8 @@ MatrixXd dense(const TreeMatrix& H) {
 /// A random skeleton with points and directions on some joints, at a pose away from rest and anchor.
 struct Problem {
   Skeleton skeleton;
-  HybridDescent descent;
-  HybridDescent::Settings settings{.lambda = 0.3, .kappa = 0.2};
+  DragDescent descent;
+  DragDescent::Settings settings{.lambda = 0.3, .kappa = 0.2};
 
   Problem(std::mt19937_64& random, int joints) : Problem(random, testing::randomSkeleton(random, joints)) {}
 
@@ -63,8 +63,8 @@ struct Problem {
   }
 
  public:
-  HybridDescent movedBy(const VectorXd& d) const {
-    HybridDescent moved = descent;
+  DragDescent movedBy(const VectorXd& d) const {
+    DragDescent moved = descent;
     moved.moveFreely(d.data());
     return moved;
   }

@@ -8,7 +8,9 @@
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/notation/mannequin.h"
+#include "kinematics/notation/mannequin_masses.h"
 #include "kinematics/rotation.h"
+#include "solvers/problem/support.h"
 #include "solvers/tree/drag_solver.h"
 
 // The drags by which the drag solver is judged, for the tests and for the table that drag_benchmark prints.
@@ -33,29 +35,29 @@ struct Figure {
   Vector3d dragPoint(int k) const { return k < 2 ? palm : Vector3d(0.0, 0.0, 0.1); }
   Vector3d dragged(const Frames& frames, int k) const { return frames[dragJoint(k)] * dragPoint(k); }
 
-  std::vector<DragGoal> pins() const {
-    std::vector<DragGoal> goals;
+  std::vector<Goal> pins() const {
+    std::vector<Goal> goals;
     for (const int foot : feet)
-      goals.push_back({.goal = {.kind = GoalKind::Pose,
-                                .name = "foot",
-                                .joint = foot,
-                                .target = startFrames[foot].translation(),
-                                .orientation = Eigen::Quaterniond(startFrames[foot].linear())},
-                       .role = GoalRole::Pin});
+      goals.push_back({.kind = GoalKind::Pose,
+                       .name = "foot",
+                       .joint = foot,
+                       .target = startFrames[foot].translation(),
+                       .orientation = Eigen::Quaterniond(startFrames[foot].linear()),
+                       .role = Role::Pin});
     return goals;
   }
-  std::vector<DragGoal> goals() const {
-    std::vector<DragGoal> all;
+  std::vector<Goal> goals() const {
+    std::vector<Goal> all;
     for (int k = 0; k < dragCount; ++k)
-      all.push_back({.goal = {.name = "drag",
-                              .joint = dragJoint(k),
-                              .pointInJoint = dragPoint(k),
-                              .target = dragged(startFrames, k)}});
-    for (const DragGoal& pin : pins()) all.push_back(pin);
+      all.push_back({.name = "drag",
+                     .joint = dragJoint(k),
+                     .pointInJoint = dragPoint(k),
+                     .target = dragged(startFrames, k)});
+    for (const Goal& pin : pins()) all.push_back(pin);
     return all;
   }
-  void setTargets(std::vector<DragGoal>& goals, const std::vector<Vector3d>& targets) const {
-    for (int k = 0; k < dragCount; ++k) goals[k].goal.target = targets[k];
+  void setTargets(std::vector<Goal>& goals, const std::vector<Vector3d>& targets) const {
+    for (int k = 0; k < dragCount; ++k) goals[k].target = targets[k];
   }
 
   /// Largest distance of three points of each foot (ankle, 10 cm along the bone, 10 cm up) from where they
@@ -80,6 +82,29 @@ struct Figure {
   }
 };
 
+/// The figure's masses and soles.
+inline BalanceOptions balanceOf(const Figure& figure) {
+  BalanceOptions balance{.masses = std::make_shared<const Masses>(mannequinMasses(figure.skeleton))};
+  for (const FootPoint& point : mannequinSoles(figure.skeleton))
+    balance.supports.push_back({point.joint, point.inJoint});
+  return balance;
+}
+
+/// How far the centre of mass stands outside the hull of the soles where they were at the start, metres;
+/// below 0 inside. The feet are pinned.
+struct Tipping {
+  explicit Tipping(const Figure& figure) : masses(mannequinMasses(figure.skeleton)) {
+    std::vector<Vector3d> soles;
+    for (const FootPoint& point : mannequinSoles(figure.skeleton))
+      soles.push_back(figure.startFrames[point.joint] * point.inJoint);
+    polygon = SupportPolygon::hull(soles, Vector3d::UnitY());
+  }
+  double operator()(const Frames& frames) const { return polygon.outside(centreOfMass(masses, frames)); }
+
+  Masses masses;
+  SupportPolygon polygon;
+};
+
 /// Half way between rest and a pose uniform within limits; the root stays.
 inline VectorXd halfRangePose(const Skeleton& skeleton, std::mt19937_64& random) {
   VectorXd to = randomWithinLimits(skeleton, random);
@@ -97,8 +122,8 @@ using Path = std::vector<std::vector<Vector3d>>;
 /// limits).
 inline Path reachablePath(const Figure& figure, std::mt19937_64& random, int frames, double step) {
   const Skeleton& skeleton = figure.skeleton;
-  HybridDescent feet(skeleton, 1.0, std::vector<double>(skeleton.nv(), 1.0), skeleton.rest());
-  const std::vector<DragGoal> pins = figure.pins();
+  DragDescent feet(skeleton, 1.0, std::vector<double>(skeleton.nv(), 1.0), skeleton.rest());
+  const std::vector<Goal> pins = figure.pins();
   feet.build(std::vector<int>{figure.feet[0], figure.feet[1]}, Vector3d::Zero());
   for (const int foot : figure.feet) {
     const Eigen::Isometry3d& frame = figure.startFrames[foot];
@@ -196,13 +221,14 @@ inline double quantile(std::vector<double> values, double share) {
 
 /// What a drag along a path showed.
 struct Shown {
-  std::vector<double> errors;   ///< metres, every dragged point and frame
-  std::vector<double> seconds;  ///< a frame
-  double worstPin = 0.0;        ///< metres
-  double worstRotation = 0.0;   ///< radians a joint and frame
-  double worstJump = 0.0;       ///< rotation over (target step / 0.5 m)
-  double worstViolation = 0.0;  ///< of limits
-  int notFinite = 0;
+  std::vector<double> errors;      ///< metres, every dragged point and frame
+  std::vector<double> seconds;     ///< a frame
+  double worstPin = 0.0;           ///< metres
+  double worstRotation = 0.0;      ///< radians a joint and frame
+  double worstJump = 0.0;          ///< rotation over (target step / 0.5 m)
+  double worstViolation = 0.0;     ///< of limits
+  int notFinite = 0, outside = 0;  ///< frames with the centre of mass outside the soles
+  double worstTipping = 0.0;       ///< metres outside
   long iterations = 0, factorisations = 0;
 
   void add(const Shown& other) {
@@ -213,6 +239,8 @@ struct Shown {
     worstJump = std::max(worstJump, other.worstJump);
     worstViolation = std::max(worstViolation, other.worstViolation);
     notFinite += other.notFinite;
+    outside += other.outside;
+    worstTipping = std::max(worstTipping, other.worstTipping);
     iterations += other.iterations;
     factorisations += other.factorisations;
   }
@@ -221,7 +249,8 @@ struct Shown {
 /// Follows the path frame by frame; step: metres a frame.
 inline Shown follow(const Figure& figure, DragSolver& solver, const Path& path, double step) {
   Shown shown;
-  std::vector<DragGoal> goals = figure.goals();
+  std::vector<Goal> goals = figure.goals();
+  const Tipping tipping(figure);
   Frames frames;
   for (const auto& targets : path) {
     figure.setTargets(goals, targets);
@@ -239,6 +268,9 @@ inline Shown follow(const Figure& figure, DragSolver& solver, const Path& path, 
     for (int k = 0; k < Figure::dragCount; ++k)
       shown.errors.push_back((targets[k] - figure.dragged(frames, k)).norm());
     shown.worstPin = std::max(shown.worstPin, figure.pinError(frames));
+    const double tipped = tipping(frames);
+    shown.outside += tipped > 0.0;
+    shown.worstTipping = std::max(shown.worstTipping, tipped);
     const double rotation = figure.largestRotation(before, q);
     shown.worstRotation = std::max(shown.worstRotation, rotation);
     if (step > 0.0) shown.worstJump = std::max(shown.worstJump, rotation / (step / 0.5));

@@ -4,7 +4,7 @@
 
 #include "solvers/iteration/evaluator.h"
 #include "solvers/problem/judge.h"
-#include "solvers/tree/hybrid_solver.h"
+#include "solvers/tree/drag_solver.h"
 #include "tests/kinematics/random_skeleton.h"
 #include "tests/solvers/tree/drag_marks.h"
 
@@ -105,10 +105,10 @@ TEST_F(Marks, TargetsThatJumpTwoMetresDoNoHarm) {
 }
 
 TEST_F(Marks, HandFarOutsideStretchesTheArmAndRests) {
-  std::vector<DragGoal> goals = figure.goals();
-  const Vector3d from = goals[1].goal.target, to(-1.5, 1.6, 0.8);
+  std::vector<Goal> goals = figure.goals();
+  const Vector3d from = goals[1].target, to(-1.5, 1.6, 0.8);
   for (int frame = 0; frame <= 60; ++frame) {
-    goals[1].goal.target = from + frame / 60.0 * (to - from);
+    goals[1].target = from + frame / 60.0 * (to - from);
     solver.frame(goals);
   }
   for (int frame = 0; frame < 25; ++frame) solver.frame(goals);
@@ -154,7 +154,7 @@ TEST_F(Marks, OutAndBackOnAReachablePathEndsInTheSamePose) {
 }
 
 TEST_F(Marks, ColdSolvesOfFiveGoalsAllArrive) {
-  const auto hybrid = makeHybrid();
+  const auto cold = makeDrag();
   const Skeleton& skeleton = figure.skeleton;
   for (int i = 0; i < pathCount * pathLength / 10; ++i) {
     const VectorXd pose = marks::halfRangePose(skeleton, random);
@@ -162,23 +162,23 @@ TEST_F(Marks, ColdSolvesOfFiveGoalsAllArrive) {
     IkProblem problem{.skeleton = &skeleton, .start = skeleton.rest(), .positionTolerance = 1e-3};
     for (const int joint : {figure.hands[0], figure.hands[1], figure.head, figure.feet[0], figure.feet[1]})
       problem.goals.push_back({.joint = joint, .target = frames[joint].translation()});
-    const IkReport report = hybrid->solve(problem, {}, TraceLevel::Off);
+    const IkReport report = cold->solve(problem, {}, TraceLevel::Off);
     EXPECT_TRUE(judge(problem, report.q).solved) << "problem " << i;
   }
 }
 
 TEST_F(Marks, ChangingTheDraggedPointChangesThePoseContinuously) {
-  std::vector<DragGoal> goals = figure.goals();
-  goals[0].goal.target += Vector3d(0.1, 0.2, 0.1);
+  std::vector<Goal> goals = figure.goals();
+  goals[0].target += Vector3d(0.1, 0.2, 0.1);
   for (int i = 0; i < 40; ++i) solver.frame(goals);
   // The user lets go of the palm and takes the elbow, then the knee, where they are.
   for (const char* name : {"lowerarm_l", "calf_r", "hand_l"}) {
     const int joint = figure.skeleton.jointIndex(name);
     const Frames frames = forwardKinematics(figure.skeleton, solver.q());
-    goals[0].goal = {.name = "drag",
-                     .joint = joint,
-                     .pointInJoint = {0, 0, 0.02},
-                     .target = frames[joint] * Vector3d(0, 0, 0.02)};
+    goals[0] = {.name = "drag",
+                .joint = joint,
+                .pointInJoint = {0, 0, 0.02},
+                .target = frames[joint] * Vector3d(0, 0, 0.02)};
     const VectorXd before = solver.q();
     solver.frame(goals);
     EXPECT_LE(figure.largestRotation(before, solver.q()), 0.06) << name;
@@ -190,18 +190,18 @@ TEST_F(Marks, ChangingTheDraggedPointChangesThePoseContinuously) {
 }
 
 TEST_F(Marks, PoleTurnsTheElbowAndLeavesTheHand) {
-  std::vector<DragGoal> goals = figure.goals();
+  std::vector<Goal> goals = figure.goals();
   const int elbow = figure.skeleton.jointIndex("lowerarm_l");
-  goals[0].goal.target = {0.35, 1.25, 0.30};
+  goals[0].target = {0.35, 1.25, 0.30};
   for (const Vector3d& side : {Vector3d(1.5, 1.2, 0.0), Vector3d(0.6, 0.2, -0.4)}) {
-    std::vector<DragGoal> withPole = goals;
-    withPole.push_back({.goal = {.kind = GoalKind::Pole, .joint = elbow, .target = side, .weight = 0.1}});
+    std::vector<Goal> withPole = goals;
+    withPole.push_back({.kind = GoalKind::Pole, .joint = elbow, .target = side, .weight = 0.1});
     solver.reset(figure.start);
     for (int i = 0; i < 150; ++i) solver.frame(withPole);
     const Frames frames = forwardKinematics(figure.skeleton, solver.q());
-    EXPECT_LE((figure.dragged(frames, 0) - goals[0].goal.target).norm(), 1e-4);
+    EXPECT_LE((figure.dragged(frames, 0) - goals[0].target).norm(), 1e-4);
     Eigen::VectorXd r(1);
-    goalResidual(withPole.back().goal, figure.skeleton, solver.q(), frames, r);
+    goalResidual(withPole.back(), figure.skeleton, solver.q(), frames, r);
     EXPECT_LE(std::abs(r[0]), 0.02);
     const Vector3d a = frames[figure.skeleton.parent(elbow)].translation(), b = frames[elbow].translation(),
                    c = frames[figure.hands[0]].translation(), u = (c - a).normalized();
@@ -210,19 +210,18 @@ TEST_F(Marks, PoleTurnsTheElbowAndLeavesTheHand) {
 }
 
 TEST_F(Marks, PoseAimAndOrientationGoalsAreMet) {
-  std::vector<DragGoal> goals = figure.goals();
+  std::vector<Goal> goals = figure.goals();
   const int hand = figure.hands[0];
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond(figure.startFrames[hand].linear()) * expRotation({0.3, 0.2, -0.4});
-  goals[0].goal = {.kind = GoalKind::Pose,
-                   .joint = hand,
-                   .target = figure.startFrames[hand].translation() + Vector3d(0, 0.1, 0),
-                   .orientation = turned};
-  goals[2].goal = {
+  goals[0] = {.kind = GoalKind::Pose,
+              .joint = hand,
+              .target = figure.startFrames[hand].translation() + Vector3d(0, 0.1, 0),
+              .orientation = turned};
+  goals[2] = {
       .kind = GoalKind::Aim, .joint = figure.head, .target = {0.5, 1.2, 2.0}, .axisInJoint = {0, -1, 0}};
   for (int i = 0; i < 200; ++i) solver.frame(goals);
-  IkProblem problem{
-      .skeleton = &figure.skeleton, .start = figure.start, .goals = {goals[0].goal, goals[2].goal}};
+  IkProblem problem{.skeleton = &figure.skeleton, .start = figure.start, .goals = {goals[0], goals[2]}};
   const Judgement verdict = judge(problem, solver.q());
   EXPECT_LE(verdict.goals[0].position, 1e-4);
   EXPECT_LE(verdict.goals[0].orientation, 1e-3);
@@ -243,7 +242,7 @@ TEST(DragSolver, WorksAtEveryScaleAlike) {
     const Skeleton arm(chain);
     DragSolver solver(arm);
     Goal goal{.joint = 3, .target = scale * (Vector3d(0.5, 4.0, 0) + Vector3d(0.6, 0.7, 0))};
-    const std::vector<DragGoal> goals{{.goal = goal}};
+    const std::vector<Goal> goals{goal};
     VectorXd q = arm.rest();
     q << 0.3, 0.4, 0.5;
     solver.reset(q);
@@ -262,16 +261,16 @@ TEST(DragSolver, RandomSkeletonsStayWithinLimitsAndFiniteWhateverIsAsked) {
     DragSolver solver(skeleton);
     solver.reset(randomWithinLimits(skeleton, random));
     for (int frame = 0; frame < 60; ++frame) {
-      std::vector<DragGoal> goals;
+      std::vector<Goal> goals;
       const int count = static_cast<int>(random() % 4);
       for (int k = 0; k < count; ++k) {
-        DragGoal goal;
-        goal.goal.kind = static_cast<GoalKind>(random() % 4);
-        goal.goal.joint = static_cast<int>(random() % 12);
-        goal.goal.target = std::pow(10.0, 4.0 * uniform01(random) - 2.0) * testing::randomUnit(random);
-        goal.goal.orientation = expRotation(3.0 * testing::randomUnit(random));
-        if (random() % 20 == 0) goal.goal.target.x() = std::numeric_limits<double>::quiet_NaN();
-        goal.role = random() % 2 == 0 ? GoalRole::Drag : GoalRole::Pin;
+        Goal goal;
+        goal.kind = static_cast<GoalKind>(random() % 4);
+        goal.joint = static_cast<int>(random() % 12);
+        goal.target = std::pow(10.0, 4.0 * uniform01(random) - 2.0) * testing::randomUnit(random);
+        goal.orientation = expRotation(3.0 * testing::randomUnit(random));
+        if (random() % 20 == 0) goal.target.x() = std::numeric_limits<double>::quiet_NaN();
+        goal.role = random() % 2 == 0 ? Role::Drag : Role::Pin;
         goals.push_back(goal);
       }
       const IkReport& report = solver.frame(goals, TraceLevel::Full);
@@ -286,7 +285,7 @@ TEST(DragSolver, RandomSkeletonsStayWithinLimitsAndFiniteWhateverIsAsked) {
 TEST(DragSolver, SaysWhatIsWrongWithAGoal) {
   const Figure figure;
   DragSolver solver(figure.skeleton);
-  const std::vector<DragGoal> unknown{{.goal = {.joint = 99}}};
+  const std::vector<Goal> unknown{{.joint = 99}};
   EXPECT_THROW(solver.frame(unknown), std::invalid_argument);
   EXPECT_THROW(solver.reset(VectorXd::Zero(3)), std::invalid_argument);
   EXPECT_THROW(DragSolver(figure.skeleton, {.stiffness = {1.0}}), std::invalid_argument);

@@ -1,0 +1,80 @@
+#include "apps/commands/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+
+namespace gelenk {
+
+Option& Option::required() { return option_->required(), *this; }
+Option& Option::showDefault() { return option_->capture_default_str(), *this; }
+Option& Option::oneOf(const std::vector<std::string>& words) {
+  return option_->check(CLI::IsMember(words)), *this;
+}
+Option& Option::positive() { return option_->check(CLI::PositiveNumber), *this; }
+Option& Option::nonNegative() { return option_->check(CLI::NonNegativeNumber), *this; }
+Option& Option::range(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
+Option& Option::count(int values) { return option_->expected(values), *this; }
+Option& Option::excludes(const Option& other) { return option_->excludes(other.option_), *this; }
+Option& Option::commas() { return option_->delimiter(','), *this; }
+Option& Option::oneAtATime() { return option_->allow_extra_args(false), *this; }
+Option& Option::needs(const Option& other) { return option_->needs(other.option_), *this; }
+
+Command Command::command(const std::string& name, const std::string& help) {
+  return Command(app_->add_subcommand(name, help));
+}
+template <typename Value>
+Option Command::option(const std::string& names, Value& value, const std::string& help) {
+  return Option(app_->add_option(names, value, help));
+}
+template Option Command::option(const std::string&, std::string&, const std::string&);
+template Option Command::option(const std::string&, int&, const std::string&);
+template Option Command::option(const std::string&, double&, const std::string&);
+template Option Command::option(const std::string&, unsigned long&, const std::string&);
+template Option Command::option(const std::string&, unsigned long long&, const std::string&);
+template Option Command::option(const std::string&, std::optional<double>&, const std::string&);
+template Option Command::option(const std::string&, std::optional<int>&, const std::string&);
+template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option Command::option(const std::string&, std::vector<double>&, const std::string&);
+
+Option Command::flag(const std::string& names, bool& value, const std::string& help) {
+  return Option(app_->add_flag(names, value, help));
+}
+void Command::optionsAnywhere() { app_->fallthrough(); }
+void Command::notes(const std::string& text) { app_->footer(text); }
+void Command::run(std::function<void()> action) { app_->callback(std::move(action)); }
+bool Command::given() const { return app_->parsed(); }
+
+CommandLine::CommandLine(const std::string& description, const std::string& version)
+    : app_(std::make_unique<CLI::App>(description)) {
+  app_->set_version_flag("--version", version);
+  app_->require_subcommand(1);
+}
+CommandLine::~CommandLine() = default;
+Command CommandLine::root() { return Command(app_.get()); }
+
+void CommandLine::parse(std::vector<std::string> words) {
+  std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+  try {
+    app_->parse(std::move(words));
+  } catch (const CLI::Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+int CommandLine::run(int argc, char** argv) {
+  try {
+    app_->parse(argc, argv);
+  } catch (const ExitStatus& answer) {
+    return answer.status;
+  } catch (const CLI::Error& error) {
+    return app_->exit(error) == 0 ? 0 : 1;  // --help and --version are no mistakes
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "gelenk: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace gelenk

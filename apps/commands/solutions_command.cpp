@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands/arm_request.h"
+#include "apps/commands/command_line.h"
+#include "apps/commands/commands.h"
+#include "apps/document/model.h"
+#include "kinematics/forward_kinematics.h"
+#include "solvers/problem/judge.h"
+#include "solvers/serial/serial_pose.h"
+#include "solvers/solutions/complete_set.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::VectorXd;
+using json = nlohmann::ordered_json;
+
+struct Request {
+  std::string model = "ur5", joint;
+  std::vector<double> target, near, axis;
+  bool limits = true, asJson = false;
+};
+
+constexpr double singular = 1e-6;  ///< sigma_min below this is told
+
+/// One solution with everything that is told of it.
+struct Told {
+  VectorXd q;  ///< of the arm's joints
+  double position, orientation, distance;
+  bool withinLimits;
+  long images;
+  std::string branch;
+  Singularity singularity;
+  unsigned free;
+};
+
+std::string branchName(const ArmSolution& s) {
+  std::vector<std::string> parts;
+  if (s.shoulder) parts.push_back(s.shoulder > 0 ? "shoulder +" : "shoulder -");
+  if (s.elbow) parts.push_back(s.elbow > 0 ? "elbow +" : "elbow -");
+  if (s.wrist) parts.push_back(s.wrist > 0 ? "wrist +" : "wrist -");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// "joints 4 and 6 turn together: dq = (0, 0, 0, 0.71, 0, -0.71)"
+std::string familyText(const Told& t) {
+  std::vector<int> joints;
+  for (int i = 0; i < t.q.size(); ++i)
+    if (std::abs(t.singularity.direction[i]) > 1e-6) joints.push_back(i + 1);
+  VectorXd d = t.singularity.direction;
+  for (double& x : d)
+    if (std::abs(x) < 5e-4) x = 0.0;
+  return fmt::format("joints {} move together along dq = ({:.3f})", fmt::join(joints, ", "),
+                     fmt::join(std::vector<double>(d.begin(), d.end()), ", "));
+}
+
+std::vector<Told> tell(const CompleteSet& set, const ArmSolutions& found, const IkProblem& problem,
+                       const VectorXd& near, bool limits) {
+  std::vector<Told> list;
+  const int n = set.joints();
+  for (const ArmSolution& s : found.all()) {
+    if (limits && !s.withinLimits) continue;
+    Told t{.q = s.q.head(n), .withinLimits = s.withinLimits, .branch = branchName(s), .free = s.free};
+    VectorXd all = problem.start;
+    for (int i = 0; i < n; ++i) all[set.chain().qIndex[i]] = t.q[i];
+    const Judgement verdict = judge(problem, all);
+    t.position = verdict.goals[0].position;
+    t.orientation = verdict.goals[0].orientation;
+    t.distance = (t.q - near).norm();
+    t.singularity = singularity(set.chain(), t.q);
+    t.images = 1;
+    for (int i = 0; i < n; ++i) t.images *= imageCount(t.q[i], set.chain().lower[i], set.chain().upper[i]);
+    list.push_back(t);
+  }
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Told& a, const Told& b) { return a.distance < b.distance; });
+  return list;
+}
+
+json toJson(const Told& t) {
+  json out{{"q", std::vector<double>(t.q.begin(), t.q.end())},
+           {"position_error", t.position},
+           {"orientation_error", t.orientation},
+           {"distance", t.distance},
+           {"within_limits", t.withinLimits},
+           {"images_within_limits", t.images},
+           {"sigma_min", t.singularity.sigmaMin}};
+  if (!t.branch.empty()) out["branch"] = t.branch;
+  if (t.singularity.sigmaMin < singular) {
+    out["singular"] = true;
+    out["family"] = t.free != 0;
+    out["direction"] = std::vector<double>(t.singularity.direction.begin(), t.singularity.direction.end());
+  }
+  return out;
+}
+
+/// The pose nearest to one that cannot be reached, by the default solver.
+SerialPoseAnswer closestPose(const CompleteSet& set, const TipGoal& goal, const VectorXd& near) {
+  const SerialPoseSolver solver(set.chain());
+  return solver.solve(goal, near.cwiseMax(set.chain().lower).cwiseMin(set.chain().upper),
+                      {.restarts = 400, .maxSeconds = 1e9});
+}
+
+/// True if there is a solution.
+bool run(const Request& request) {
+  const Model model = openModel(request.model);
+  const int joint = effectorOf(model, request.joint);
+  Goal goal = targetGoal(request.target, joint);
+  CompleteSetTask task{.task = goal.kind == GoalKind::Pose ? TipTask::Pose : TipTask::Position};
+  if (!request.axis.empty()) {
+    if (goal.kind != GoalKind::Pose)
+      throw std::invalid_argument(
+          "--axis needs a target with an orientation, which tells where the axis points");
+    task.task = TipTask::Axis;
+    task.axisInTip = Eigen::Vector3d::Map(request.axis.data());
+    if (!(task.axisInTip.norm() > 1e-9)) throw std::invalid_argument("--axis must not be zero");
+    task.axisInTip.normalize();
+  }
+  const CompleteSet set(model.skeleton, joint, task);
+  const int n = set.joints();
+  const VectorXd start = startConfiguration(request.near, model.skeleton, "--near");
+  Vector6d reference = Vector6d::Zero();
+  for (int i = 0; i < n; ++i) reference[i] = start[set.chain().qIndex[i]];
+  const VectorXd near = reference.head(n);
+  const Eigen::Isometry3d target = Eigen::Translation3d(goal.target) * goal.orientation;
+  ArmSolutions found;
+  set.solve(target, reference, found);
+  if (task.task == TipTask::Axis) goal.kind = GoalKind::Position;
+  const IkProblem problem{.skeleton = &model.skeleton, .start = start, .goals = {goal}};
+  const std::vector<Told> list = tell(set, found, problem, near, request.limits);
+  const int outside = found.count - static_cast<int>(list.size());
+  std::optional<SerialPoseAnswer> closest;
+  if (list.empty() && task.task != TipTask::Axis) {
+    const TipGoal tip{
+        .kind = goal.kind, .target = goal.target, .orientation = goal.orientation.toRotationMatrix()};
+    closest = closestPose(set, tip, near);
+  }
+  if (request.asJson) {
+    json out{{"model", model.name},           {"joint", model.skeleton.joint(joint).name},
+             {"class", set.arm().describe()}, {"complete", found.complete},
+             {"count", list.size()},          {"outside_limits", outside},
+             {"solutions", json::array()}};
+    for (const Told& t : list) out["solutions"].push_back(toJson(t));
+    if (list.empty()) out["reachable"] = false;
+    if (closest)
+      out["closest"] = {{"q", std::vector<double>(closest->q.begin(), closest->q.end())},
+                        {"position_error", closest->positionError},
+                        {"orientation_error", closest->orientationError}};
+    fmt::print("{}\n", out.dump(2));
+    return !list.empty();
+  }
+  fmt::print("{}, tip {}: {}\n", model.name, model.skeleton.joint(joint).name, set.arm().describe());
+  if (!found.complete) fmt::print("the set may lack members: the elimination was ill-conditioned here\n");
+  fmt::print("{} solution{}{}\n", list.size(), list.size() == 1 ? "" : "s",
+             request.limits ? fmt::format(" within limits, {} outside", outside) : "");
+  int number = 0;
+  for (const Told& t : list) {
+    fmt::print("{:2}  q = ({:.6f})\n", ++number,
+               fmt::join(std::vector<double>(t.q.begin(), t.q.end()), ", "));
+    fmt::print("    error {:.1e} m, {:.1e} rad; distance {:.4f}; {}{}\n", t.position, t.orientation,
+               t.distance,
+               t.withinLimits ? fmt::format("within limits, {} image{}", t.images, t.images == 1 ? "" : "s")
+                              : "outside the limits",
+               t.branch.empty() ? "" : "; " + t.branch);
+    if (t.singularity.sigmaMin < singular)
+      fmt::print("    singular: {}{}\n", t.free ? "one of a family; " : "branches merge here; ",
+                 familyText(t));
+  }
+  if (list.empty() && outside > 0) fmt::print("not reachable within limits\n");
+  if (list.empty() && outside == 0) fmt::print("not reachable\n");
+  if (closest)
+    fmt::print("closest: q = ({:.6f}), {:.6f} m and {:.6f} rad away\n",
+               fmt::join(std::vector<double>(closest->q.begin(), closest->q.end()), ", "),
+               closest->positionError, closest->orientationError);
+  return !list.empty();
+}
+
+}  // namespace
+
+void addSolutionsCommand(Command& app) {
+  auto request = std::make_shared<Request>();
+  Command command = app.command(
+      "solutions", "Every joint configuration of an arm that reaches a pose; exit status 2 if there is none");
+  command.option("--model", request->model, "Built-in model or file").showDefault();
+  command
+      .option("--target", request->target,
+              "X Y Z [QW QX QY QZ]: metres and a unit quaternion, world frame; without the quaternion the "
+              "place alone")
+      .required();
+  command
+      .option("--axis", request->axis,
+              "X Y Z of the tip: only this axis must point as the target's orientation says (five joints)")
+      .count(3);
+  command.option("--joint", request->joint,
+                 "Joint that shall reach the target; default: the model's only end");
+  command.option(
+      "--near", request->near,
+      "Configuration that solutions are ordered by, and that free joints keep; default: the rest pose");
+  command.flag("--limits,!--no-limits", request->limits, "Only solutions within the joint limits (default)");
+  command.flag("--json", request->asJson, "Print JSON");
+  command.run([request] {
+    if (!run(*request)) throw ExitStatus{2};
+  });
+}
+
+}  // namespace gelenk

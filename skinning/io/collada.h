@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "skinning/mesh.h"
+
+namespace gelenk {
+
+/// Whether this build reads Collada (with Debian's Assimp).
+bool readsCollada();
+
+/// The triangles of a Collada file (.dae), all nodes of its scene in place, in metres by the file's own unit.
+/// Its up axis is passed over, as ROS' programs do: the coordinates are the link's. Materials are passed
+/// over. Throws ParseError: what the library finds wrong, no triangle, a coordinate that is not finite, or
+/// always where the build has no Assimp.
+Mesh readCollada(const std::string& path);
+
+}  // namespace gelenk

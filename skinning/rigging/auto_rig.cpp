@@ -1,0 +1,236 @@
+#include "skinning/rigging/auto_rig.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "kinematics/motion/joint_matching.h"
+#include "skinning/rigging/fit/placement.h"
+#include "skinning/rigging/fit/rig_skeleton.h"
+#include "skinning/rigging/fit/rig_transfer.h"
+#include "skinning/rigging/fit/rig_weights.h"
+#include "skinning/rigging/fit/voxel_body.h"
+
+namespace gelenk {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// Times the stages and asks whether to go on.
+class Stages {
+ public:
+  Stages(const RigOptions& options, std::vector<RigStage>& out) : options_(options), out_(out) {}
+
+  void begin(const std::string& name, double done) {
+    end();
+    if (options_.progress && !options_.progress(name, done)) throw RigStopped();
+    out_.push_back({name});
+    start_ = Clock::now();
+  }
+  /// Within a stage.
+  void goOn(double done) {
+    if (options_.progress && !options_.progress(out_.back().name, done)) throw RigStopped();
+  }
+  void end() {
+    if (!out_.empty()) out_.back().seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const RigOptions& options_;
+  std::vector<RigStage>& out_;
+  Clock::time_point start_ = Clock::now();
+};
+
+const TemplateBody& templateOf(RigTemplate which) {
+  return which == RigTemplate::Quadruped ? quadrupedTemplate() : humanTemplate();
+}
+
+/// The skeleton of the template as it stands by itself.
+Skeleton restingSkeleton(RigTemplate which) {
+  const TemplateBody& body = templateOf(which);
+  std::vector<Vector3d> positions;
+  for (const TemplateJoint& joint : body.joints) positions.push_back(joint.position);
+  return rigSkeleton(rigJoints(body, which, {.maps = restMaps(body)}, positions));
+}
+
+/// Which template's joints have more of the meanings that the user's skeleton names.
+RigTemplate kindOf(const Skeleton& own) {
+  const auto shared = [&](RigTemplate which) {
+    return matchJoints(restingSkeleton(which), own).matches.size();
+  };
+  return shared(RigTemplate::Quadruped) > shared(RigTemplate::Human) ? RigTemplate::Quadruped
+                                                                     : RigTemplate::Human;
+}
+
+/// From rough to fine: the pieces may bend their shapes more and more, and far points count less and less.
+constexpr FitStage schedule[] = {
+    {.rounds = 8, .stiffness = 0.5, .robustWidth = 0.08},
+    {.rounds = 10, .stiffness = 0.2, .robustWidth = 0.05},
+    {.rounds = 12, .stiffness = 0.05, .robustWidth = 0.03, .pull = 0.03},
+    {.rounds = 8, .stiffness = 0.02, .robustWidth = 0.03, .pull = 0.02},
+};
+
+/// Joints that came to lie outside the body go to the nearest place inside; on symmetric bodies the right
+/// ones as the mirror images of the left.
+void moveInside(std::vector<RigJoint>& joints, const VoxelBody& voxels, const Placement& placement) {
+  if (!voxels.hasInside()) return;
+  const auto mirrored = [&](const Vector3d& p) {
+    const Vector3d q = placement.frame.toBody(p);
+    return placement.frame.toWorld({-q.x(), q.y(), q.z()});
+  };
+  for (RigJoint& joint : joints) {
+    if (voxels.isInside(joint.position)) continue;
+    Vector3d inside = voxels.nearestInside(joint.position, 0.04 * placement.frame.scale);
+    const bool middle = std::abs(placement.frame.toBody(joint.position).x()) < 1e-6;
+    if (placement.symmetric && middle) inside = 0.5 * (inside + mirrored(inside));
+    if (placement.symmetric && !middle)
+      for (RigJoint& other : joints)
+        if (&other != &joint &&
+            (mirrored(joint.position) - other.position).norm() < 1e-6 * placement.frame.scale)
+          other.position = mirrored(inside);
+    joint.position = inside;
+  }
+}
+
+void tellRepairs(const SurfaceAir& air, const MeshTopology& shape, RigReport& report) {
+  const auto percent = [](double share) { return std::to_string(std::lround(100.0 * share)) + " %"; };
+  const auto tell = [&](int count, const std::string& what) {
+    if (count > 0) report.repairs.push_back(std::to_string(count) + " " + what);
+  };
+  if (air.flipped > 0.005)
+    report.repairs.push_back(percent(air.flipped) + " of the surface faces inwards: turned for the fit");
+  if (air.hidden > 0.005)
+    report.repairs.push_back(percent(air.hidden) + " of the surface lies inside the body: passed over");
+  if (shape.components > 1) tell(shape.components, "pieces: taken as one body");
+  tell(shape.boundaryEdges, "edges of one triangle only (holes, or corners that were not welded)");
+  tell(shape.nonManifoldEdges, "edges of more than two triangles, or of two that disagree");
+  tell(shape.unreferencedVertices, "vertices of no triangle: they follow their nearest bone");
+  tell(shape.degenerateTriangles, "triangles without area: passed over");
+}
+
+struct Fit {
+  Placement placement;
+  std::shared_ptr<FitTarget> target;
+  double misfit = 1.0;
+  double rival = unlimited;  ///< misfit of the best other way to stand
+};
+
+/// Every way to stand that the rough fits could not tell apart gets the first half of the schedule; the best
+/// of them the rest.
+Fit fitBest(const TemplateBody& body, const SurfaceSamples& samples, const std::vector<Placement>& placements,
+            Stages& stages) {
+  std::vector<Fit> fits;
+  for (const Placement& placement : placements) {
+    Fit fit{placement, std::make_shared<FitTarget>(inBodySpace(samples, placement.frame), 0.05)};
+    for (int k = 0; k < 2; ++k) {
+      FitStage stage = schedule[k];
+      stage.symmetric = placement.symmetric;
+      if (k == 1) twistPieces(body, *fit.target, fit.placement.maps, placement.symmetric);
+      fit.misfit = fitPieces(body, *fit.target, fit.placement.maps, stage);
+    }
+    if (placement.authored) fit.misfit *= 0.97;
+    fits.push_back(std::move(fit));
+    stages.goOn(0.4);
+  }
+  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.misfit < b.misfit; });
+  Fit best = fits[0];
+  if (fits.size() > 1) best.rival = fits[1].misfit / best.misfit;
+  twistPieces(body, *best.target, best.placement.maps, best.placement.symmetric);
+  for (int k = 2; k < static_cast<int>(std::size(schedule)); ++k) {
+    FitStage stage = schedule[k];
+    stage.symmetric = best.placement.symmetric;
+    best.misfit = fitPieces(body, *best.target, best.placement.maps, stage);
+    stages.goOn(0.5);
+  }
+  return best;
+}
+
+/// Fills the report and refuses what is no such body: the template misses the surface, or had to change its
+/// proportions beyond any animal's.
+void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& samples, RigReport& report) {
+  const Placement& placement = fit.placement;
+  report.up = placement.frame.axes.col(1);
+  report.front = placement.frame.axes.col(2);
+  report.pose = placement.pose;
+  report.symmetric = placement.symmetric;
+  report.misfit = fit.misfit;
+  report.strain = shapeStrain(body, placement.maps);
+  double low = unlimited, high = -unlimited;
+  for (const Vector3d& p : samples.points) {
+    low = std::min(low, report.up.dot(p));
+    high = std::max(high, report.up.dot(p));
+  }
+  report.height = high - low;
+  const double likeness = std::clamp((0.035 - report.misfit) / 0.02, 0.0, 1.0),
+               proportion = std::clamp((0.8 - report.strain) / 0.4, 0.0, 1.0),
+               margin = std::clamp((fit.rival - 1.0) / 0.1, 0.0, 1.0);
+  report.confidence = likeness * proportion * (0.3 + 0.7 * margin);
+  if (likeness < 0.5) report.doubts.push_back("the surface is unlike the template's");
+  if (proportion < 0.5) report.doubts.push_back("the proportions are unlike the template's");
+  if (margin < 0.5) report.doubts.push_back("the body could also stand or face another way (--up, --front)");
+  if (report.misfit > 0.05 || report.strain > 1.2)
+    throw RigRefused("no such body is in this mesh: the template's surface stays " +
+                     std::to_string(std::lround(100.0 * report.misfit)) +
+                     " % of its height away, with its proportions changed by a factor of " +
+                     std::to_string(std::lround(10.0 * std::exp(report.strain)) / 10) + " on average");
+}
+
+Skeleton layOwn(const Skeleton& fitted, const Skeleton& own, RigReport& report) {
+  LaidSkeleton laid = layOn(fitted, own);
+  std::string names;
+  for (const std::string& name : laid.placed) names += (names.empty() ? "" : ", ") + name;
+  if (!names.empty()) report.doubts.push_back("placed by proportion, not by the surface: " + names);
+  return std::move(laid.skeleton);
+}
+
+}  // namespace
+
+RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
+  validate(mesh);
+  RiggedBody out;
+  RigReport& report = out.report;
+  Stages stages(options, report.stages);
+
+  stages.begin("template", 0.0);
+  const RigTemplate kind = options.own ? kindOf(*options.own) : options.skeleton;
+  const TemplateBody& body = templateOf(kind);
+
+  stages.begin("surface", 0.1);
+  SurfaceSamples samples = sampleSurface(mesh, 6000);
+  if (samples.points.empty()) throw RigRefused("no triangle has an area");
+  const VoxelBody voxels(mesh, 128);
+  tellRepairs(faceOutwards(samples, voxels), topology(mesh), report);
+
+  stages.begin("placing", 0.15);
+  const std::vector<Placement> placements = placeBody(body, samples, {options.up, options.front});
+  if (placements.empty()) throw RigRefused("the body stands in none of the ways that were asked for");
+
+  stages.begin("fit", 0.35);
+  Fit fit = fitBest(body, samples, placements, stages);
+  judge(body, fit, samples, report);
+  const Placement& placement = fit.placement;
+  std::vector<RigJoint> joints =
+      rigJoints(body, kind, placement,
+                refineJoints(body, *fit.target, placement.maps, {.symmetric = placement.symmetric}));
+  moveInside(joints, voxels, placement);
+  out.skeleton = rigSkeleton(joints);
+  if (options.own) out.skeleton = layOwn(out.skeleton, *options.own, report);
+
+  stages.begin("weights", 0.6);
+  SparseWeights weights = rigWeights(mesh, out.skeleton);
+  const std::vector<Influences> kept = fourLargest(weights, out.skeleton.jointCount(), &report.loss);
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    weights[v].clear();
+    for (int k = 0; k < 4; ++k)
+      if (kept[v].weights[k] > 0.0) weights[v].emplace_back(kept[v].joints[k], kept[v].weights[k]);
+  }
+  out.weights = std::move(weights);
+  stages.end();
+  return out;
+}
+
+}  // namespace gelenk

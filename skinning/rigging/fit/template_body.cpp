@@ -1,0 +1,177 @@
+#include "skinning/rigging/fit/template_body.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <stdexcept>
+
+#include "kinematics/notation/mannequin.h"
+#include "kinematics/symmetry.h"
+#include "skinning/bodies/mannequin_body.h"
+#include "skinning/rigging/bone_heat.h"
+
+namespace gelenk {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// A piece reaches from one joint of the figure to another.
+struct PieceRow {
+  const char *name, *parent, *from, *to, *mate = "";
+  double stiffness = 1.0, bond = 0.0;
+};
+
+constexpr PieceRow humanPieces[] = {
+    {"pelvis", "", "pelvis", "spine_02"},
+    {"chest", "pelvis", "spine_02", "neck_01", "", 1.0, 0.1},
+    {"neck", "chest", "neck_01", "head", "", 1.0, 0.2},
+    {"head", "neck", "head", "head_end", "", 1.0, 0.1},
+    {"clavicle", "chest", "clavicle", "upperarm", "", 1.0, 0.1},
+    {"upperarm", "clavicle", "upperarm", "lowerarm", "lowerarm"},
+    {"lowerarm", "upperarm", "lowerarm", "hand", "upperarm"},
+    {"hand", "lowerarm", "hand", "middle_end", "", 1.0, 0.1},
+    {"thigh", "pelvis", "thigh", "calf", "calf"},
+    {"calf", "thigh", "calf", "foot", "thigh"},
+    {"foot", "calf", "foot", "ball"},
+    {"toes", "foot", "ball", "toe_end", "", 1.0, 0.5},
+};
+
+bool isMiddle(const Skeleton& skeleton, const std::string& name) {
+  return skeleton.findJoint(name).has_value();
+}
+
+TemplateBody makeHuman() {
+  TemplateBody body;
+  const Skeleton figure = mannequin();
+  const Frames rest = restFrames(figure);
+  PolygoniseOptions grid{.cell = 0.03, .symmetric = true};
+  grid.lenses = {{{{0.545, 1.0, 0.29}, {-0.545, 1.0, 0.29}}, 1.4, 0.25}};
+  body.surface = polygonise(mannequinShape(), grid);
+
+  const auto at = [&](const std::string& name) { return rest[figure.jointIndex(name)].translation(); };
+  for (const PieceRow& row : humanPieces) {
+    const bool middle = isMiddle(figure, row.from);
+    for (const char* side : {"_l", "_r"}) {
+      if (middle && side[1] == 'r') break;
+      const auto named = [&](const std::string& base) {
+        return base.empty() || isMiddle(figure, base) ? base : base + side;
+      };
+      BodyPiece piece{.name = middle ? row.name : std::string(row.name) + side,
+                      .from = at(named(row.from)),
+                      .to = at(named(row.to)),
+                      .stiffness = row.stiffness,
+                      .bond = row.bond,
+                      .twists = std::string(row.name) == "hand"};
+      const std::string parent = row.parent;
+      for (std::size_t k = 0; k < body.pieces.size(); ++k)
+        if (body.pieces[k].name == parent || body.pieces[k].name == parent + side)
+          piece.parent = static_cast<int>(k);
+      piece.partner = static_cast<int>(body.pieces.size()) + (middle ? 0 : side[1] == 'l' ? 1 : -1);
+      body.pieces.push_back(piece);
+    }
+  }
+  for (const PieceRow& row : humanPieces)
+    for (const char* side : {"_l", "_r"})
+      if (*row.mate)
+        body.pieces[body.piece(std::string(row.name) + side)].mate = body.piece(std::string(row.mate) + side);
+
+  std::vector<Bone> bones;
+  for (std::size_t k = 0; k < body.pieces.size(); ++k)
+    bones.push_back({static_cast<int>(k), body.pieces[k].from, body.pieces[k].to});
+  // The trunk is wide: its pieces hold the flanks by segments of their own.
+  const int pelvis = body.piece("pelvis"), chest = body.piece("chest");
+  for (const double side : {1.0, -1.0}) {
+    bones.push_back({chest, {side * 0.10, 1.36, 0.0}, {side * 0.10, 1.12, 0.0}});
+    bones.push_back({pelvis, {side * 0.10, 1.08, 0.0}, {side * 0.085, 0.97, 0.0}});
+  }
+  const SparseWeights heat = boneHeatWeights(body.surface, bones, {.strength = 8.0, .voxels = 120});
+  for (const Influences& row : fourLargest(heat, static_cast<int>(body.pieces.size()))) {
+    std::array<std::pair<int, double>, 4> kept;
+    for (int k = 0; k < 4; ++k) kept[k] = {row.joints[k], row.weights[k]};
+    body.weights.push_back(kept);
+  }
+
+  // Fingers differ from body to body, and a hand has more vertices than its share of the surface.
+  const int hand = body.piece("hand_l"), otherHand = body.piece("hand_r");
+  for (const auto& row : body.weights) {
+    double inHand = 0.0;
+    for (const auto& [k, w] : row)
+      if (k == hand || k == otherHand) inHand += w;
+    body.importance.push_back(1.0 - 0.6 * inHand);
+  }
+
+  // A joint belongs to the piece of its nearest ancestor (itself included) at which a piece begins.
+  std::vector<int> pieceOf(figure.jointCount(), 0);
+  std::vector<int> index(figure.jointCount(), -1);
+  const std::vector<int> partners = mirrorPartners(figure);
+  for (int j = 1; j < figure.jointCount(); ++j) {  // without Root, which stands on the floor
+    pieceOf[j] = figure.parent(j) < 1 ? 0 : pieceOf[figure.parent(j)];
+    for (std::size_t k = 0; k < body.pieces.size(); ++k)
+      if ((body.pieces[k].from - rest[j].translation()).norm() < 1e-9) pieceOf[j] = static_cast<int>(k);
+    index[j] = static_cast<int>(body.joints.size());
+    body.joints.push_back({.name = figure.joint(j).name,
+                           .parent = figure.parent(j) < 1 ? -1 : index[figure.parent(j)],
+                           .partner = partners[j],
+                           .piece = pieceOf[j],
+                           .position = rest[j].translation()});
+  }
+  for (TemplateJoint& joint : body.joints) joint.partner = index[joint.partner];
+
+  const double height = 1.7365;  // crown
+  for (Vector3d& p : body.surface.positions) p /= height;
+  for (BodyPiece& piece : body.pieces) piece.from /= height, piece.to /= height;
+  for (TemplateJoint& joint : body.joints) joint.position /= height;
+
+  body.poses.push_back({"A", restMaps(body)});
+  const auto arms = [&](const char* name, const Vector3d& clavicle, const Vector3d& arm) {
+    PieceMaps maps = restMaps(body);
+    aim(body, maps, "clavicle_l", clavicle);
+    for (const char* piece : {"upperarm_l", "lowerarm_l", "hand_l"}) aim(body, maps, piece, arm);
+    body.poses.push_back({name, std::move(maps)});
+  };
+  arms("T", {1.0, 0.0, 0.0}, {1.0, 0.0, 0.0});
+  arms("arms down", {1.0, -0.1, 0.0}, {0.25, -1.0, 0.0});
+  arms("arms up", {1.0, 0.5, 0.0}, {0.4, 1.0, 0.0});
+  return body;
+}
+
+}  // namespace
+
+int TemplateBody::piece(const std::string& name) const {
+  for (std::size_t k = 0; k < pieces.size(); ++k)
+    if (pieces[k].name == name) return static_cast<int>(k);
+  throw std::invalid_argument("the template has no piece '" + name + "'");
+}
+
+PieceMaps restMaps(const TemplateBody& body) {
+  PieceMaps maps;
+  for (const BodyPiece& piece : body.pieces) maps.push_back({Eigen::Matrix3d::Identity(), piece.from});
+  return maps;
+}
+
+void aim(const TemplateBody& body, PieceMaps& maps, const std::string& left, const Vector3d& direction) {
+  const int first = body.piece(left), second = body.pieces[first].partner;
+  for (const int k : {first, second}) {
+    const BodyPiece& piece = body.pieces[k];
+    const Vector3d wanted(k == first ? direction.x() : -direction.x(), direction.y(), direction.z());
+    const Eigen::Matrix3d turn =
+        Eigen::Quaterniond::FromTwoVectors(maps[k].linear * (piece.to - piece.from), wanted)
+            .toRotationMatrix();
+    const Vector3d pivot = maps[k].origin;
+    std::vector<char> below(body.pieces.size(), 0);
+    for (int i = k; i < static_cast<int>(body.pieces.size()); ++i) {
+      below[i] = i == k || (body.pieces[i].parent >= 0 && below[body.pieces[i].parent]);
+      if (!below[i]) continue;
+      maps[i].linear = turn * maps[i].linear;
+      maps[i].origin = pivot + turn * (maps[i].origin - pivot);
+    }
+    if (second == first) break;
+  }
+}
+
+const TemplateBody& humanTemplate() {
+  static const TemplateBody body = makeHuman();
+  return body;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "skinning/mesh.h"
+#include "skinning/rigging/fit/surface_samples.h"
+
+namespace gelenk {
+
+/// A mesh as voxels: those that the surface touches, those that the outside air reaches, and the rest, which
+/// lies inside. Needs no closed, welded or oriented surface; through a hole wider than a voxel the air gets
+/// in.
+class VoxelBody {
+ public:
+  /// resolution: voxels along the longest side of the box.
+  VoxelBody(const Mesh& mesh, int resolution);
+
+  double voxelSize() const { return size_; }
+  /// Points beyond the box are outside.
+  bool isOutside(const Eigen::Vector3d& p) const { return at(p) == Outside; }
+  bool isInside(const Eigen::Vector3d& p) const { return at(p) == Inside; }
+  bool hasInside() const { return insideCount_ > 0; }
+  /// The centre of the nearest voxel inside, p itself where it lies in one or where there is none within
+  /// `reach`.
+  Eigen::Vector3d nearestInside(const Eigen::Vector3d& p, double reach) const;
+
+ private:
+  enum State : char { Outside, Surface, Inside };
+  State at(const Eigen::Vector3d& p) const;
+  std::size_t indexOf(const Eigen::Vector3i& v) const {
+    return v.x() + static_cast<std::size_t>(count_.x()) *
+                       (v.y() + static_cast<std::size_t>(count_.y()) * static_cast<std::size_t>(v.z()));
+  }
+  bool within(const Eigen::Vector3i& v) const {
+    return (v.array() >= 0).all() && (v.array() < count_.array()).all();
+  }
+  Eigen::Vector3i voxelOf(const Eigen::Vector3d& p) const {
+    return ((p - origin_) / size_).array().floor().cast<int>();
+  }
+
+  double size_ = 1.0;
+  Eigen::Vector3d origin_;
+  Eigen::Vector3i count_;
+  std::vector<State> state_;
+  std::size_t insideCount_ = 0;
+};
+
+/// What the air says about the samples of a surface.
+struct SurfaceAir {
+  double flipped = 0.0;  ///< share that faced inwards and was turned
+  double hidden = 0.0;   ///< share that no air touches: inner layers; left out
+};
+
+/// Turns the samples' normals outwards and drops those inside the body.
+SurfaceAir faceOutwards(SurfaceSamples& samples, const VoxelBody& body);
+
+}  // namespace gelenk

@@ -1,0 +1,275 @@
+#include "solvers/solutions/arm_solutions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double turn = 2.0 * M_PI;
+constexpr double exactMisfit = 1e-11;   ///< a class fits: its closed forms need no polishing
+constexpr double nearMisfit = 1e-5;     ///< it fits nearly: they do
+constexpr double acceptedError = 1e-9;  ///< of a loop that cannot be polished further (singular)
+constexpr int cutsTried = 3;
+
+Matrix3d aboutZ(double t) {
+  const double c = std::cos(t), s = std::sin(t);
+  Matrix3d R;
+  R << c, -s, 0, s, c, 0, 0, 0, 1;
+  return R;
+}
+
+/// F_i = Rx(alpha) T(a, 0, d), lengths over `scale`.
+Isometry3d fixedPart(const ChainConstants& C, int i, double scale) {
+  Isometry3d F = Isometry3d::Identity();
+  F.linear() << 1, 0, 0, 0, C.cosAlpha[i], -C.sinAlpha[i], 0, C.sinAlpha[i], C.cosAlpha[i];
+  F.translation() = Vector3d(C.a[i], -C.sinAlpha[i] * C.d[i], C.cosAlpha[i] * C.d[i]) / scale;
+  return F;
+}
+
+/// Angle by whole turns to the image in [lower, upper] nearest to the reference; false where there is none.
+bool toNearestImage(double& angle, double lower, double upper, double reference) {
+  angle -= turn * std::nearbyint((angle - reference) / turn);
+  double inside = angle;
+  if (inside < lower) inside += turn * std::ceil((lower - inside - 1e-9) / turn);
+  if (inside > upper) inside -= turn * std::ceil((inside - upper - 1e-9) / turn);
+  if (inside < lower - 1e-9 || inside > upper + 1e-9) return false;
+  angle = std::clamp(inside, lower, upper);
+  return true;
+}
+
+Vector6d toCut(const Cut& cut, const Vector6d& u) {
+  Vector6d out;
+  for (int j = 0; j < 6; ++j) out[j] = cut.sign() * u[cut.joint(j)];
+  return out;
+}
+Vector6d fromCut(const Cut& cut, const Vector6d& u) {
+  Vector6d out;
+  for (int j = 0; j < 6; ++j) out[cut.joint(j)] = cut.sign() * u[j];
+  return out;
+}
+unsigned fromCut(const Cut& cut, unsigned bits) {
+  unsigned out = 0;
+  for (int j = 0; j < 6; ++j)
+    if (bits >> j & 1u) out |= 1u << cut.joint(j);
+  return out;
+}
+
+bool parallel(const Isometry3d& link) { return link.linear().col(2).head<2>().norm() < 1e-9; }
+
+}  // namespace
+
+SixJointArm::SixJointArm(const SerialChain& chain) : chain_(chain) {
+  if (chain.n != 6 || chain.hasPrismatic)
+    throw std::invalid_argument("complete sets need six revolute joints; this chain has " +
+                                std::to_string(chain.n) +
+                                (chain.hasPrismatic ? ", not all of them revolute" : ""));
+  scale_ = chain.length / 3.0;
+  for (int i = 0; i < 5; ++i) fixed_.link[i] = fixedPart(chain.constants, i + 1, scale_);
+  fixed_.link[5] = Isometry3d::Identity();
+  for (int i = 0; i < 5; ++i) reach_ += fixed_.link[i].translation().norm();
+  baseFromWorld_ = chain.worldFromBase.inverse(Eigen::Isometry);
+  tipFromLast_ = chain.lastFromTip.inverse(Eigen::Isometry);
+  decomposition_ = decompose(fixed_, nearMisfit);
+  if (decomposition_.kind == LoopClass::General) {
+    rankCuts();
+    return;
+  }
+  cutLoop_ = cutAt(fixed_, decomposition_.cut);
+  const bool shoulderAndElbow = !parallel(fixed_.link[0]) && parallel(fixed_.link[1]);
+  named_ = shoulderAndElbow &&
+           ((decomposition_.kind == LoopClass::SphericalTriple && decomposition_.firstOfThree == 3) ||
+            (decomposition_.kind == LoopClass::ParallelTriple && decomposition_.firstOfThree == 1 &&
+             !parallel(fixed_.link[3]) && !parallel(fixed_.link[4])));
+}
+
+std::string SixJointArm::describe() const {
+  const int i = decomposition_.firstOfThree + 1;
+  const std::string axes =
+      "axes " + std::to_string(i) + ", " + std::to_string(i + 1) + " and " + std::to_string(i + 2);
+  switch (decomposition_.kind) {
+    case LoopClass::SphericalTriple:
+      return std::string(i == 4   ? "spherical wrist"
+                         : i == 1 ? "spherical shoulder"
+                                  : "spherical elbow") +
+             ": " + axes + " meet in a point";
+    case LoopClass::ParallelTriple: return "three parallel axes: " + axes;
+    case LoopClass::General: break;
+  }
+  return "general: no three neighbouring axes meet in a point or are parallel";
+}
+
+void SixJointArm::place(const Isometry3d& worldFromTip, const Cut& cut, Loop& loop) const {
+  Isometry3d last;  // baseFromLast
+  const Matrix3d left = baseFromWorld_.linear() * worldFromTip.linear();
+  last.linear() = left * tipFromLast_.linear();
+  last.translation() = (left * tipFromLast_.translation() +
+                        baseFromWorld_.linear() * worldFromTip.translation() + baseFromWorld_.translation()) /
+                       scale_;
+  for (int j = 0; j < 6; ++j) {
+    const int link = cut.reversed ? (cut.joint(j) + 5) % 6 : cut.joint(j);
+    if (link != 5) continue;
+    if (cut.reversed) {
+      loop.link[j] = last;
+    } else {
+      loop.link[j].linear() = last.linear().transpose();
+      loop.link[j].translation() = -(loop.link[j].linear() * last.translation());
+    }
+  }
+}
+
+void SixJointArm::insert(const Vector6d& u, double error, unsigned free, const Vector6d& reference,
+                         ArmSolutions& out) const {
+  if (out.count == ArmSolutions::most) return;
+  ArmSolution& s = out.list[out.count];
+  s.shoulder = s.elbow = s.wrist = 0;
+  s.withinLimits = true;
+  for (int i = 0; i < 6; ++i) {
+    s.q[i] = u[i] - chain_.constants.theta[i];
+    s.withinLimits &= toNearestImage(s.q[i], chain_.lower[i], chain_.upper[i], reference[i]);
+  }
+  for (int k = 0; k < out.count; ++k) {
+    bool same = true;
+    for (int i = 0; i < 6 && same; ++i)
+      same = std::abs(std::remainder(out.list[k].q[i] - s.q[i], turn)) < 1e-7;
+    if (same) return;
+  }
+  s.error = error;
+  s.free = static_cast<unsigned char>(free);
+  ++out.count;
+}
+
+void SixJointArm::solve(const Isometry3d& worldFromTip, const Vector6d& reference, ArmSolutions& out,
+                        const ArmSolveOptions& options) const {
+  out.count = 0;
+  out.complete = true;
+  out.noise = out.raw = 0.0;
+  const Eigen::Vector3d wrist = baseFromWorld_ * (worldFromTip * tipFromLast_.translation());
+  if (wrist.norm() > (reach_ + 1e-9) * scale_) return;  // the links are too short, whatever they do
+  if (decomposition_.kind == LoopClass::General) return solveGeneral(worldFromTip, out, reference);
+  const Cut& cut = decomposition_.cut;
+  Loop loop = cutLoop_;
+  place(worldFromTip, cut, loop);
+  Vector6d turned;
+  for (int i = 0; i < 6; ++i) turned[i] = reference[i] + chain_.constants.theta[i];
+  TripleSolutions found;
+  if (decomposition_.kind == LoopClass::SphericalTriple)
+    solveSphericalTriple(loop, toCut(cut, turned), found);
+  else
+    solveParallelTriple(loop, toCut(cut, turned), found);
+  const bool verify = options.verify || decomposition_.misfit > exactMisfit;
+  for (int k = 0; k < found.count; ++k) {
+    double error = 0.0;
+    if (verify) {
+      double before = 0.0;
+      error = loopError(loop, found.u[k]).norm();
+      out.raw = std::max(out.raw, error);
+      if (error > 1e-13 && !polish(loop, found.u[k], acceptedError, error, before)) continue;
+    }
+    insert(fromCut(cut, found.u[k]), error, fromCut(cut, found.free[k]), reference, out);
+  }
+  if (options.verify && named_)
+    for (int k = 0; k < out.count; ++k) nameBranch(worldFromTip, out.list[k]);
+}
+
+void SixJointArm::nameBranch(const Isometry3d&, ArmSolution& s) const {
+  Vector3d axis[6], origin[6];
+  Matrix3d R = Matrix3d::Identity();
+  Vector3d p = Vector3d::Zero();
+  for (int i = 0; i < 6; ++i) {
+    axis[i] = R.col(2), origin[i] = p;
+    if (i == 5) break;
+    R = R * aboutZ(s.q[i] + chain_.constants.theta[i]);
+    p += R * fixed_.link[i].translation();
+    R = R * fixed_.link[i].linear();
+  }
+  const auto sign = [](double x) { return static_cast<signed char>(x > 1e-9 ? 1 : x < -1e-9 ? -1 : 0); };
+  // The frame of axis 6 stands at the wrist's centre (UR: where axes 5 and 6 meet).
+  s.shoulder = sign(axis[0].cross(axis[1]).dot(origin[5] - origin[0]));
+  const Vector3d forearm = decomposition_.kind == LoopClass::SphericalTriple
+                               ? Vector3d(origin[5] - origin[2])
+                               : Vector3d(origin[3] - origin[2]);
+  s.elbow = sign(axis[1].dot((origin[2] - origin[1]).cross(forearm)));
+  s.wrist = sign(axis[4].dot(axis[3].cross(axis[5])));
+}
+
+void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out,
+                               const Vector6d& reference) const {
+  out.complete = false;
+  out.noise = 1.0;
+  const size_t tries = std::min<size_t>(cutsTried, ranked_.size());
+  for (size_t k = 0; k < tries; ++k) {
+    Loop loop = rankedLoop_[k];
+    place(worldFromTip, ranked_[k], loop);
+    const LoopSolutions found = solveGeneralLoop(loop);
+    out.noise = std::min(out.noise, found.noise);
+    out.raw = std::max(out.raw, found.raw);
+    for (int i = 0; i < found.count; ++i)
+      insert(fromCut(ranked_[k], found.u[i]), found.error[i], 0, reference, out);
+    // Roots come in pairs; an odd number, a root that led nowhere, or a noisy polynomial asks for another
+    // cut.
+    if (found.noise < 1e-9 && found.suspects == 0 && out.count % 2 == 0) {
+      out.complete = true;
+      return;
+    }
+  }
+}
+
+void SixJointArm::rankCuts() {
+  struct Score {
+    Cut cut;
+    int missed = 0, suspect = 0, multiple = 0;
+    double noise = 0.0;
+  };
+  std::vector<Score> scores;
+  for (int c = 0; c < 12; ++c) {
+    Score score{.cut = {c % 6, c >= 6}};
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> angle(-M_PI, M_PI);
+    constexpr int trials = 24;
+    Loop loop = cutAt(fixed_, score.cut);
+    for (int t = 0; t < trials; ++t) {
+      Vector6d q;
+      Eigen::VectorXd all(6);
+      for (int i = 0; i < 6; ++i) all[i] = q[i] = angle(random);
+      place(tipFrame(chain_, all), score.cut, loop);
+      const LoopSolutions found = solveGeneralLoop(loop);
+      score.noise += std::log10(std::max(found.noise, 1e-16));
+      score.suspect += found.suspects > 0 || found.count % 2 == 1;
+      score.multiple += found.multiple > 0;
+      for (int i = 0; i < 6; ++i) q[i] += chain_.constants.theta[i];
+      const Vector6d wanted = toCut(score.cut, q);
+      bool hit = false;
+      for (int k = 0; k < found.count && !hit; ++k) {
+        hit = true;
+        for (int i = 0; i < 6 && hit; ++i)
+          hit = std::abs(std::remainder(found.u[k][i] - wanted[i], turn)) < 1e-5;
+      }
+      score.missed += !hit;
+      if (t == 3 && score.missed == 4) break;
+    }
+    if (score.missed < 4) scores.push_back(score);
+  }
+  std::stable_sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) {
+    const int badA = 4 * a.missed + a.suspect + a.multiple, badB = 4 * b.missed + b.suspect + b.multiple;
+    return badA != badB ? badA < badB : a.noise < b.noise;
+  });
+  for (const Score& s : scores) {
+    ranked_.push_back(s.cut);
+    rankedLoop_.push_back(cutAt(fixed_, s.cut));
+  }
+}
+
+int imageCount(double q, double lower, double upper) {
+  if (!std::isfinite(lower) || !std::isfinite(upper)) return 1;
+  const double first = q + turn * std::ceil((lower - q - 1e-9) / turn);
+  return first > upper + 1e-9 ? 0 : 1 + static_cast<int>(std::floor((upper - first + 1e-9) / turn));
+}
+
+}  // namespace gelenk

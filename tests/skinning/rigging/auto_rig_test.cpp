@@ -1,0 +1,247 @@
+#include "skinning/rigging/auto_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
+
+#include "kinematics/notation/mannequin.h"
+#include "skinning/blend/linear_blend.h"
+#include "skinning/bodies/mannequin_body.h"
+#include "skinning/rigging/fit/template_body.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr double height = 1.7365, degree = M_PI / 180.0;
+
+struct Posed {
+  Mesh mesh;
+  std::map<std::string, Vector3d> truth;  ///< by the rig's names
+};
+
+const std::pair<const char*, const char*> limbJoints[] = {
+    {"hip", "thigh"},         {"knee", "calf"},      {"ankle", "foot"}, {"toe", "ball"},
+    {"shoulder", "upperarm"}, {"elbow", "lowerarm"}, {"wrist", "hand"}};
+
+const Skin& figureSkin() {
+  static const Skin skin = makeMannequinSkin(mannequin());
+  return skin;
+}
+
+struct Turn {
+  const char* joint;
+  Vector3d axis;
+  double degrees;
+};
+
+/// The figure with some joints turned about axes of the world, and where its limb joints then are.
+Posed posedFigure(const std::vector<Turn>& turns) {
+  const Skeleton figure = mannequin();
+  Frames frames = restFrames(figure);
+  for (const Turn& turn : turns) {
+    const int joint = figure.jointIndex(turn.joint);
+    const Vector3d pivot = frames[joint].translation();
+    const Isometry3d move = Eigen::Translation3d(pivot) *
+                            AngleAxisd(turn.degrees * degree, turn.axis.normalized()) *
+                            Eigen::Translation3d(-pivot);
+    for (int j = 0; j < figure.jointCount(); ++j)
+      if (figure.isAncestor(joint, j)) frames[j] = move * frames[j];
+  }
+  Posed out{.mesh = figureSkin().mesh};
+  out.mesh.positions = linearBlendSkin(figureSkin(), frames).positions;
+  out.mesh.normals.clear();
+  for (const auto& [name, figureName] : limbJoints)
+    for (const char* side : {"_l", "_r"})
+      out.truth[std::string(name) + side] =
+          frames[figure.jointIndex(std::string(figureName) + side)].translation();
+  return out;
+}
+
+const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+
+struct Error {
+  double mean = 0.0, max = 0.0;
+};
+/// Distances of the limb joints from the truth, in per cent of the figure's height.
+Error limbError(const Skeleton& skeleton, const std::map<std::string, Vector3d>& truth,
+                double size = height) {
+  const Frames frames = restFrames(skeleton);
+  Error error;
+  for (const auto& [name, p] : truth) {
+    const double e = 100.0 * (frames[skeleton.jointIndex(name)].translation() - p).norm() / size;
+    error.mean += e / static_cast<double>(truth.size());
+    error.max = std::max(error.max, e);
+  }
+  return error;
+}
+
+void expectWholeRows(const RiggedBody& body, std::size_t vertices) {
+  ASSERT_EQ(body.weights.size(), vertices);
+  for (const auto& row : body.weights) {
+    ASSERT_LE(row.size(), 4u);
+    double sum = 0.0;
+    for (const auto& [joint, w] : row) {
+      ASSERT_GE(w, 0.0);
+      ASSERT_LT(joint, body.skeleton.jointCount());
+      sum += w;
+    }
+    ASSERT_NEAR(sum, 1.0, 1e-9);
+  }
+}
+
+// The marks of the issue: 1.4 mean and 3.0 at most, in per cent of the height.
+TEST(AutoRig, FindsTheLimbJointsOfTheFigureInPosesThatBodiesAreMadeIn) {
+  const std::vector<std::pair<const char*, std::vector<Turn>>> poses{
+      {"rest", {}},
+      {"T", {{"upperarm_l", z, 49}, {"upperarm_r", z, -49}, {"lowerarm_l", y, 45}, {"lowerarm_r", y, -45}}},
+      {"arms down",
+       {{"upperarm_l", z, -32}, {"upperarm_r", z, 32}, {"lowerarm_l", x, 40}, {"lowerarm_r", x, 40}}},
+      {"walking",
+       {{"thigh_l", x, -25},
+        {"thigh_r", x, 18},
+        {"calf_r", x, 20},
+        {"upperarm_l", x, 25},
+        {"upperarm_r", x, -25}}}};
+  for (const auto& [name, turns] : poses) {
+    const Posed body = posedFigure(turns);
+    const RiggedBody rigged = rigBody(body.mesh);
+    const Error error = limbError(rigged.skeleton, body.truth);
+    EXPECT_LT(error.mean, 1.4) << name;
+    EXPECT_LT(error.max, 3.0) << name;
+    expectWholeRows(rigged, body.mesh.positions.size());
+  }
+}
+
+// Marks of the issue: within 0.2 % of the upright answer, left and right kept.
+TEST(AutoRig, TheSkeletonTurnsAndGrowsWithTheBody) {
+  const Posed upright = posedFigure({});
+  const RiggedBody first = rigBody(upright.mesh);
+  const Frames frames = restFrames(first.skeleton);
+  struct Way {
+    const char* name;
+    Eigen::Affine3d move;
+  };
+  const auto turned = [](double degrees, const Vector3d& axis) {
+    return Eigen::Affine3d(AngleAxisd(degrees * degree, axis.normalized()));
+  };
+  const Way ways[] = {{"yaw 45", turned(45, y)},
+                      {"facing back", turned(180, y)},
+                      {"lying", turned(-90, x)},
+                      {"upside down", turned(180, z)},
+                      {"tilted", turned(30, {1, 0.3, 0.5})},
+                      {"in millimetres", Eigen::Affine3d(Eigen::Scaling(1000.0))}};
+  for (const Way& way : ways) {
+    Mesh mesh = upright.mesh;
+    for (Vector3d& p : mesh.positions) p = way.move * p;
+    const RiggedBody rigged = rigBody(mesh);
+    std::map<std::string, Vector3d> expected;
+    for (int j = 0; j < first.skeleton.jointCount(); ++j)
+      expected[first.skeleton.joint(j).name] = way.move * frames[j].translation();
+    const double scale = std::cbrt(way.move.linear().determinant());
+    EXPECT_LT(limbError(rigged.skeleton, expected, scale * height).max, 0.2) << way.name;
+    EXPECT_NEAR((rigged.report.up - way.move.linear() * first.report.up / scale).norm(), 0.0, 0.02)
+        << way.name;
+  }
+}
+
+TEST(AutoRig, ASymmetricBodyGetsASymmetricSkeleton) {
+  const RiggedBody rigged = rigBody(posedFigure({}).mesh);
+  ASSERT_TRUE(rigged.report.symmetric);
+  const Frames frames = restFrames(rigged.skeleton);
+  for (int j = 0; j < rigged.skeleton.jointCount(); ++j) {
+    std::string name = rigged.skeleton.joint(j).name;
+    if (!name.ends_with("_l")) continue;
+    Vector3d image = frames[j].translation();
+    image.x() = -image.x();
+    name.back() = 'r';
+    const Vector3d partner = frames[rigged.skeleton.jointIndex(name)].translation();
+    EXPECT_LT((partner - image).norm(), 0.001 * height) << name;
+  }
+}
+
+TEST(AutoRig, BrokenSurfacesAreOrdinaryInput) {
+  const Posed whole = posedFigure({});
+  Mesh soup, flipped = whole.mesh, holed = whole.mesh, loose = whole.mesh;
+  for (const auto& t : whole.mesh.triangles) {
+    const int first = static_cast<int>(soup.positions.size());
+    for (const int v : t) soup.positions.push_back(whole.mesh.positions[v]);
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  for (std::size_t k = 0; k < flipped.triangles.size(); k += 3)
+    std::swap(flipped.triangles[k][0], flipped.triangles[k][1]);
+  std::erase_if(holed.triangles, [&](const auto& t) {
+    return (whole.mesh.positions[t[0]] - Vector3d(0.0, 1.2, 0.12)).norm() < 0.05;
+  });
+  loose.positions.emplace_back(0.3, 0.2, 0.1);
+  for (const auto& [name, mesh] :
+       {std::pair("soup", &soup), {"flipped", &flipped}, {"hole", &holed}, {"loose vertex", &loose}}) {
+    const RiggedBody rigged = rigBody(*mesh);
+    EXPECT_LT(limbError(rigged.skeleton, whole.truth).max, 3.0) << name;
+    expectWholeRows(rigged, mesh->positions.size());
+  }
+  EXPECT_FALSE(rigBody(flipped).report.repairs.empty());
+}
+
+Mesh ball(double a, double b, int rings = 24) {  // a torus of radii a, b, or a ball where a is 0
+  Mesh mesh;
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j < rings; ++j) {
+      const double u = 2.0 * M_PI * i / rings,
+                   v = (a > 0.0 ? 2.0 : 1.0) * M_PI * j / (a > 0.0 ? rings : rings - 1);
+      const double r = a > 0.0 ? a + b * std::cos(v) : b * std::sin(v);
+      mesh.positions.emplace_back(r * std::cos(u), a > 0.0 ? b * std::sin(v) : b * std::cos(v),
+                                  r * std::sin(u));
+    }
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j + (a > 0.0 ? 0 : 1) < rings; ++j) {
+      const int p = i * rings + j, q = (i + 1) % rings * rings + j, s = i * rings + (j + 1) % rings,
+                t = (i + 1) % rings * rings + (j + 1) % rings;
+      mesh.triangles.push_back({p, s, q});
+      mesh.triangles.push_back({q, s, t});
+    }
+  return mesh;
+}
+
+TEST(AutoRig, WhatHasNoLimbsIsRefused) {
+  EXPECT_THROW(rigBody(ball(0.0, 1.0)), RigRefused);
+  EXPECT_THROW(rigBody(ball(1.0, 0.3)), RigRefused);
+  Mesh flat;
+  flat.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+  flat.triangles = {{0, 1, 2}};
+  EXPECT_THROW(rigBody(flat), RigRefused) << "no area";
+}
+
+TEST(AutoRig, SameInputSameBitsAndItCanBeStopped) {
+  const Mesh mesh = posedFigure({}).mesh;
+  const RiggedBody first = rigBody(mesh), second = rigBody(mesh);
+  EXPECT_EQ(first.skeleton.rest(), second.skeleton.rest());
+  EXPECT_EQ(first.weights, second.weights);
+  int asked = 0;
+  EXPECT_THROW(rigBody(mesh, {.progress = [&](const std::string&, double) { return ++asked < 3; }}),
+               RigStopped);
+  EXPECT_EQ(asked, 3);
+}
+
+TEST(AutoRig, FindsTheLegsOfALongAnimal) {
+  const TemplateBody& animal = quadrupedTemplate();
+  const auto reshaped = [](const Vector3d& p) { return Vector3d(1.1 * p.x(), 0.85 * p.y(), 1.15 * p.z()); };
+  Mesh mesh = animal.surface;
+  for (Vector3d& p : mesh.positions) p = reshaped(p);
+  std::map<std::string, Vector3d> truth;
+  for (const TemplateJoint& joint : animal.joints)
+    if (joint.name.ends_with("_l") || joint.name.ends_with("_r"))
+      truth[joint.name] = reshaped(joint.position);
+  const RiggedBody rigged = rigBody(mesh, {.skeleton = RigTemplate::Quadruped});
+  const Error error = limbError(rigged.skeleton, truth, 1.15);
+  EXPECT_LT(error.mean, 2.5);
+  EXPECT_LT(error.max, 6.0);
+}
+
+}  // namespace
+}  // namespace gelenk

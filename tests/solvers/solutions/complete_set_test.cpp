@@ -1,0 +1,359 @@
+#include "solvers/solutions/complete_set.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "kinematics/notation/planar_chain.h"
+#include "kinematics/notation/robots.h"
+#include "solvers/problem/ik_solver.h"
+#include "solvers/problem/judge.h"
+#include "tests/solvers/solutions/example_arms.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using testing::apart;
+using testing::chainOf;
+using testing::generalArm;
+using testing::randomAngles;
+
+/// Largest entry of the difference of the pose reached from the pose wanted.
+double poseError(const SerialChain& chain, const Vector6d& q, const Isometry3d& pose) {
+  return (tipFrame(chain, q).matrix() - pose.matrix()).cwiseAbs().maxCoeff();
+}
+
+struct Recall {
+  int missed = 0, missedSingular = 0, incomplete = 0;
+  double worst = 0.0;  ///< pose error of any solution
+};
+
+/// The configuration that made the target must be in the set.
+Recall recall(const SixJointArm& arm, int targets, std::uint64_t seed) {
+  Recall r;
+  std::mt19937_64 random(seed);
+  ArmSolutions found;
+  for (int t = 0; t < targets; ++t) {
+    const Vector6d q = randomAngles(random);
+    const Isometry3d pose = tipFrame(arm.chain(), q);
+    arm.solve(pose, Vector6d::Zero(), found);
+    r.incomplete += !found.complete;
+    bool hit = false;
+    for (const ArmSolution& s : found.all()) {
+      r.worst = std::max(r.worst, poseError(arm.chain(), s.q, pose));
+      hit |= apart(s.q, q) < 1e-5;
+    }
+    if (!hit) (singularity(arm.chain(), q).sigmaMin > 1e-4 ? r.missed : r.missedSingular) += 1;
+  }
+  return r;
+}
+
+TEST(SixJointArm, TheClassIsReadOffTheAxes) {
+  EXPECT_EQ(SixJointArm(chainOf(robotTable("puma560"))).describe(),
+            "spherical wrist: axes 4, 5 and 6 meet in a point");
+  EXPECT_EQ(SixJointArm(chainOf(robotTable("ur5"))).describe(), "three parallel axes: axes 2, 3 and 4");
+  for (const char* name : {"jaco2", "xarm6", "crx10ia"})
+    EXPECT_EQ(SixJointArm(chainOf(generalArm(name))).kind(), LoopClass::General) << name;
+  EXPECT_THROW(SixJointArm{chainOf(robotTable("panda"))}, std::invalid_argument);
+}
+
+TEST(SixJointArm, ThePoseThatMadeTheTargetIsInTheSet) {
+  for (const char* name : {"puma560", "ur5", "jaco2", "xarm6", "crx10ia"}) {
+    SCOPED_TRACE(name);
+    const bool table = std::string(name) == "puma560" || std::string(name) == "ur5";
+    const SixJointArm arm(chainOf(table ? robotTable(name) : generalArm(name)));
+    const Recall r = recall(arm, 400, 31);
+    EXPECT_EQ(r.missed, 0);
+    EXPECT_LE(r.missedSingular, 1);
+    EXPECT_LT(r.worst, 1e-11);  // metres and sines; rounding of six rotations is 1e-15
+  }
+}
+
+TEST(SixJointArm, RandomArmsLoseNoPose) {
+  std::mt19937_64 random(32);
+  Recall all;
+  for (int arm = 0; arm < 12; ++arm) {
+    const Recall r = recall(SixJointArm(chainOf(testing::randomArm(random))), 40, random());
+    all.missed += r.missed;
+    all.worst = std::max(all.worst, r.worst);
+  }
+  EXPECT_EQ(all.missed, 0);
+  EXPECT_LT(all.worst, 1e-11);
+}
+
+TEST(SixJointArm, EveryPlaceOfASphericalOrParallelTripleIsSolved) {
+  const double h = M_PI / 2;
+  const std::vector<std::vector<Vector3d>> arms = {
+      {{0.15, h, 0.67}, {0.43, 0, 0}, {0.02, -h, 0.15}, {0, h, 0.43}, {0, -h, 0}, {0, 0, 0.1}},  // offset
+                                                                                                 // shoulder
+      {{0.15, 0.3, 0.67}, {0.43, 0.7, 0.2}, {0.02, -1.1, 0.15}, {0, 1, 0.43}, {0, -0.9, 0}, {0, 0, 0.1}},
+      {{0, 0.9, 0.67},
+       {0, -0.7, 0},
+       {0.3, 0.4, 0.2},
+       {0.2, -1.1, 0.15},
+       {0.1, 1, 0.43},
+       {0, 0, 0.1}},  // first
+      {{0.3, 0.9, 0.67},
+       {0.2, -0.7, 0.2},
+       {0, 1.4, 0.2},
+       {0, -1.1, 0},
+       {0.1, 1, 0.43},
+       {0.1, 0, 0.1}},  // middle
+      {{0.3, 0.9, 0.67}, {0.4, 0, 0.2}, {0.5, M_PI, 0.2}, {0.1, -1.1, 0.1}, {0.1, 1, 0.43}, {0.1, 0, 0.1}},
+      {{0.3, 0, 0.67}, {0.4, M_PI, 0.2}, {0.5, 0.7, 0.2}, {0.1, -1.1, 0.1}, {0.1, 1, 0.43}, {0.1, 0, 0.1}},
+  };
+  for (size_t i = 0; i < arms.size(); ++i) {
+    SCOPED_TRACE(i);
+    const SixJointArm arm(chainOf(testing::standardTable("triple", arms[i])));
+    EXPECT_NE(arm.kind(), LoopClass::General);
+    const Recall r = recall(arm, 300, 33);
+    EXPECT_EQ(r.missed, 0);
+    EXPECT_LT(r.worst, 1e-11);
+  }
+}
+
+/// Levenberg-Marquardt with a Jacobian of difference quotients; true where the loop closes.
+bool dampedNewton(const Loop& loop, Vector6d& u) {
+  double mu = 1e-2;
+  Vector6d e = loopError(loop, u);
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    if (e.norm() < 1e-10) return true;
+    Matrix6d J;
+    for (int i = 0; i < 6; ++i) {
+      Vector6d v = u;
+      v[i] += 1e-7;
+      J.col(i) = (loopError(loop, v) - e) / 1e-7;
+    }
+    const Vector6d next = u - (J.transpose() * J + mu * Matrix6d::Identity()).llt().solve(J.transpose() * e);
+    const Vector6d after = loopError(loop, next);
+    if (after.norm() < e.norm()) {
+      u = next, e = after, mu = std::max(0.2 * mu, 1e-14);
+    } else {
+      mu *= 4.0;
+      if (mu > 1e6) return false;
+    }
+  }
+  return false;
+}
+
+/// Independent of every elimination: Newton from many random starts finds solutions one by one.
+TEST(SixJointArm, NewtonFromManyStartsFindsNoOtherSolution) {
+  std::mt19937_64 random(34);
+  int foundByNewton = 0, inSet = 0, beyond = 0;
+  for (int k = 0; k < 14; ++k) {
+    const char* names[] = {"jaco2", "xarm6", "crx10ia"};
+    const SerialChain chain = chainOf(k < 6 ? generalArm(names[k % 3]) : testing::randomArm(random));
+    const SixJointArm arm(chain);
+    const Isometry3d pose = tipFrame(chain, randomAngles(random));
+    ArmSolutions set;
+    arm.solve(pose, Vector6d::Zero(), set);
+    Loop loop;
+    for (int i = 0; i < 5; ++i) {
+      const ChainConstants& C = chain.constants;
+      loop.link[i].linear() << 1, 0, 0, 0, C.cosAlpha[i + 1], -C.sinAlpha[i + 1], 0, C.sinAlpha[i + 1],
+          C.cosAlpha[i + 1];
+      loop.link[i].translation() = Vector3d(C.a[i + 1], 0, 0) + loop.link[i].linear().col(2) * C.d[i + 1];
+      loop.link[i].makeAffine();
+    }
+    loop.link[5] = (chain.worldFromBase.inverse() * pose * chain.lastFromTip.inverse()).inverse();
+    LoopSolutions newton;
+    for (int start = 0; start < 300; ++start) {
+      Vector6d u = randomAngles(random);
+      if (dampedNewton(loop, u)) add(newton, u, 0.0);
+    }
+    for (int i = 0; i < newton.count; ++i) {
+      bool known = false;
+      Vector6d q = newton.u[i];
+      for (int j = 0; j < 6; ++j) q[j] -= chain.constants.theta[j];
+      for (const ArmSolution& s : set.all()) known |= apart(s.q, q) < 1e-5;
+      beyond += !known;
+    }
+    foundByNewton += newton.count;
+    inSet += set.count;
+  }
+  EXPECT_EQ(beyond, 0);
+  EXPECT_GE(inSet, foundByNewton);
+  EXPECT_GE(foundByNewton, 9 * inSet / 10);  // or the test would say nothing
+}
+
+TEST(SixJointArm, SomePosesOfTheCrxHaveSixteenSolutions) {
+  const SixJointArm arm(chainOf(generalArm("crx10ia")));
+  std::mt19937_64 random(35);
+  int most = 0;
+  ArmSolutions found;
+  for (int t = 0; t < 400 && most < 16; ++t) {
+    arm.solve(tipFrame(arm.chain(), randomAngles(random)), Vector6d::Zero(), found);
+    most = std::max(most, found.count);
+  }
+  EXPECT_EQ(most, 16);
+}
+
+TEST(SixJointArm, AxesThatMissAClassByLittleAreSolvedOnTheTrueArm) {
+  const double h = M_PI / 2;
+  for (const double miss : {1e-12, 1e-9, 1e-7, 1e-6}) {
+    SCOPED_TRACE(miss);
+    const SixJointArm wrist(chainOf(testing::standardTable(
+        "wrist",
+        {{0, h, 0.67}, {0.43, miss, 0}, {0.02, -h, 0.15}, {miss, h, 0.43}, {0, -h, miss}, {0, 0, 0.1}})));
+    const SixJointArm parallel(chainOf(testing::standardTable(
+        "parallel",
+        {{0, h, 0.09}, {-0.42, miss, 0}, {-0.39, -miss, 0}, {0, h, 0.11}, {0, -h, 0.09}, {0, 0, 0.08}})));
+    for (const SixJointArm* arm : {&wrist, &parallel}) {
+      const Recall r = recall(*arm, 200, 36);
+      EXPECT_EQ(r.missed, 0);
+      EXPECT_LT(r.worst, 2e-9);  // parallel to 1e-9: Denavit-Hartenberg feet lie 1e9 lengths away
+    }
+  }
+}
+
+TEST(SixJointArm, ASingularWristIsAFamilyAndKeepsTheReference) {
+  const SixJointArm arm(chainOf(robotTable("puma560")));
+  Vector6d q;
+  q << 0.3, 0.4, -0.5, 0.7, 0.0, 0.2;
+  ArmSolutions found;
+  arm.solve(tipFrame(arm.chain(), q), q, found);
+  double nearest = INFINITY;
+  int families = 0;
+  for (const ArmSolution& s : found.all()) {
+    EXPECT_LT(poseError(arm.chain(), s.q, tipFrame(arm.chain(), q)), 1e-8);
+    families += s.free != 0;
+    nearest = std::min(nearest, (s.q - q).cwiseAbs().maxCoeff());
+    EXPECT_TRUE(s.free == 0 || s.free == 1u << 3);
+  }
+  EXPECT_GT(families, 0);
+  EXPECT_LT(nearest, 1e-7);
+  const Singularity where = singularity(arm.chain(), q);
+  EXPECT_LT(where.sigmaMin, 1e-12);
+  EXPECT_NEAR(std::abs(where.direction[3]), std::sqrt(0.5), 1e-9);
+  EXPECT_NEAR(std::abs(where.direction[5]), std::sqrt(0.5), 1e-9);
+}
+
+TEST(SixJointArm, BranchesOfThePumaHaveEightDifferentNames) {
+  for (const char* name : {"puma560", "ur5"}) {
+    const SixJointArm arm(chainOf(robotTable(name)));
+    std::mt19937_64 random(37);
+    ArmSolutions found;
+    for (int t = 0; t < 50; ++t) {
+      arm.solve(tipFrame(arm.chain(), randomAngles(random)), Vector6d::Zero(), found);
+      for (int i = 0; i < found.count; ++i)
+        for (int j = 0; j < i; ++j) {
+          const ArmSolution &a = found.list[i], &b = found.list[j];
+          EXPECT_FALSE(a.shoulder == b.shoulder && a.elbow == b.elbow && a.wrist == b.wrist) << name;
+        }
+    }
+  }
+}
+
+TEST(SixJointArm, OutOfReachHasNoSolution) {
+  for (const char* name : {"puma560", "ur5", "crx10ia"}) {
+    const std::string which = name;
+    const SixJointArm arm(chainOf(which == "crx10ia" ? generalArm(name) : robotTable(name)));
+    Isometry3d pose = Isometry3d::Identity();
+    pose.translation() << 3.0, 0.5, 0.5;
+    ArmSolutions found;
+    arm.solve(pose, Vector6d::Zero(), found);
+    EXPECT_EQ(found.count, 0) << name;
+    EXPECT_TRUE(found.complete) << name;
+  }
+}
+
+TEST(CompleteSet, TheLecturesTwoLinksHaveTwoElbows) {
+  PlanarChain chain;
+  chain.lengths = {1.0, 0.8};
+  const Skeleton skeleton = toSkeleton(chain);
+  const CompleteSet set(skeleton, skeleton.jointCount() - 1, {.task = TipTask::Position});
+  ArmSolutions found;
+  set.solve(Isometry3d(Eigen::Translation3d(1.2, 0.6, 0.0)), Vector6d::Zero(), found);
+  ASSERT_EQ(found.count, 2);
+  const double reach2 = 1.2 * 1.2 + 0.6 * 0.6, bend = std::acos((reach2 - 1.0 - 0.64) / (2.0 * 0.8));
+  EXPECT_NEAR(std::abs(found.list[0].q[1]), bend, 1e-9);
+  EXPECT_NEAR(found.list[0].q[1], -found.list[1].q[1], 1e-9);
+  set.solve(Isometry3d(Eigen::Translation3d(1.2, 0.6, 0.1)), Vector6d::Zero(), found);  // above the plane
+  EXPECT_EQ(found.count, 0);
+  set.solve(Isometry3d(Eigen::Translation3d(1.9, 0.0, 0.0)), Vector6d::Zero(), found);  // beyond the reach
+  EXPECT_EQ(found.count, 0);
+}
+
+TEST(CompleteSet, FewerJointsThanSixAreExactWhereTheSetIsFinite) {
+  const Skeleton puma = toSkeleton(robotTable("puma560")), ur5 = toSkeleton(robotTable("ur5"));
+  struct Case {
+    const Skeleton* skeleton;
+    const char* tip;
+    CompleteSetTask task;
+  };
+  const std::vector<Case> cases = {
+      {&puma, "joint3", {.task = TipTask::Position, .pointInTip = {0.1, 0.0, 0.4}}},
+      {&puma, "joint5", {.task = TipTask::Axis, .pointInTip = {0.0, 0.1, 0.1}, .axisInTip = {0.0, 0.6, 0.8}}},
+      {&ur5, "joint5", {.task = TipTask::Axis, .pointInTip = {0.05, 0.1, 0.1}}},
+      {&ur5, "joint5", {}},
+      {&ur5, "joint4", {}},
+      {&puma, "joint3", {}},
+      {&puma, "joint2", {}},
+  };
+  std::mt19937_64 random(38);
+  for (const Case& c : cases) {
+    const int tip = c.skeleton->jointIndex(c.tip);
+    const CompleteSet set(*c.skeleton, tip, c.task);
+    SCOPED_TRACE(std::string(c.tip) + " " + set.arm().describe());
+    for (int t = 0; t < 30; ++t) {
+      const VectorXd q = randomWithinLimits(*c.skeleton, random);
+      Isometry3d target = forwardKinematics(*c.skeleton, q)[tip];
+      target.translation() = target * c.task.pointInTip;
+      const Vector3d axis = target.linear() * c.task.axisInTip;
+      if (c.task.task == TipTask::Position) target.linear().setIdentity();
+      if (c.task.task == TipTask::Axis) target.rotate(Eigen::AngleAxisd(0.7, c.task.axisInTip));
+      ArmSolutions found;
+      set.solve(target, Vector6d::Zero(), found);
+      bool hit = false;
+      for (const ArmSolution& s : found.all()) {
+        VectorXd all = q;
+        for (int i = 0; i < set.joints(); ++i) all[set.chain().qIndex[i]] = s.q[i];
+        const Isometry3d reached = forwardKinematics(*c.skeleton, all)[tip];
+        EXPECT_LT((reached * c.task.pointInTip - target.translation()).norm(), 1e-8);
+        if (c.task.task == TipTask::Axis) {
+          EXPECT_LT((reached.linear() * c.task.axisInTip - axis).norm(), 1e-8);
+        } else if (c.task.task == TipTask::Pose) {
+          EXPECT_LT((reached.linear() - target.linear()).norm(), 1e-8);
+        }
+        hit |= apart(all, q) < 1e-5;
+      }
+      EXPECT_TRUE(hit);
+    }
+  }
+}
+
+TEST(CompleteSet, FamiliesAndSlidingJointsAreRefusedWithAReason) {
+  const Skeleton panda = toSkeleton(robotTable("panda")), scara = toSkeleton(robotTable("scara"));
+  EXPECT_NE(CompleteSet::whyNot(panda, panda.jointCount() - 1).find("families"), std::string::npos);
+  EXPECT_NE(CompleteSet::whyNot(scara, scara.jointCount() - 1).find("slides"), std::string::npos);
+}
+
+TEST(ClosedForm, TheNearestSolutionWithinLimitsIsTaken) {
+  for (const char* name : {"puma560", "ur5"}) {
+    const Skeleton skeleton = toSkeleton(robotTable(name));
+    const auto solver = makeSolver("closed-form");
+    solver->prepare(skeleton);
+    std::mt19937_64 random(39);
+    for (int trial = 0; trial < 200; ++trial) {
+      const VectorXd known = randomWithinLimits(skeleton, random);
+      const Isometry3d pose = forwardKinematics(skeleton, known).back();
+      IkProblem problem{.skeleton = &skeleton, .start = randomWithinLimits(skeleton, random)};
+      problem.goals = {{.kind = GoalKind::Pose,
+                        .joint = skeleton.jointCount() - 1,
+                        .target = pose.translation(),
+                        .orientation = Eigen::Quaterniond(pose.linear())}};
+      const IkReport report = solver->solve(problem, {}, TraceLevel::Off);
+      EXPECT_EQ(report.why, Stop::Converged) << name;
+      EXPECT_TRUE(judge(problem, report.q).solved) << name;
+      EXPECT_LE((report.q - problem.start).norm(), (known - problem.start).norm() + 1e-9) << name;
+    }
+  }
+}
+
+TEST(ClosedForm, IsReadByItsOldName) { EXPECT_EQ(presentName("spherical-wrist"), "closed-form"); }
+
+}  // namespace
+}  // namespace gelenk
