@@ -112,7 +112,8 @@ void printTable(const Model& model, const Frames& frames) {
 
 void run(const Request& request) {
   const Model model = openModel(request.model);
-  const VectorXd q = configurationOf(model.skeleton, request);
+  VectorXd q = configurationOf(model.skeleton, request);
+  applyMimics(model.skeleton, model.mimics, q);
   const Frames frames = forwardKinematics(model.skeleton, q);
   if (request.asJson)
     demandNoNotes(request.model, notesOf(model, q));

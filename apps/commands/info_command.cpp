@@ -126,7 +126,8 @@ json factsOf(const Request& request, std::vector<Note>& notes) {
 }
 
 std::string corner(const json& p) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g})", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+  const auto clean = [&](int k) { return std::abs(p[k].get<double>()) < 1e-9 ? 0.0 : p[k].get<double>(); };
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", clean(0), clean(1), clean(2));
 }
 
 void print(const json& facts, const std::vector<Note>& notes) {

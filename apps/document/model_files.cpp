@@ -362,6 +362,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       model.skeleton = std::move(urdf.skeleton);
       model.skin = std::move(urdf.skin);
       if (urdf.masses) model.masses = std::make_shared<const Masses>(*std::move(urdf.masses));
+      model.mimics = std::move(urdf.mimics);
       model.notes = urdf.notes;
       model.up = Eigen::Vector3d::UnitZ();
       break;

@@ -155,7 +155,8 @@ Document Sandbox::document() const {
   return document;
 }
 
-bool Sandbox::saveSceneTo(const std::string& path) {
+bool Sandbox::saveSceneTo(const std::string& name) {
+  const std::string path = isScene(name) ? name : name + ".json";  // that it may be opened again
   try {
     writeScene(path, document(), session().model());
     state_->scenePath = path;

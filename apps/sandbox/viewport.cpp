@@ -1,5 +1,6 @@
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -147,6 +148,8 @@ void release(Sandbox& sandbox, int button) {
 
 void moveMouse(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
+  if (s.gesture.kind == Gesture::Kind::Drag && !s.session->dragged())
+    s.gesture = {};  // something else ended the drag, such as a pose that was mirrored or a goal let go
   const Vector2d moved = s.mouse - s.gesture.last;
   switch (s.gesture.kind) {
     case Gesture::Kind::PressedSkin:
@@ -267,6 +270,10 @@ bool plainKey(Sandbox& sandbox, int key) {
     case GLFW_KEY_SLASH: s.helpOpen = !s.helpOpen; return true;
     case GLFW_KEY_F12: s.screenshotPath = nextScreenshotName(); return true;
     case GLFW_KEY_ESCAPE:
+      if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {  // a list or a menu
+        ImGui::ClosePopupToLevel(0, true);
+        return true;
+      }
       if (s.gesture.kind == Gesture::Kind::Drag) {
         s.session->cancelDrag();
         s.gesture = {};

@@ -40,11 +40,9 @@ void connect(GLFWwindow* window) {
     const double ratio = pixelRatio(w);
     queueOf(w).add({.kind = InputEvent::Kind::MouseMove, .x = ratio * x, .y = ratio * y});
   });
+  // A button belongs to the place of the last move before it: glfwGetCursorPos would tell where the mouse is
+  // by now.
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
-    double x = 0.0, y = 0.0;
-    glfwGetCursorPos(w, &x, &y);
-    const double ratio = pixelRatio(w);
-    queueOf(w).add({.kind = InputEvent::Kind::MouseMove, .x = ratio * x, .y = ratio * y});
     queueOf(w).add({.kind = InputEvent::Kind::MouseButton, .code = button, .down = action == GLFW_PRESS});
   });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {

@@ -220,7 +220,7 @@ class Reader {
     robot_.skeleton = Skeleton(list, Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
     couple();
     Eigen::VectorXd coupled = robot_.skeleton.rest();
-    applyMimics(robot_, coupled);
+    applyMimics(robot_.skeleton, robot_.mimics, coupled);
     if (!coupled.allFinite()) throw ParseError(file_, 0, "mimics with a finite rest pose", "an overflow");
     robot_.skeleton = Skeleton(std::move(list), coupled);
     if (masses_.total() > 0.0) robot_.masses = std::move(masses_);
@@ -258,7 +258,7 @@ class Reader {
       tell(robot_.notes, "mimic",
            "joint '" + source.name + "' mimics '" + name + "' (" + exactNumber(mimic.multiplier) +
                " times its value plus " + exactNumber(mimic.offset) +
-               "); the rest pose keeps this, in motion both are free");
+               "): poses keep this, solvers move both freely");
       open.push_back({mimic, element});
       following.insert(mimic.joint);
     }
@@ -371,9 +371,8 @@ class Reader {
 
 }  // namespace
 
-void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q) {
-  const Skeleton& skeleton = robot.skeleton;
-  for (const UrdfMimic& mimic : robot.mimics)
+void applyMimics(const Skeleton& skeleton, std::span<const UrdfMimic> mimics, Eigen::Ref<Eigen::VectorXd> q) {
+  for (const UrdfMimic& mimic : mimics)
     q[skeleton.qIndex(mimic.joint)] = mimic.multiplier * q[skeleton.qIndex(mimic.source)] + mimic.offset;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,12 +36,12 @@ struct UrdfRobot {
   Skeleton skeleton;  ///< mimicking joints are free in it; the rest pose keeps the couplings
   std::vector<UrdfVisual> visuals;
   std::optional<Masses> masses = {};  ///< of the links' <inertial>; none where no link has one above 0
-  std::vector<UrdfMimic> mimics;
+  std::vector<UrdfMimic> mimics;      ///< sources before what follows them
   std::vector<Note> notes;
 };
 
 /// Sets what mimics to what it mimics, chains of them too. q: nq.
-void applyMimics(const UrdfRobot& robot, Eigen::Ref<Eigen::VectorXd> q);
+void applyMimics(const Skeleton& skeleton, std::span<const UrdfMimic> mimics, Eigen::Ref<Eigen::VectorXd> q);
 
 /// A robot description (ROS). Links are frames: the root link becomes the fixed root joint, named after the
 /// link, every URDF joint one joint of its name whose frame is its child link's. revolute and continuous turn

@@ -54,7 +54,9 @@ Skeleton restingSkeleton(RigTemplate which) {
   const TemplateBody& body = templateOf(which);
   std::vector<Vector3d> positions;
   for (const TemplateJoint& joint : body.joints) positions.push_back(joint.position);
-  return rigSkeleton(rigJoints(body, which, {.maps = restMaps(body)}, positions));
+  Placement atRest;
+  atRest.maps = restMaps(body);
+  return rigSkeleton(rigJoints(body, which, atRest, positions));
 }
 
 /// Which template's joints have more of the meanings that the user's skeleton names.

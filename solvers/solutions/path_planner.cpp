@@ -115,8 +115,6 @@ PathPlan PathPlanner::plan(std::span<const Isometry3d> poses, const PathOptions&
   std::vector<MatrixXd> sets(poses.size());
   std::vector<std::vector<int>> from(poses.size());
   std::vector<Cost> cost, next;
-  // With slices a step along the self-motion is at least as wide as they lie apart.
-  double near = options.jump;
   for (size_t k = 0; k < poses.size(); ++k) {
     sets[k] = candidates(poses[k], options);
     if (sets[k].cols() == 0) {
@@ -129,7 +127,7 @@ PathPlan PathPlanner::plan(std::span<const Isometry3d> poses, const PathOptions&
         for (Eigen::Index i = 0; i < sets[0].cols(); ++i) cost[i].motion = (sets[0].col(i) - *start).norm();
       continue;
     }
-    advance(sets[k - 1], cost, sets[k], near, next, from[k]);
+    advance(sets[k - 1], cost, sets[k], options.jump, next, from[k]);
     std::swap(cost, next);
   }
   int at = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
@@ -149,7 +147,7 @@ void PathPlanner::refine(std::span<const Isometry3d> poses, const PathOptions& o
   const int count = static_cast<int>(plan.q.size());
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     double most = 0.0;
-    for (int k = sweep % 2; k < count; k += 1) {
+    for (int k = 0; k < count; ++k) {
       Vector7d wanted = Vector7d::Zero();
       int neighbours = 0;
       for (const int o : {k - 1, k + 1}) {

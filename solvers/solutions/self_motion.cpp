@@ -263,9 +263,9 @@ void SevenJointArm::cutByLimits(const Isometry3d& goal, const SelfMotionCurve& w
   for (size_t k = 0; k < n; ++k) {
     const bool goesOn = k > 0 && inside[k - 1];
     inside[k] = toLimits(image[k], goesOn ? image[k - 1] : middle);
-    if (goesOn && inside[k] && (image[k] - image[k - 1]).norm() > 1.0) inside[k] = 2;  // another image: a cut
   }
-  const bool allInside = std::all_of(inside.begin(), inside.end(), [](char c) { return c == 1; });
+  bool allInside = std::all_of(inside.begin(), inside.end(), [](char c) { return c == 1; });
+  for (size_t k = 1; k < n; ++k) allInside &= (image[k] - image[k - 1]).norm() < 1.0;
   if (allInside) {
     SelfMotionCurve piece = whole;
     piece.q = image;
@@ -307,13 +307,12 @@ void SevenJointArm::cutByLimits(const Isometry3d& goal, const SelfMotionCurve& w
       finish();
       continue;
     }
-    if (inside[k] == 2) finish();
     Vector7d q = image[k];
-    if (piece.q.empty()) {
-      if ((s > 0 || whole.closed) && !inside[previous]) append(border(q, whole.q[previous]));
-    } else {
-      toLimits(q, piece.q.back());
+    if (!piece.q.empty() && (!toLimits(q, piece.q.back()) || (q - piece.q.back()).norm() > 1.0)) {
+      finish();  // it goes on by a whole turn of a joint, which is beyond a limit
+      q = image[k];
     }
+    if (piece.q.empty() && (s > 0 || whole.closed) && !inside[previous]) append(border(q, whole.q[previous]));
     append(q);
   }
   finish();

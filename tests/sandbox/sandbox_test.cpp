@@ -1,6 +1,7 @@
 #include "apps/sandbox/sandbox.h"
 
 #include <gtest/gtest.h>
+#include <imgui.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -102,6 +103,21 @@ TEST(Sandbox, KeysPinUndoAndChangeTheSolver) {
   EXPECT_EQ(stage.goal("hand_r")["state"], "free");
 }
 
+TEST(Sandbox, ADragThatAKeyEndsIsOver) {
+  Stage stage;
+  for (const char* end :
+       {"key m", "key r", "free hand_r"}) {  // mirrored, reset, let go: the button still down
+    Replay replay = Replay::parse("test", "0 grab hand_r\n1 move 300 200\n3 " + std::string(end) +
+                                              "\n6 keydown shift\n7 move 320 260\n9 move 100 260\n"
+                                              "11 keyup shift\n12 release left\n");
+    stage.next = 0;
+    stage.frames(16, &replay);
+    const json status = json::parse(stage.sandbox.status());
+    EXPECT_TRUE(status["dragging"].is_null()) << end;
+    for (const json& q : status["q"]) EXPECT_TRUE(q.is_number()) << end;
+  }
+}
+
 TEST(Sandbox, ASavedSceneOpensAsTheSamePicture) {
   const std::string path =
       (std::filesystem::temp_directory_path() / ("gelenk_" + std::to_string(getpid()) + ".json")).string();
@@ -119,6 +135,37 @@ TEST(Sandbox, ASavedSceneOpensAsTheSamePicture) {
   EXPECT_EQ(stage.sandbox.camera().distance, camera.distance);
   EXPECT_EQ(stage.sandbox.camera().orthographic, camera.orthographic);
   std::filesystem::remove(path);
+}
+
+TEST(Sandbox, ASceneSavedUnderABareNameOpensAgain) {
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("gelenk_bare_" + std::to_string(getpid()));
+  Stage stage;
+  stage.frames(1);
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
+  EXPECT_TRUE(stage.sandbox.open(path.string() + ".json"));
+  EXPECT_FALSE(std::filesystem::exists(path));
+  std::filesystem::remove(path.string() + ".json");
+}
+
+TEST(Sandbox, EscapeClosesTheListOfSolvers) {
+  Stage stage;
+  Replay replay = Replay::parse("test", "0 tab Solve\n");
+  stage.frames(3, &replay);
+  const auto open = [] { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup); };
+  // The list stands in the inspector, right of the view, below its heading: look for it with the mouse.
+  const json view = json::parse(stage.sandbox.status())["view"];
+  const int x = static_cast<int>(view["x"].get<double>() + view["width"].get<double>()) + 60;
+  for (int y = view["y"]; y < height && !open(); y += 8) {
+    const std::string at = std::to_string(stage.next);
+    Replay click = Replay::parse("test", at + " move " + std::to_string(x) + " " + std::to_string(y) + "\n" +
+                                             at + " press left\n" + at + " release left\n");
+    stage.frames(4, &click);
+  }
+  ASSERT_TRUE(open());
+  Replay escape = Replay::parse("test", std::to_string(stage.next) + " key escape\n");
+  stage.frames(3, &escape);
+  EXPECT_FALSE(open());
 }
 
 TEST(Sandbox, ABadFileIsToldOnScreenAndLeavesWhatIsOpen) {

@@ -65,7 +65,7 @@ TEST(Urdf, MimicsAreToldAndFollowInTheRestPose) {
   EXPECT_EQ(value(robot.skeleton.rest(), "third"), 0.5 * (-2 * 0.25 + 0.1));
   Eigen::VectorXd q = robot.skeleton.rest();
   q[robot.skeleton.qIndex(robot.skeleton.jointIndex("first"))] = 1.0;
-  applyMimics(robot, q);
+  applyMimics(robot.skeleton, robot.mimics, q);
   EXPECT_EQ(value(q, "third"), 0.5 * (-2 + 0.1));
 }
 

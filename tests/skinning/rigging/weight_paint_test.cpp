@@ -64,7 +64,7 @@ Mesh twoSheets(int n) {
   return mesh;
 }
 
-void apply(Weights& weights, const WeightChange& change) {
+void put(Weights& weights, const WeightChange& change) {
   for (const auto& [vertex, influences] : change) weights[vertex] = influences;
 }
 
@@ -168,7 +168,7 @@ TEST(WeightPaint, SmoothingKeepsWhatIsConstantAndLowersDifferencesAlongEdges) {
   };
   double before = roughness();
   for (int i = 0; i < 5; ++i) {
-    apply(weights, smoothed(weights, everything(mesh.positions.size(), 0.5), edges));
+    put(weights, smoothed(weights, everything(mesh.positions.size(), 0.5), edges));
     EXPECT_LT(roughness(), before);
     before = roughness();
   }
@@ -192,7 +192,7 @@ TEST(WeightPaint, TheMirrorImageIsExactAndStable) {
   EXPECT_EQ(vertices.back(), -1);
   const Weights start = randomWeights(rest.size(), 5, random);
   Weights weights = start;
-  apply(weights, mirrored(weights, rest, vertices, joints, MirrorFrom::NegativeX));
+  put(weights, mirrored(weights, rest, vertices, joints, MirrorFrom::NegativeX));
   for (std::size_t v = 0; v + 1 < rest.size(); ++v)
     for (int j = 0; j < 5; ++j)
       EXPECT_EQ(weightOn(weights[v], {.joints = {j}}),
@@ -206,12 +206,12 @@ TEST(WeightPaint, TheDifferenceLeadsFromOneToTheOther) {
   const Mesh mesh = twoSheets(20);
   const Weights from = randomWeights(mesh.positions.size(), 6, random);
   Weights to = from;
-  apply(to, painted(from, everything(20, 0.4), {.joints = {2}}, mesh.positions));
+  put(to, painted(from, everything(20, 0.4), {.joints = {2}}, mesh.positions));
   const WeightChange change = difference(from, to);
   EXPECT_LE(change.size(), 20u);
   EXPECT_NE(to, from);
   Weights again = from;
-  apply(again, change);
+  put(again, change);
   EXPECT_EQ(again, to);
   EXPECT_TRUE(difference(to, to).empty());
 }

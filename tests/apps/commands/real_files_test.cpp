@@ -1,0 +1,137 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "apps/commands/command_line.h"
+#include "apps/commands/commands.h"
+#include "apps/document/model_files.h"
+#include "apps/document/notes.h"
+#include "apps/document/session.h"
+#include "kinematics/io/text_file.h"
+#include "tests/places.h"
+
+// What people bring, opened as the program opens it: choices, notes and refusals.
+
+namespace gelenk {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const std::string inputs = testing::inputFolder() + "/";
+
+std::optional<Note> noteOf(const std::vector<Note>& notes, const std::string& kind) {
+  for (const Note& note : notes)
+    if (note.kind == kind) return note;
+  return {};
+}
+
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+class RealFiles : public ::testing::Test {
+ protected:
+  RealFiles()
+      : folder_(::testing::TempDir() + "gelenk_files_" +
+                ::testing::UnitTest::GetInstance()->current_test_info()->name() + "/") {
+    fs::create_directories(folder_);
+  }
+  ~RealFiles() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return folder_ + name; }
+
+  /// As on the command line, notes and all.
+  void run(std::vector<std::string> words) {
+    CommandLine line("", "");
+    Command program = line.root();
+    addNoteOptions(program);
+    addCommands(program);
+    line.parse(std::move(words));
+  }
+
+ private:
+  std::string folder_;
+};
+
+TEST_F(RealFiles, OneOfSeveralMotionsIsChosenByItsNameAndAllAreKeptInGltf) {
+  const std::string file = inputs + "two_clips.gltf";
+  const Imported first = importFiles(file), wave = importFiles(file, {.clip = "wave"});
+  EXPECT_EQ(first.model.clipName, "rest");
+  EXPECT_EQ(wave.model.clipName, "wave");
+  EXPECT_EQ(first.model.clipNames, (std::vector<std::string>{"rest", "wave"}));
+  EXPECT_GT((first.model.clip->q - wave.model.clip->q).norm(), 0.1);
+  ASSERT_TRUE(noteOf(first.model.notes, "several-motions"));
+  EXPECT_FALSE(noteOf(wave.model.notes, "several-motions"));
+  EXPECT_THAT(refusal([&] { importFiles(file, {.clip = "run"}); }), HasSubstr("there are: rest, wave"));
+  EXPECT_THAT(refusal([&] { importFiles(inputs + "forearm.bvh", {.clip = "run"}); }), HasSubstr("--clip"));
+  run({"convert", file, path("both.glb")});
+  EXPECT_EQ(importFiles(path("both.glb")).model.clipNames, (std::vector<std::string>{"rest", "wave"}));
+  run({"motion", file, "--clip", "wave", "-o", path("wave.glb")});
+  EXPECT_EQ(importFiles(path("wave.glb")).model.clipNames, std::vector<std::string>{"wave"});
+}
+
+TEST_F(RealFiles, StepsAndSplinesKeepTheirValuesWhenTheMotionIsResampled) {
+  const auto tip = [&](const std::string& file, int frame) -> Eigen::Vector3d {
+    const Imported written = importFiles(file);
+    return forwardKinematics(written.model.skeleton, written.model.clip->q.col(frame)).back().translation();
+  };
+  run({"motion", inputs + "step.gltf", "--fps", "20", "-o", path("step.glb")});
+  EXPECT_LT((tip(path("step.glb"), 5) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-6);
+  run({"motion", inputs + "cubic.gltf", "--fps", "20", "-o", path("cubic.glb")});
+  EXPECT_LT((tip(path("cubic.glb"), 10) - Eigen::Vector3d(-0.998607, -0.052773, 0)).norm(), 2e-6);
+}
+
+TEST_F(RealFiles, ABodyOfTwentyFourMetresIsToldWithTheUnitThatMakesAPersonOfIt) {
+  const auto noteFor = [&](double unit) {
+    return noteOf(importFiles(inputs + "forearm.bvh", {}, {.metresPerUnit = unit}).model.notes,
+                  "unit-suspect");
+  };
+  EXPECT_FALSE(noteFor(1.0));
+  for (const auto& [unit, guess] : {std::pair{10.0, "in dm"}, {100.0, "in cm"}, {1000.0, "in mm"}}) {
+    const auto note = noteFor(unit);
+    ASSERT_TRUE(note) << unit;
+    EXPECT_THAT(note->text, HasSubstr(guess)) << unit;
+  }
+  EXPECT_TRUE(noteFor(0.01));
+}
+
+TEST_F(RealFiles, AnUnusualScaleOfACarriedPathNeedsToBeSaid) {
+  const std::vector<std::string> words{"motion", inputs + "lying_zero_pose.bvh", "--unit", "cm",
+                                       "--onto", inputs + "apose.bvh",           "-o",     path("out.bvh")};
+  EXPECT_THAT(refusal([&] { run(words); }), HasSubstr("--scale"));
+  EXPECT_FALSE(fs::exists(path("out.bvh")));
+  std::vector<std::string> given = words;
+  given.insert(given.end(), {"--scale", "100"});
+  run(given);
+  EXPECT_TRUE(fs::exists(path("out.bvh")));
+}
+
+TEST_F(RealFiles, StrictMakesEveryNoteAnErrorBeforeAnythingIsWrittenButLetsFactsPass) {
+  EXPECT_THAT(refusal([&] {
+                run({"--strict", "convert", inputs + "frames_less.bvh", path("a.bvh")});
+              }),
+              HasSubstr("'Frames:' says 1"));
+  EXPECT_FALSE(fs::exists(path("a.bvh")));
+  run({"--strict", "convert", inputs + "tube.obj", path("tube.glb"), "--skeleton", inputs + "tube.skel"});
+  EXPECT_TRUE(fs::exists(path("tube.glb")));
+  EXPECT_THROW(run({"--strict", "--quiet", "info", inputs + "tube.obj"}), UsageError);
+  run({"--quiet", "convert", inputs + "frames_less.bvh", path("a.bvh")});
+  EXPECT_TRUE(fs::exists(path("a.bvh")));
+}
+
+TEST_F(RealFiles, EveryPoseKeepsWhatOneJointMimicsOfAnother) {
+  Session session(openModelFile(inputs + "mimic_pair.urdf"));
+  session.setPose(Eigen::Vector2d(0.5, 0.0));
+  EXPECT_EQ(session.q()[1], 0.5);
+  session.setPose(Eigen::Vector2d(-0.25, 0.7));
+  EXPECT_EQ(session.q()[1], -0.25);
+}
+
+}  // namespace
+}  // namespace gelenk
