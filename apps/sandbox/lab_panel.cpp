@@ -254,7 +254,7 @@ class LabPanel final : public Panel {
       const Sandbox::State& s = sandbox.state();
       const Eigen::Vector3d right = s.camera().axes().col(0);
       const double side = number % 2 == 0 ? -1.0 : 1.0;
-      const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.36 * s.size * right;
+      const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.36 * s.size() * right;
       for (Eigen::Isometry3d& frame : frames) frame.translation() += offset;
       const Eigen::Vector3f c = runner.colour;
       sandbox.label(frames[session.problem().goals.front().joint].translation(),

@@ -149,7 +149,7 @@ class DhScene final : public LectureScene {
     const VectorXd q = sandbox.session().q();
     if (q.size() != table_.variableCount()) return;
     const Frames K = dhFrames(table_, q);
-    const double size = 0.09 * sandbox.state().size;
+    const double size = 0.09 * sandbox.state().size();
     const Colour faint = lectureColours(sandbox.theme()).faint,
                  normal = lectureColours(sandbox.theme()).second;
     for (const AxisLine& axis : jointAxes(table_, q))
