@@ -145,6 +145,8 @@ class DhScene final : public LectureScene {
     rebuild(sandbox);
   }
 
+  bool moves(const Sandbox&) const override { return pending_; }
+
   void overlay(Sandbox& sandbox) override {
     const VectorXd q = sandbox.session().q();
     if (q.size() != table_.variableCount()) return;
@@ -326,6 +328,7 @@ class LegScene final : public LectureScene {
       show(sandbox);
     }
   }
+  bool moves(const Sandbox& sandbox) const override { return sandbox.playing(); }
 
   void overlay(Sandbox& sandbox) override {
     const LectureColours colours = lectureColours(sandbox.theme());

@@ -78,7 +78,7 @@ void drawNotices(const Pen& pen, Sandbox& sandbox) {
   std::erase_if(s.notices, [&](const Notice& notice) { return notice.until <= s.time; });
   float y = s.layout.view.y + s.layout.view.height - 14 * pen.scale;
   for (auto it = s.notices.rbegin(); it != s.notices.rend(); ++it) {
-    const float alpha = static_cast<float>(std::clamp((it->until - s.time) / 0.5, 0.0, 1.0));
+    const float alpha = static_cast<float>(std::clamp((it->until - s.time) / noticeFade, 0.0, 1.0));
     const float width = std::min(s.layout.view.width - 40 * pen.scale, 760 * pen.scale);
     ImFont* font = pen.fonts.regular;
     const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, width, it->words.c_str());

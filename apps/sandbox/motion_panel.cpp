@@ -124,6 +124,10 @@ class MotionPanel final : public Panel {
     sandbox.showFrames(frames_, resting);
   }
 
+  double rests(const Sandbox& sandbox) const override {
+    return editor_ && play_->showing && sandbox.playing() ? 0.0 : std::numeric_limits<double>::infinity();
+  }
+
   void overlay(Sandbox& sandbox) override {
     if (!editor_ || !play_->showing) return;
     const Palette& colours = sandbox.state().colours();

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "apps/commands/image.h"
 #include "apps/document/model_files.h"
@@ -19,6 +20,8 @@ namespace gelenk {
 namespace {
 
 constexpr double noticeSeconds = 3.5, errorSeconds = 9.0;
+constexpr int framesToSettle = 4;
+constexpr double still = 1e-7;  // radians or metres a frame
 constexpr std::size_t errorHistory = 240, dragHistory = 3;
 
 /// Moves in a fifth of a second, eased at both ends.
@@ -176,6 +179,7 @@ void Sandbox::frame(const Input& input, double dt) {
   ++s.frameNumber;
   s.time += dt;
   s.scale = static_cast<float>(input.scale);
+  s.settling = input.events.empty() && s.frameNumber > 1 ? std::max(0, s.settling - 1) : framesToSettle;
   s.labels.clear();
   s.extras = {};
   s.shownFrames.reset();
@@ -218,6 +222,25 @@ void Sandbox::frame(const Input& input, double dt) {
 }
 
 bool Sandbox::wantsToClose() const { return state_->closing; }
+
+double Sandbox::rests() const {
+  const State& s = *state_;
+  const FrameSolve& solve = s.session->lastSolve();
+  if (s.settling > 0 || s.cameraMove || s.gesture.kind != Gesture::Kind::None || !s.screenshotPath.empty() ||
+      (!s.shownFrames && solve.ran && solve.jointMotion > still) ||
+      std::ranges::any_of(s.limitGlow, [](double glow) { return glow > 0.0 && glow < 1.0; }))
+    return 0.0;
+  double seconds = ImGui::GetIO().WantTextInput ? 0.25 : std::numeric_limits<double>::infinity();  // the caret
+  for (const Notice& notice : s.notices)
+    seconds = std::min(seconds, std::max(0.0, notice.until - noticeFade - s.time));
+  for (const auto& panel : s.panels) seconds = std::min(seconds, panel->rests(*this));
+  return seconds;
+}
+
+void Sandbox::slept(double seconds) {
+  state_->time += seconds;
+  state_->lastBegin.reset();  // no frame took that long
+}
 Session& Sandbox::session() { return *state_->session; }
 const Session& Sandbox::session() const { return *state_->session; }
 Camera& Sandbox::camera() { return state_->camera(); }

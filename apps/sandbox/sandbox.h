@@ -40,6 +40,11 @@ class Sandbox {
   /// what is measured (times, fps), which is shown and never fed back.
   void frame(const Input& input, double dt);
   bool wantsToClose() const;
+  /// Seconds for which the next frame would look like the last one if nothing happens: 0 while anything moves
+  /// (the solver, a clip, a glow, a camera that glides), infinity at rest.
+  double rests() const;
+  /// So many seconds passed without a frame.
+  void slept(double seconds);
 
   // --- model and scene
   Session& session();

@@ -52,6 +52,7 @@ struct Gesture {
   Panel* tool = nullptr;  ///< Tool: the panel that took the press
 };
 
+constexpr double noticeFade = 0.5;  ///< seconds in which a notice goes
 struct Notice {
   std::string words;
   bool isError = false;
@@ -121,6 +122,7 @@ struct Sandbox::State {
   std::string screenshotPath;  ///< written at the end of the frame
 
   int frameNumber = 0;
+  int settling = 0;  ///< frames to draw yet: panels take some to come to rest after input
   double time = 0.0;
   std::optional<std::chrono::steady_clock::time_point> lastBegin;
   double secondsPerFrame = 0.0;  ///< measured from frame to frame, running mean, shown only
