@@ -223,7 +223,8 @@ TEST_P(SolverContract, OnlyAMinimumIsCalledStationary) {
     for (const Goal& goal : owned.problem.goals) priorities.insert(goal.servedAs());
     if (report.why != Stop::Stationary || priorities.size() > 1) return;  // an order of goals has no one cost
     const auto [lowest, size] = lowestCurvature(owned.problem, report.q);
-    EXPECT_GE(lowest, -1e-5 * size);
+    // A cost without curvature (target at the base): differences of a slope of order 1 round at 1e-16 / h.
+    EXPECT_GE(lowest, -1e-5 * size - 1e-11);
   });
 }
 
