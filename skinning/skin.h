@@ -14,7 +14,6 @@ namespace gelenk {
 struct Influences {
   std::array<int, 4> joints{0, 0, 0, 0};
   std::array<double, 4> weights{1.0, 0.0, 0.0, 0.0};
-  bool operator==(const Influences&) const = default;
 };
 
 /// A mesh bound to a skeleton: v_anim = sum_i w_i T_anim,i T_rest,i^-1 v_rest (exercise sheet, linear blend

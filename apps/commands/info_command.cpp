@@ -11,6 +11,7 @@
 #include "kinematics/forward_kinematics.h"
 #include "skinning/blend/linear_blend.h"
 #include "skinning/io/obj.h"
+#include "skinning/rigging/weight_paint.h"
 
 namespace gelenk {
 namespace {
