@@ -43,6 +43,8 @@ int nearestJoint(const PaintTarget& target, const Vector3d& p) {
 
 }  // namespace
 
+bool operator==(const Influences& a, const Influences& b) { return sameWeights(a, b); }
+
 Influences exactInfluences(JointWeights weights) {
   std::sort(weights.begin(), weights.end());
   JointWeights merged;

@@ -99,4 +99,6 @@ WeightChange mirrored(const std::vector<Influences>& weights,
 /// What leads from one list of weights to another of the same length.
 WeightChange difference(const std::vector<Influences>& from, const std::vector<Influences>& to);
 
+bool operator==(const Influences& a, const Influences& b);
+
 }  // namespace gelenk
