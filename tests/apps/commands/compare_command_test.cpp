@@ -213,7 +213,7 @@ TEST_F(FiveJoints, AnAxisAloneIsMet) {
 }
 
 TEST_F(FiveJoints, WeightsShiftTheErrorFromOnePartToTheOther) {
-  const auto positions = solve({"--weights", "100", "1"}), turns = solve({"--weights", "1", "100"});
+  const auto positions = solve({"--goal-weights", "100", "1"}), turns = solve({"--goal-weights", "1", "100"});
   EXPECT_LT(positions["position_error"].get<double>(), 0.5 * turns["position_error"].get<double>());
   EXPECT_GT(positions["orientation_error"].get<double>(), turns["orientation_error"].get<double>());
 }
