@@ -6,6 +6,7 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/goal_options.h"
+#include "apps/commands/model_options.h"
 #include "apps/commands/solve_batch.h"
 #include "apps/document/model.h"
 #include "apps/document/scene_file.h"
@@ -240,7 +241,7 @@ void addSolveCommand(Command& app) {
               "Built-in model, file, or scene (.json), which begins in its own pose and, where no goal is "
               "given, with its own goals")
       .showDefault();
-  command.option("--skeleton", request->files.skeleton, "Skeleton of an OBJ body");
+  addModelOptions(command, request->files);
   command.option("--target", request->target,
                  "X Y Z, QW QX QY QZ or X Y Z QW QX QY QZ: metres and a unit quaternion, world frame");
   command
