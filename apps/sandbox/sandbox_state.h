@@ -122,7 +122,7 @@ struct Sandbox::State {
   std::string screenshotPath;  ///< written at the end of the frame
 
   int frameNumber = 0;
-  int settling = 0;  ///< frames to draw yet: panels take some to come to rest after input
+  int settling = 1;  ///< frames to draw yet: the first, and panels take some to come to rest after input
   double time = 0.0;
   std::optional<std::chrono::steady_clock::time_point> lastBegin;
   double secondsPerFrame = 0.0;  ///< measured from frame to frame, running mean, shown only
