@@ -609,9 +609,11 @@ Document readScene(const std::string& path, const Model& model) {
 
 bool isScene(const std::string& nameOrFile) { return lowerCase(nameOrFile).ends_with(".json"); }
 
-Opened openDocument(const ModelReference& reference) {
+Opened openDocument(const ModelReference& reference, Body body) {
   if (!isScene(reference.nameOrFile)) {
-    auto model = std::make_shared<const Model>(readModel(reference));
+    auto model = std::make_shared<const Model>(
+        body == Body::Wanted ? readModel(reference)
+                             : importFiles(reference.nameOrFile, reference.files).model);
     Document document = newDocument(*model, reference);
     return {std::move(model), std::move(document)};
   }

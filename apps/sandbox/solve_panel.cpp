@@ -179,10 +179,10 @@ class SolvePanel final : public Panel {
     const bool isAngle =
         (error.position == 0.0 && error.orientation > 0.0) ||
         (error.position < s.session->reachedWithin() && error.orientation > Session::reachedAngle);
-    ImGui::TextColored(
-        distanceColour(s.colours(), std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0)), "%s",
-        isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
-                : formatLength(error.position).c_str());
+    const double missed = std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0);
+    ImGui::TextColored(toImVec4(distanceColour(markColours(s.theme()), missed)), "%s",
+                       isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
+                               : formatLength(error.position).c_str());
   }
 
   static void goals(Sandbox& sandbox) {
@@ -192,7 +192,7 @@ class SolvePanel final : public Panel {
     if (ImGui::BeginTable("##goals", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
       for (const SceneGoal& goal : s.session->goals()) {
-        if (!isGoalShown(sandbox, goal)) continue;
+        if (!isGoalShown(sandbox.session(), goal)) continue;
         ImGui::PushID(static_cast<int>(goal.id));
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
@@ -290,7 +290,7 @@ class SolvePanel final : public Panel {
   static bool edit(const Sandbox::State& s, const GoalField& field, double& value) {
     float shown = static_cast<float>(value);
     ImGui::SetNextItemWidth(-80 * s.scale);
-    if (!ImGui::DragFloat(std::string(field.name).c_str(), &shown, static_cast<float>(1e-3 * s.size), 0.0f,
+    if (!ImGui::DragFloat(std::string(field.name).c_str(), &shown, static_cast<float>(1e-3 * s.size()), 0.0f,
                           1e6f, "%.3f"))
       return false;
     value = std::max(0.0f, shown);
@@ -300,7 +300,7 @@ class SolvePanel final : public Panel {
     float shown[3];
     for (int k = 0; k < 3; ++k) shown[k] = static_cast<float>(value[k]);
     ImGui::SetNextItemWidth(-80 * s.scale);
-    if (!ImGui::DragFloat3(std::string(field.name).c_str(), shown, static_cast<float>(1e-3 * s.size), 0, 0,
+    if (!ImGui::DragFloat3(std::string(field.name).c_str(), shown, static_cast<float>(1e-3 * s.size()), 0, 0,
                            "%.3f"))
       return false;
     for (int k = 0; k < 3; ++k)
