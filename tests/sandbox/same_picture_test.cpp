@@ -114,7 +114,7 @@ TEST(SamePicture, OfARobotWithItsFramesInTheDark) {
 }
 
 TEST(SamePicture, OfTheFigureWithPaintedWeightsMusclesAndPins) {
-  expectTheSamePicture("figure", "0 drag hand_r -30 -60 10\n20 drag head 400 0 5\n", [](Session& session) {
+  expectTheSamePicture("figure", "0 drag hand_r -30 -60 10\n", [](Session& session) {
     MuscleSettings muscles = *session.edits().muscles;
     muscles.enabled = true;
     session.setMuscles(std::make_shared<MuscleSettings>(muscles));
