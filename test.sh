@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds Gelenk and runs every test: the release build, the core without graphics, and the core's suite under ASan and UBSan.
+# Builds Gelenk and runs every test: the release build, the core without graphics, and all of it, the
+# window and its monkey included, under ASan and UBSan.
 #   ./test.sh            all of it
 #   ./test.sh release    one part: release, core or sanitize
 set -euo pipefail
