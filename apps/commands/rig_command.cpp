@@ -155,15 +155,16 @@ void addRigCommand(Command& app) {
   auto request = std::make_shared<Request>();
   Command command = app.command("rig", "A skeleton and skin weights for a body that has neither");
   command.option("body", request->bodies, "Meshes: OBJ, GLB, glTF, STL").required();
-  command.option(
-      "--skeleton", request->skeleton,
-      "Which skeleton to fit: human (default), pinocchio (its 18 joints), quadruped, or a file with "
-      "one of your own");
+  command
+      .option("--skeleton", request->skeleton,
+              "Which skeleton to fit: human, pinocchio (its 18 joints), quadruped, or a file with one of "
+              "your own")
+      .showDefault();
   command.option("-o,--out", request->folder,
                  "Folder for NAME.skeleton.out, NAME.attachment.out and NAME.glb; default: this one");
-  const std::vector<std::string> axes = {"auto", "x", "y", "z", "-x", "-y", "-z"};
-  command.option("--up", request->up, "The axis that points up; default: found out").oneOf(axes);
-  command.option("--front", request->front, "The axis that the body faces; default: found out").oneOf(axes);
+  const std::vector<std::string> axes{"auto", "x", "y", "z", "-x", "-y", "-z"};
+  command.option("--up", request->up, "The axis that points up; auto: found out").oneOf(axes);
+  command.option("--front", request->front, "The axis that the body faces; auto: found out").oneOf(axes);
   command.flag("--json", request->asJson, "Print the report as JSON");
   command.run([request] { run(*request); });
 }

@@ -473,7 +473,7 @@ std::string rightName(std::string_view name) {
 }
 
 /// Raise it when the polygoniser, the weights or what follows them change their result.
-constexpr double methodVersion = 2.0;
+constexpr double methodVersion = 1.0;
 
 /// The torso is wide and its joints lie in the middle: without ribs the flank would follow the arm, whose
 /// bone is nearer. Stand-ins for rib cage and pelvis, carried by the joints of the spine. Metres, left side.

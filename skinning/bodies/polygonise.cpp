@@ -191,7 +191,7 @@ class Grid {
   Grid(const BodyShape& shape, const PolygoniseOptions& options)
       : shape_(shape), options_(options), warp_(options.lenses) {
     if (!(options.cell > 0.0)) throw std::invalid_argument("the cell of a grid must be positive");
-    Eigen::AlignedBox3d box = warp_.preimage(shape.bounds());
+    Eigen::AlignedBox3d box = firstBox(shape.bounds());
     do {  // where parts blend the surface bulges out of the box of the parts
       layOut(box);
       fill();
@@ -229,6 +229,28 @@ class Grid {
   Vector3d point(const Vector3d& sample) const { return origin_ + options_.cell * sample; }
 
  private:
+  /// Begins at the preimage of points on the box's faces and grows by whole blocks to what is proven to hold
+  /// the preimage of all of it: so a surface that the first one holds keeps its vertices.
+  Eigen::AlignedBox3d firstBox(const Eigen::AlignedBox3d& body) const {
+    Eigen::AlignedBox3d box;
+    constexpr int steps = 6;
+    for (int i = 0; i <= steps; ++i)
+      for (int j = 0; j <= steps; ++j)
+        for (int k = 0; k <= steps; ++k) {
+          if (i % steps && j % steps && k % steps) continue;
+          const Vector3d t = Vector3d(i, j, k) / steps;
+          box.extend(warp_.back(body.min() + t.cwiseProduct(body.sizes())));
+        }
+    const Eigen::AlignedBox3d proven = warp_.preimage(body);
+    const double block = side * options_.cell;
+    const auto blocks = [&](double length) { return std::max(0.0, std::ceil(length / block)); };
+    for (int d = 0; d < 3; ++d) {
+      box.min()[d] -= block * blocks(box.min()[d] - proven.min()[d]);
+      box.max()[d] += block * blocks(proven.max()[d] - box.max()[d]);
+    }
+    return box;
+  }
+
   void layOut(const Eigen::AlignedBox3d& box) {
     const double h = options_.cell;
     origin_ = box.min().array() - 2.0 * h;

@@ -91,7 +91,8 @@ Document armDocument(const Model& model) {
   clip.keys[3] = {{.frame = 3, .q = pose}};
   edits.clip = std::make_shared<ClipEdits>(clip);
   edits.seconds = 0.1 + 0.2;  // a double that has no short decimal
-  document.solver = {.name = "dls", .parameters = {{"dls", {{"lambda", 0.1 / 3}}}, {"sdls", {{"x", 1e-9}}}}};
+  document.solver = {.name = "dls",
+                     .parameters = {{"dls", {{"lambda", 0.1 / 3}}}, {"sdls", {{"gamma-max", 0.1 / 0.3}}}}};
   document.view.camera.azimuth = 0.1 + 0.2;
   document.view.camera.orthographic = true;
   document.view.show.skeleton = true;
