@@ -34,15 +34,13 @@ void printFrame(const std::string& frame, const Imported& imported, const Frames
 std::shared_ptr<MotionTableRequest> addMotionTableOptions(Command& command) {
   auto request = std::make_shared<MotionTableRequest>();
   command.option("--amc", request->amc,
-                     "Motion for an ASF skeleton: prints every bone of every frame as CSV");
+                 "Motion for an ASF skeleton: prints every bone of every frame as CSV");
   command.option("--asf", request->asf, "Skeleton of an AMC");
-  command.option("--clip", request->clip,
-                     "Which motion of a file that names several; default: the first");
+  command.option("--clip", request->clip, "Which motion of a file that names several; default: the first");
   command.option("--frame", request->frame, "Only this frame of the motion, from 1").positive();
   command.option("--unit", request->unit,
-                     "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command.flag("--csv", request->csv,
-                   "Print CSV: frame, bone or joint, start and end position in metres");
+                 "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command.flag("--csv", request->csv, "Print CSV: frame, bone or joint, start and end position in metres");
   return request;
 }
 

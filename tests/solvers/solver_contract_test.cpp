@@ -274,13 +274,12 @@ std::vector<SolverEntry> everyEntry() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract, ::testing::ValuesIn(everyEntry()),
-                         [](const auto& info) {
-                           std::string name(info.param.name);
-                           for (char& c : name)
-                             if (c == '-') c = '_';
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Catalogue, SolverContract, ::testing::ValuesIn(everyEntry()), [](const auto& info) {
+  std::string name(info.param.name);
+  for (char& c : name)
+    if (c == '-') c = '_';
+  return name;
+});
 
 /// What the method is for: from a random start a local method with restarts reaches a reachable position.
 TEST(Catalogue, EveryIterativeSolverReachesMostReachablePositionsOfAFreeArm) {
