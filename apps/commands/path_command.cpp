@@ -101,7 +101,8 @@ void write(const Request& request, const Model& model, const SerialChain& chain,
     }
     return writeFile(out, text);
   }
-  MotionClip clip{.framesPerSecond = request.rate};
+  MotionClip clip;
+  clip.framesPerSecond = request.rate;
   clip.q.resize(model.skeleton.nq(), static_cast<Eigen::Index>(plan.q.size()));
   for (size_t k = 0; k < plan.q.size(); ++k)
     clip.q.col(static_cast<Eigen::Index>(k)) = wholeConfiguration(chain, plan.q[k], rest);
