@@ -7,7 +7,7 @@ packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libceres-dev lib
           libepoxy-dev libglm-dev libglfw3-dev libimgui-dev libfreetype-dev libstb-dev libpng-dev libtinygltf-dev libassimp-dev
           liburdfdom-dev fonts-roboto-unhinted libgl1-mesa-dri libegl1 libgl1 ffmpeg gnuplot-nox)
 if [ "${1:-run}" = test ]; then
-  packages+=(clang-14 libclang-rt-14-dev llvm-14 libgtest-dev libgmock-dev libbenchmark-dev
+  packages+=(clang-format clang-14 libclang-rt-14-dev llvm-14 libgtest-dev libgmock-dev libbenchmark-dev
              liborocos-kdl-dev xvfb xauth xdotool x11-utils)
 fi
 missing=()

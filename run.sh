@@ -3,9 +3,14 @@
 # Without a display the sandbox's scene is rendered offscreen instead: a scripted drag, a picture and a status file in out/.
 set -euo pipefail
 cd "$(dirname "$0")"
+[ -x build/gelenk ] || echo "First start: installs what is missing, then compiles the program; later starts compile what changed."
 ./install_packages.sh run
-[ -e build/build.ninja ] || cmake --preset release -DGELENK_TESTS=OFF -DGELENK_BENCHMARKS=OFF >/dev/null
-cmake --build build --target gelenk
+if [ ! -e build/build.ninja ]; then
+  echo "Configuring ..."
+  cmake --preset release -DGELENK_TESTS=OFF -DGELENK_BENCHMARKS=OFF >/dev/null
+fi
+# [files done/all, share, seconds]
+NINJA_STATUS='[%f/%t %p %es] ' cmake --build build --target gelenk
 
 if [ $# -eq 0 ] && [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]; then
   echo "There is no display: a scripted drag of the figure's hands is rendered without a window."

@@ -35,9 +35,11 @@ install(CODE "
     file(WRITE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/gelenk/\${header}\" \"\${text}\")
   endforeach()")
 
-if(NOT GELENK_WITH_KDL)
-  set(GELENK_WITH_KDL OFF)
-endif()
+foreach(part KDL COLLADA)
+  if(NOT GELENK_WITH_${part})
+    set(GELENK_WITH_${part} OFF)
+  endif()
+endforeach()
 configure_package_config_file(cmake/GelenkConfig.cmake.in ${PROJECT_BINARY_DIR}/GelenkConfig.cmake
                               INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/GelenkConfigVersion.cmake COMPATIBILITY SameMinorVersion)

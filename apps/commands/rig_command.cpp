@@ -120,7 +120,7 @@ bool rig(const std::string& path, const Request& request, json& all) {
     fmt::print(stderr, "gelenk: {}: {}; nothing was written\n", path, refusal.what());
     return false;
   }
-  const std::string name = stem(path);
+  const std::string name = std::filesystem::path(path).stem().string();
   const std::filesystem::path folder = request.folder;
   std::filesystem::create_directories(folder);
   const bool plainIds = options.skeleton == RigTemplate::Pinocchio;

@@ -2,6 +2,7 @@
 
 #include "apps/document/session.h"
 #include "kinematics/configuration.h"
+#include "solvers/iteration/attempt.h"
 #include "solvers/tree/drag_solver.h"
 
 namespace gelenk {
@@ -37,11 +38,32 @@ class DragFrameSolver final : public FrameSolver {
     goals_ = problem.goals;
     for (Goal& goal : goals_)
       if (goal.role == Role::Pin) goal.weight = 1.0;  // pins have their weight in the solver's options
-    return settle(problem.start);
+    return leavingSaddles(problem, settle(problem.start));
   }
   void reset() override { fresh_ = true; }
 
  private:
+  /// At rest on a saddle, such as a straight arm with its target on its own line: a small step downhill, from
+  /// where the next frames go on.
+  IkReport leavingSaddles(const IkProblem& problem, IkReport report) {
+    constexpr double step = 0.1;  // radians or metres
+    if (report.why != Stop::Stationary || (lastRest_.size() == report.q.size() && lastRest_ == report.q))
+      return report;
+    Eigen::VectorXd lower;
+    if (whyAtRest(problem, report.q, &lower) != Stop::Saddle) {
+      lastRest_ = report.q;
+      return report;
+    }
+    report.why = Stop::Saddle;
+    if (lower.size() == 0) return report;
+    Eigen::VectorXd way = difference(*skeleton_, report.q, lower);
+    way *= step / std::max(step, way.lpNorm<Eigen::Infinity>());
+    report.q = projectToLimits(*skeleton_, integrate(*skeleton_, report.q, way));
+    report.why = Stop::Budget;
+    solver_.reset(report.q);
+    return report;
+  }
+
   /// A picture lasts as long as hundreds of the solver's frames: while the pose creeps, it gets several, so
   /// that a body that lunges for a target out of reach comes to rest within a few pictures. Large motions
   /// keep the solver's pace.
@@ -82,6 +104,7 @@ class DragFrameSolver final : public FrameSolver {
   DragSolver solver_;
   std::vector<Goal> goals_;
   bool fresh_ = true;
+  Eigen::VectorXd lastRest_;  ///< where no saddle was found
 };
 
 }  // namespace

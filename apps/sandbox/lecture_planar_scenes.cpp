@@ -14,8 +14,8 @@
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/notation/planar_chain.h"
-#include "solvers/methods/two_link.h"
 #include "solvers/ceres/nearest_solution.h"
+#include "solvers/methods/two_link.h"
 
 namespace gelenk {
 namespace {

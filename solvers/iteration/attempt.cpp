@@ -103,9 +103,8 @@ Attempt::Rest Attempt::rest() {
 /// The second derivatives of the cost at at.q(), nv x nv: exact where the goals say them, else by central
 /// differences of the slope.
 Eigen::MatrixXd Attempt::curvature() {
-  const bool exact = std::all_of(problem_.goals.begin(), problem_.goals.end(), [](const Goal& goal) {
-    return goalType(goal.kind).addHessian != nullptr;
-  });
+  const bool exact = std::all_of(problem_.goals.begin(), problem_.goals.end(),
+                                 [](const Goal& goal) { return goalType(goal.kind).addHessian != nullptr; });
   if (exact) return at.hessian();
   constexpr double h = 1e-5;
   const int nv = problem_.skeleton->nv();

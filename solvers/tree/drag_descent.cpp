@@ -304,7 +304,7 @@ void DragDescent::derivatives(const Settings& settings, double beta, double* gra
 }
 
 // ---- limits
-// -------------------------------------------------------------------------------------------------------------
+// ----------------------------------------------------------------------------------------------------
 
 /// Where the swing at c stands on its cone: the unit tangent of the ellipse and its length by the ellipse's
 /// angle.
@@ -599,7 +599,7 @@ double DragDescent::largestRotation(const TreePose& pose) const {
 }
 
 // ---- iteration
-// ----------------------------------------------------------------------------------------------------------
+// ----------------------------------------------------------------------------------------------------
 
 /// Solves and takes one step of the assembled model; raises mu until the objective falls. False on a bad
 /// pivot.

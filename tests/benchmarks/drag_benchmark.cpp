@@ -105,7 +105,7 @@ BENCHMARK_CAPTURE(ColdSolve, half_range, false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(ColdSolve, whole_range, true)->Unit(benchmark::kMicrosecond);
 
 // ---- the table
-// ------------------------------------------------------------------------------------------------------------
+// ----------------------------------------------------------------------------------------------------
 
 void row(const char* name, const Shown& s) {
   std::printf("%-20s %7.3f %8.3f %9.3f %8.3f %7.2f  %8.1e %5d %6.2f %7.1f %7.1f %6.1f%% %7.1f\n", name,

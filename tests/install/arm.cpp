@@ -21,7 +21,8 @@ bool posePanda(const std::string& solverName) {
   q[3] -= 0.4;
   q[5] += 0.2;
   const Eigen::Isometry3d tool = gelenk::forwardKinematics(arm, q).back();
-  gelenk::Goal goal{.kind = gelenk::GoalKind::Pose, .joint = arm.jointCount() - 1, .target = tool.translation()};
+  gelenk::Goal goal{
+      .kind = gelenk::GoalKind::Pose, .joint = arm.jointCount() - 1, .target = tool.translation()};
   goal.orientation = Eigen::Quaterniond(tool.linear());
   const gelenk::IkProblem problem{.skeleton = &arm, .start = arm.rest(), .goals = {goal}};
   const auto solver = gelenk::makeSolver(solverName);
@@ -36,13 +37,13 @@ double dragHand() {
   solver.reset(figure.rest());
   const int hand = *figure.findJoint("hand_l");
   const Eigen::Vector3d start = gelenk::restFrames(figure)[hand].translation();
-  gelenk::DragGoal drag;
-  drag.goal.joint = hand;
+  gelenk::Goal drag;
+  drag.joint = hand;
   for (int i = 1; i <= 40; ++i) {
-    drag.goal.target = start + Eigen::Vector3d(0.0, 0.0, 0.1 * i / 40.0);
+    drag.target = start + Eigen::Vector3d(0.0, 0.0, 0.1 * i / 40.0);
     solver.frame({&drag, 1});
   }
-  return (gelenk::forwardKinematics(figure, solver.q())[hand].translation() - drag.goal.target).norm();
+  return (gelenk::forwardKinematics(figure, solver.q())[hand].translation() - drag.target).norm();
 }
 
 /// A triangle rigidly bound to the Panda's second joint must follow it: the largest error, metres.

@@ -19,7 +19,8 @@ int main() {
   claim(user::dragHand() < 0.01, "a dragged hand follows to 1 cm");
   claim(user::skinTriangle() < 1e-12, "a skin follows its joint");
   const std::string ceres = user::complaintAbout("ceres-lm");
-  claim(ceres.empty() || ceres.find("needs Ceres Solver") != std::string::npos, "a missing solver says what it needs");
+  claim(ceres.empty() || ceres.find("needs Ceres Solver") != std::string::npos,
+        "a missing solver says what it needs");
   std::printf("solver of Ceres: %s\n", ceres.empty() ? "there" : ceres.c_str());
   return failures;
 }

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <filesystem>
 #include <vector>
 
 #include "kinematics/io/text_file.h"
 #include "tests/places.h"
 #include "tests/sandbox/program.h"
+#include "tests/sanitized.h"
 
 namespace gelenk {
 namespace {
@@ -66,6 +68,8 @@ class TrialData : public ::testing::TestWithParam<std::string> {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(TrialData);
 
 TEST_P(TrialData, EveryFileGivesAPictureOrASentence) {
+  if (testing::sanitized && !std::getenv("GELENK_TRIAL_DATA"))
+    GTEST_SKIP() << "minutes under a sanitizer: by hand, with GELENK_TRIAL_DATA set";
   const fs::path picture = out_ / "picture.png";
   for (const auto& entry : fs::directory_iterator(fs::path(testing::dataFolder()) / GetParam())) {
     if (!entry.is_regular_file()) continue;

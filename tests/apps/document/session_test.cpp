@@ -383,6 +383,34 @@ TEST(Session, EverySolverOfTheCatalogueComesNearerOrSaysWhyNot) {
   }
 }
 
+/// A straight arm with its target on its own line has no slope that bends it.
+TEST(Session, AStraightArmBendsTowardsATargetOnItsOwnLine) {
+  std::vector<Joint> joints;
+  for (int i = 0; i <= 2; ++i) {
+    Joint joint{.name = "l" + std::to_string(i), .parent = i - 1};
+    if (i > 0) joint.parentFromZero.translation().x() = 1.0;
+    if (i < 2) joint.axes = {{AxisDof::Kind::Rotation, Vector3d::UnitZ(), -unlimited, unlimited}};
+    joints.push_back(joint);
+  }
+  Session session(Model{.name = "straight", .skeleton = Skeleton(joints), .planar = true});
+  const GoalId tip = session.addJointGoal(2);
+  session.setTarget(tip, {1.2, 0.0, 0.0});
+  Eigen::VectorXd before = session.q();
+  double largest = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    session.step();
+    largest = std::max(largest, (session.q() - before).lpNorm<Eigen::Infinity>());
+    before = session.q();
+  }
+  EXPECT_LT(session.error(tip), 1e-3);
+  EXPECT_TRUE(session.lastSolve().reached);
+  EXPECT_LT(largest, 2.0);  // eight frames of the solver in a picture, and no jump beyond them
+  session.setTarget(tip, {2.5, 0.0, 0.0});  // out of reach: a minimum, where it rests
+  stepFrames(session, 200);
+  EXPECT_EQ(session.lastSolve().why, Stop::Stationary);
+  EXPECT_LT(session.lastSolve().jointMotion, 1e-4);
+}
+
 TEST(Session, PoleTurnsTheElbowToItsSide) {
   Session session(figure());
   const GoalId hand = *session.findGoal("hand_r");

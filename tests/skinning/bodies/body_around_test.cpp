@@ -10,19 +10,14 @@
 #include "kinematics/notation/robots.h"
 #include "skinning/rigging/bone.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/sanitized.h"
 
 namespace gelenk {
 namespace {
 
 using Eigen::Vector3d;
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr int trees = 2;
-#elif defined(__has_feature)
-constexpr int trees = __has_feature(address_sanitizer) ? 2 : 6;
-#else
-constexpr int trees = 6;
-#endif
+constexpr int trees = testing::sanitized ? 2 : 6;
 
 /// Closed, manifold, one piece, and every joint of a bone inside.
 void expectBody(const Skeleton& skeleton, const Mesh& mesh, const std::string& what) {

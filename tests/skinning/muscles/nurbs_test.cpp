@@ -7,8 +7,8 @@
 
 #include "skinning/muscles/nurbs_surface.h"
 #include "tests/kinematics/io/bad_input.h"
-#include "tests/skinning/muscles/nurbs_arm.h"
 #include "tests/places.h"
+#include "tests/skinning/muscles/nurbs_arm.h"
 
 namespace gelenk {
 namespace {
