@@ -66,7 +66,7 @@ void renderView(Sandbox& sandbox) {
   s.extras.limitGlow = s.limitGlow;
   if (s.hover.kind == Hover::Kind::Goal) s.extras.hovered = s.hover.goal;
   s.extras.selected = s.goalSelected();
-  const RenderScene scene = s.view->compose(*s.session, std::exchange(s.extras, {}));
+  const RenderScene scene = s.view->compose(*s.session, s.extras);
   const Viewport viewport = s.viewport();
   s.picture.resize(viewport.width, viewport.height);
   s.renderer.draw(scene, s.camera(), viewport, s.picture.framebuffer(), s.scale);
