@@ -438,8 +438,11 @@ bool SevenJointArm::nearest(const Isometry3d& worldFromTip, const Vector7d& near
       candidate[at] = q, distance[at] = d;
     }
   }
-  // Solutions within limits may lie between two slices.
-  if (!std::isfinite(distance[0])) return slices < 1500 && nearest(worldFromTip, near, best, 6 * slices);
+  if (!std::isfinite(distance[0]))  // what is within limits may lie between two slices: walk the whole curves
+    for (const SelfMotionCurve& piece : selfMotion(worldFromTip))
+      for (const Vector7d& q : piece.q)
+        if ((q - near).norm() < distance[0]) candidate[0] = q, distance[0] = (q - near).norm();
+  if (!std::isfinite(distance[0])) return false;
   const Isometry3d goal = lastFrame(worldFromTip);
   double bestDistance = INFINITY;
   for (int c = 0; c < kept && std::isfinite(distance[c]); ++c) {
