@@ -203,6 +203,7 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
                                const Vector6d& reference) const {
   out.complete = false;
   out.noise = 1.0;
+  int roots = 0;
   const size_t tries = std::min<size_t>(cutsTried, ranked_.size());
   for (size_t k = 0; k < tries; ++k) {
     Loop loop = rankedLoop_[k];
@@ -214,7 +215,8 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
       insert(fromCut(ranked_[k], found.u[i]), found.error[i], 0, reference, out);
     // Roots come in pairs; an odd number, a root that led nowhere, or a noisy polynomial asks for another
     // cut.
-    if (found.noise < 1e-9 && found.suspects == 0 && out.count % 2 == 0) {
+    roots = std::max(roots, found.roots);
+    if (found.noise < 1e-9 && found.suspects == 0 && out.count % 2 == 0 && out.count >= roots) {
       out.complete = true;
       return;
     }

@@ -338,6 +338,14 @@ Matrix3d aboutZ(double c, double s) {
 }
 Matrix3d aboutZ(double t) { return aboutZ(std::cos(t), std::sin(t)); }
 
+/// u_6, given the other five.
+void closeLast(const Loop& loop, Vector6d& u) {
+  Matrix3d R = Matrix3d::Identity();
+  for (int i = 0; i < 5; ++i) R = R * aboutZ(u[i]) * loop.link[i].linear();
+  const Matrix3d last = R.transpose() * loop.link[5].linear().transpose();
+  u[5] = std::atan2(last(1, 0), last(0, 0));
+}
+
 /// The other three angles, given u_3, u_4, u_5.
 Vector6d complete(const Loop& loop, const Equations& e, const Elimination& elimination, double u3, double u4,
                   double u5) {
@@ -362,10 +370,7 @@ Vector6d complete(const Loop& loop, const Equations& e, const Elimination& elimi
   u[0] = std::atan2(x[1], x[0]);
   u[1] = std::atan2(x[5], x[2]);
   u[2] = u3, u[3] = u4, u[4] = u5;
-  Matrix3d R = Matrix3d::Identity();
-  for (int i = 0; i < 5; ++i) R = R * aboutZ(u[i]) * loop.link[i].linear();
-  const Matrix3d last = R.transpose() * loop.link[5].linear().transpose();
-  u[5] = std::atan2(last(1, 0), last(0, 0));
+  closeLast(loop, u);
   return u;
 }
 
@@ -510,15 +515,17 @@ LoopSolutions solveGeneralLoop(const Loop& loop) {
       if (!(std::abs(step) > 1e-11 && std::abs(step) < 0.1)) break;
       u3 += step;
     }
+    // Newton must not wander off to the solution of another root.
+    const auto take = [&](Vector6d u) {
+      double error, raw;
+      if (!u.allFinite() || !polish(loop, u, 1e-10, error, raw)) return;
+      for (double& angle : u) angle = wrapped(angle);
+      if (std::abs(wrapped(u[2] - roots.t[r])) > 0.05) return;
+      if (add(solutions, u, error)) solutions.raw = std::max(solutions.raw, raw);
+    };
     const auto accept = [&](int candidates) {
       const int before = solutions.count;
-      for (int b = 0; b < candidates; ++b) {
-        Vector6d u = complete(loop, e, elimination, u3, u4[b], u5[b]);
-        double error, raw;
-        if (!u.allFinite() || !polish(loop, u, 1e-10, error, raw)) continue;
-        for (double& angle : u) angle = wrapped(angle);
-        if (add(solutions, u, error)) solutions.raw = std::max(solutions.raw, raw);
-      }
+      for (int b = 0; b < candidates; ++b) take(complete(loop, e, elimination, u3, u4[b], u5[b]));
       return solutions.count > before;
     };
     if (accept(dimension) || dimension > 1) continue;
@@ -527,8 +534,21 @@ LoopSolutions solveGeneralLoop(const Loop& loop) {
     u3 = roots.t[r];
     resultant.at(std::cos(u3), std::sin(u3), A);
     splitKernel(Kernel(A, 2), u4, u5);
-    accept(2);
+    if (accept(2) || r >= roots.count - roots.grazing) continue;
+    // The triangular system for hinges 1 and 2 is ill-conditioned: all round instead.
+    const double u4Own = u4[0], u5Own = u5[0];
+    const int before = solutions.count;
+    constexpr int round = 6;
+    for (int k = 0; k < 2 * round * round && solutions.count == before; ++k) {
+      Vector6d u;
+      u << 2.0 * M_PI * (k % round) / round, 2.0 * M_PI * (k / round % round) / round, roots.t[r], u4Own,
+          u5Own, 0;
+      if (k >= round * round) u[3] = u4[1], u[4] = u5[1];
+      closeLast(loop, u);
+      take(u);
+    }
   }
+  solutions.roots = roots.count - roots.grazing;
   solutions.suspects = std::max(0, roots.count - solutions.count);
   return solutions;
 }

@@ -403,8 +403,9 @@ double SevenJointArm::slideTowards(const Isometry3d& worldFromTip, const Vector7
 
 bool SevenJointArm::nearest(const Isometry3d& worldFromTip, const Vector7d& near, Vector7d& best,
                             int slices) const {
-  const double lower = std::max(chain_.lower[held_], near[held_] - M_PI),
-               upper = std::min(chain_.upper[held_], near[held_] + M_PI);
+  // A range of less than a turn is looked at whole; of a wider one the turn round `near`.
+  double lower = chain_.lower[held_], upper = chain_.upper[held_];
+  if (!(upper - lower < turn)) lower = near[held_] - M_PI, upper = near[held_] + M_PI;
   constexpr int kept = 6;
   std::array<Vector7d, kept> candidate;
   std::array<double, kept> distance;
@@ -437,6 +438,10 @@ bool SevenJointArm::nearest(const Isometry3d& worldFromTip, const Vector7d& near
       candidate[at] = q, distance[at] = d;
     }
   }
+  if (!std::isfinite(distance[0]))  // what is within limits may lie between two slices: walk the whole curves
+    for (const SelfMotionCurve& piece : selfMotion(worldFromTip))
+      for (const Vector7d& q : piece.q)
+        if ((q - near).norm() < distance[0]) candidate[0] = q, distance[0] = (q - near).norm();
   if (!std::isfinite(distance[0])) return false;
   const Isometry3d goal = lastFrame(worldFromTip);
   double bestDistance = INFINITY;
