@@ -63,7 +63,8 @@ std::vector<TypedGoal> goalsAskedFor(const Request& request, const Model& model)
   }
   if (!request.weights.empty()) {
     if (request.weights.size() != 2 || !(request.weights[0] > 0.0) || !(request.weights[1] > 0.0))
-      throw std::invalid_argument("--goal-weights wants two numbers above 0: of positions and of orientations");
+      throw std::invalid_argument(
+          "--goal-weights wants two numbers above 0: of positions and of orientations");
     for (TypedGoal& goal : goals) {
       goal.positionWeight *= request.weights[0];
       goal.orientationWeight *= request.weights[1];
@@ -257,7 +258,8 @@ void addSolveCommand(Command& app) {
   command.option("--goals", request->goalsFile, "Goals from a JSON file, see docs/lab.md");
   command.option("--axis", request->axis,
                  "Of orientations only the direction of this axis of the joint counts: x, -z, or X,Y,Z");
-  command.option("--goal-weights", request->weights, "POSITION ORIENTATION: weights of the two parts").count(2);
+  command.option("--goal-weights", request->weights, "POSITION ORIENTATION: weights of the two parts")
+      .count(2);
   command.flag("--position-first", request->positionFirst,
                "Where not all can be met: meet the positions, then turn as well as possible");
   command.option("--targets", request->targets,

@@ -148,7 +148,8 @@ namespace {
 void addMark(Overlay& overlay, const GoalMark& mark, const Colour& colour, bool looked) {
   for (const GoalMark::Polygon& polygon : mark.polygons) {
     if (polygon.corners.empty()) continue;
-    if (polygon.filled) overlay.fan(polygon.corners.front(), polygon.corners, withAlpha(colour, 0.16f), false);
+    if (polygon.filled)
+      overlay.fan(polygon.corners.front(), polygon.corners, withAlpha(colour, 0.16f), false);
     overlay.polyline(polygon.corners, withAlpha(colour, 0.75f), 1.4f, true);
   }
   for (const GoalMark::Ring& ring : mark.rings) {

@@ -27,7 +27,7 @@ struct PictureExtras {
   Overlay overlay = {};                                            ///< hidden by bodies in front of it
   Overlay overlayOnTop = {};                                       ///< seen through everything
   std::vector<double> limitGlow = {};                              ///< a joint, 0 to 1: limits that light up
-  int latticePlane = -1, latticePoint = -1;  ///< of the limb whose lattice is shown, drawn stronger
+  int latticePlane = -1, latticePoint = -1;           ///< of the limb whose lattice is shown, drawn stronger
   std::optional<GoalId> hovered = {}, selected = {};  ///< drawn larger; with all that belongs to them
 };
 

@@ -15,11 +15,11 @@ class LectureScene {
  public:
   virtual ~LectureScene() = default;
 
-  virtual void open(Sandbox& sandbox) = 0;            ///< model, pose, goals, camera
-  virtual void step(Sandbox&, double /*seconds*/) {}  ///< before the frame's solve
+  virtual void open(Sandbox& sandbox) = 0;                    ///< model, pose, goals, camera
+  virtual void step(Sandbox&, double /*seconds*/) {}          ///< before the frame's solve
   virtual bool moves(const Sandbox&) const { return false; }  ///< something changes by itself
-  virtual void overlay(Sandbox&) {}                   ///< marks over the view
-  virtual void drawInspector(Sandbox&) {}             ///< values and controls
+  virtual void overlay(Sandbox&) {}                           ///< marks over the view
+  virtual void drawInspector(Sandbox&) {}                     ///< values and controls
   virtual bool hasPlot() const { return false; }
   virtual void drawPlot(Sandbox&) {}                   ///< left of the derivation in the bottom strip
   virtual bool changesModel() const { return false; }  ///< true while the scene itself opens another model

@@ -230,7 +230,8 @@ double Sandbox::rests() const {
       (!s.shownFrames && solve.ran && solve.jointMotion > still) ||
       std::ranges::any_of(s.limitGlow, [](double glow) { return glow > 0.0 && glow < 1.0; }))
     return 0.0;
-  double seconds = ImGui::GetIO().WantTextInput ? 0.25 : std::numeric_limits<double>::infinity();  // the caret
+  double seconds =
+      ImGui::GetIO().WantTextInput ? 0.25 : std::numeric_limits<double>::infinity();  // the caret
   for (const Notice& notice : s.notices)
     seconds = std::min(seconds, std::max(0.0, notice.until - noticeFade - s.time));
   for (const auto& panel : s.panels) seconds = std::min(seconds, panel->rests(*this));

@@ -177,7 +177,8 @@ TEST_F(RealWindow, AtRestItTakesUnderTwoPercentOfACoreAndWakesAtOnce) {
   const long before = ticksOf(program_->id());
   constexpr int seconds = 5;
   pause(1000 * seconds);
-  const double share = static_cast<double>(ticksOf(program_->id()) - before) / (seconds * sysconf(_SC_CLK_TCK));
+  const double share =
+      static_cast<double>(ticksOf(program_->id()) - before) / (seconds * sysconf(_SC_CLK_TCK));
   EXPECT_EQ(frame(), last);
   EXPECT_LT(share, 0.02);
   RecordProperty("share_of_a_core", std::to_string(share));
