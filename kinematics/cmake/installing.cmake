@@ -40,7 +40,7 @@ foreach(part KDL COLLADA)
     set(GELENK_WITH_${part} OFF)
   endif()
 endforeach()
-configure_package_config_file(cmake/GelenkConfig.cmake.in ${PROJECT_BINARY_DIR}/GelenkConfig.cmake
+configure_package_config_file(kinematics/cmake/GelenkConfig.cmake.in ${PROJECT_BINARY_DIR}/GelenkConfig.cmake
                               INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/GelenkConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/GelenkConfig.cmake ${PROJECT_BINARY_DIR}/GelenkConfigVersion.cmake
