@@ -65,7 +65,7 @@ constexpr std::array catalogue{
     row<&makeLmSugihara>("lm-sugihara", "Levenberg-Marquardt, robust damping", "Sugihara 2011"),
     row<&makeLmGainRatio>("lm-gain-ratio", "Levenberg-Marquardt, gain ratio", "Marquardt 1963; Nielsen 1999"),
     row<&makeExactHessian>("exact-hessian", "Newton with the exact Hessian", "Nocedal, Wright 2006, ch. 3"),
-    row<&makeDrag>("drag", "Exact Hessian and Gauss-Newton on the tree", "this project; Featherstone 2008"),
+    row<&makeDrag>("drag", "Drag solver", "Exact Hessian and Gauss-Newton on the tree; Featherstone 2008"),
     row<&makeHalley>("halley", "Halley's method (QuIK)", "Lloyd, Irani, Ahmadi 2022"),
     row<&makeGeodesic>("geodesic", "Levenberg-Marquardt, geodesic acceleration", "Transtrum, Sethna 2012"),
     row<&makeBfgs>("bfgs", "BFGS, projected", "Zhao, Badler 1994"),

@@ -7,6 +7,7 @@
 #include "apps/commands/motion_table.h"
 #include "apps/document/model.h"
 #include "apps/document/notes.h"
+#include "apps/document/scene_file.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 
@@ -39,8 +40,8 @@ std::string entriesOf(const Skeleton& skeleton) {
 }
 
 /// Quaternions are normalised when they are nearly of unit length; anything else is the user's mistake.
-VectorXd configurationOf(const Skeleton& skeleton, const Request& request) {
-  if (request.q.empty()) return skeleton.rest();
+VectorXd configurationOf(const Skeleton& skeleton, const Request& request, const VectorXd& otherwise) {
+  if (request.q.empty()) return otherwise;
   if (static_cast<int>(request.q.size()) != skeleton.nq())
     throw std::invalid_argument(fmt::format("'{}' needs {} values after --q ({}), {} given", request.model,
                                             skeleton.nq(), entriesOf(skeleton), request.q.size()));
@@ -110,9 +111,10 @@ void printTable(const Model& model, const Frames& frames) {
   }
 }
 
-void run(const Request& request) {
-  const Model model = openModel(request.model);
-  VectorXd q = configurationOf(model.skeleton, request);
+void run(const Request& request, const Companions& files) {
+  const Opened opened = openDocument({.nameOrFile = request.model, .files = files}, Body::AsItComes);
+  const Model& model = *opened.model;
+  VectorXd q = configurationOf(model.skeleton, request, opened.document.edits.q);
   applyMimics(model.skeleton, model.mimics, q);
   const Frames frames = forwardKinematics(model.skeleton, q);
   if (request.asJson)
@@ -127,10 +129,11 @@ void run(const Request& request) {
 void addFkCommand(Command& app) {
   auto request = std::make_shared<Request>();
   Command command = app.command("fk", "Forward kinematics: world position and orientation of every joint");
-  command.option("model", request->model, "Name of a built-in model, or a file").required();
-  command.option(
-      "--q", request->q,
-      "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the rest pose");
+  command.option("model", request->model, "Name of a built-in model, a file, or a scene (.json)").required();
+  command.option("--q", request->q,
+                 "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the "
+                 "rest pose, of a "
+                 "scene its own");
   command.flag("--degrees", request->degrees, "Angles after --q are in degrees");
   command.flag("--json", request->asJson, "Print JSON (metres, radians, quaternions w x y z)");
   const auto motion = addMotionTableOptions(command);
@@ -138,7 +141,10 @@ void addFkCommand(Command& app) {
     if (motion->wanted() && (!request->q.empty() || request->asJson))
       throw std::invalid_argument(
           "--q and --json are of one pose; they do not go with --csv, --amc, --asf, --frame and --unit");
-    motion->wanted() ? printMotionTable(request->model, *motion) : run(*request);
+    if (motion->wanted() && isScene(request->model))
+      throw std::invalid_argument(
+          "a scene is one pose: --csv, --amc, --asf, --clip, --frame and --unit are for files");
+    motion->wanted() ? printMotionTable(request->model, *motion) : run(*request, motion->files);
   });
 }
 

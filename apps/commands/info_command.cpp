@@ -7,9 +7,11 @@
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
+#include "apps/document/scene_file.h"
 #include "kinematics/forward_kinematics.h"
 #include "skinning/blend/linear_blend.h"
 #include "skinning/io/obj.h"
+#include "skinning/rigging/weight_paint.h"
 
 namespace gelenk {
 namespace {
@@ -97,7 +99,58 @@ void addMotion(const Skeleton& skeleton, const MotionClip& clip, json& facts, st
                     outside, samples, 100.0 * outside / samples));
 }
 
+/// What was done to the model in a scene.
+json sceneFacts(const Document& document, const Model& model) {
+  const Edits& edits = document.edits;
+  int held = 0, pinned = 0, keys = 0;
+  for (const SceneGoal& goal : edits.goals) {
+    held += goal.state == GoalState::Held;
+    pinned += goal.state == GoalState::Pinned;
+  }
+  int rebound = 0;
+  for (int v = 0; v < edits.weights.size(); ++v) rebound += !(edits.weights[v] == model.skin->influences[v]);
+  if (edits.clip)
+    for (const auto& [joint, list] : edits.clip->keys) keys += static_cast<int>(list.size());
+  return {{"model", document.model.nameOrFile},
+          {"solver", document.solver.name},
+          {"goalsHeld", held},
+          {"goalsPinned", pinned},
+          {"verticesRebound", rebound},
+          {"muscles", edits.muscles && edits.muscles->enabled},
+          {"motionEdited", edits.clip && edits.clip->base},
+          {"keys", keys},
+          {"lecture", document.lecture.topic}};
+}
+
+json factsOfScene(const Request& request, std::vector<Note>& notes) {
+  if (!request.unit.empty()) throw std::invalid_argument("a scene is in metres; leave --unit away");
+  const Opened opened = openDocument({.nameOrFile = request.file, .files = request.companions});
+  const Model& model = *opened.model;
+  json facts{{"file", request.file}, {"format", "Gelenk scene"}};
+  notes = model.notes;
+  if (model.skin) addMesh(model.skin->mesh, model.skin->mesh.positions, facts, notes);
+  addSkeleton(model.skeleton, facts);
+  if (model.clip) addMotion(model.skeleton, *model.clip, facts, notes);
+  facts["scene"] = sceneFacts(opened.document, model);
+  return facts;
+}
+
+void printScene(const json& scene) {
+  fmt::print("  scene      of '{}', solver {}, {} held, {} pinned\n", scene["model"].get<std::string>(),
+             scene["solver"].get<std::string>(), counted(scene["goalsHeld"].get<int>(), "goal", "goals"),
+             scene["goalsPinned"].get<int>());
+  std::string edits;
+  if (const int n = scene["verticesRebound"].get<int>())
+    edits += ", " + counted(n, "vertex", "vertices") + " bound anew";
+  if (scene["muscles"].get<bool>()) edits += ", muscle layers";
+  if (scene["motionEdited"].get<bool>()) edits += ", edited motion";
+  if (const int n = scene["keys"].get<int>()) edits += ", " + counted(n, "key", "keys");
+  if (const auto topic = scene["lecture"].get<std::string>(); !topic.empty()) edits += ", lecture:" + topic;
+  if (!edits.empty()) fmt::print("  edits      {}\n", edits.substr(2));
+}
+
 json factsOf(const Request& request, std::vector<Note>& notes) {
+  if (isScene(request.file)) return factsOfScene(request, notes);
   json facts{{"file", request.file}};
   const auto kind = fileKind(request.file);
   facts["format"] = kind ? describe(*kind) : "model";
@@ -151,6 +204,7 @@ void print(const json& facts, const std::vector<Note>& notes) {
       fmt::print("             '{}': {} at {:.6g} Hz, {:.3f} s\n", motion["name"].get<std::string>(),
                  counted(motion["frames"].get<int>(), "frame", "frames"),
                  motion["framesPerSecond"].get<double>(), motion["seconds"].get<double>());
+  if (facts.contains("scene")) printScene(facts["scene"]);
   fmt::print("  bounds     {} to {} m\n", corner(facts["bounds"]["lower"]), corner(facts["bounds"]["upper"]));
   if (!notesAreQuiet())
     for (const Note& note : notes) fmt::print("  note       {}\n", note.line());
@@ -172,7 +226,8 @@ void run(const Request& request) {
 void addInfoCommand(Command& app) {
   auto request = std::make_shared<Request>();
   Command command = app.command("info", "What is in a file or a built-in model");
-  command.option("file", request->file, "A file, or the name of a built-in model").required();
+  command.option("file", request->file, "A file, a scene (.json), or the name of a built-in model")
+      .required();
   command.option("--skeleton", request->companions.skeleton, "Skeleton file for an OBJ");
   command.option("--weights", request->companions.weights, "Weights file for an OBJ with a skeleton");
   command.option("--asf", request->companions.asf, "ASF skeleton of an AMC, or to lay a fitted skeleton on");

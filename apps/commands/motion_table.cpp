@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands/command_line.h"
+#include "apps/commands/model_options.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
 #include "kinematics/forward_kinematics.h"
@@ -33,31 +34,23 @@ void printFrame(const std::string& frame, const Imported& imported, const Frames
 
 std::shared_ptr<MotionTableRequest> addMotionTableOptions(Command& command) {
   auto request = std::make_shared<MotionTableRequest>();
-  command.option("--amc", request->amc,
-                     "Motion for an ASF skeleton: prints every bone of every frame as CSV");
-  command.option("--asf", request->asf, "Skeleton of an AMC");
-  command.option("--clip", request->clip,
-                     "Which motion of a file that names several; default: the first");
+  command.option("--amc", request->files.amc,
+                 "Motion for an ASF skeleton: prints every bone of every frame as CSV");
+  command.option("--asf", request->files.asf, "Skeleton of an AMC");
+  command.option("--clip", request->files.clip,
+                 "Which motion of a file that names several; default: the first");
+  addModelOptions(command, request->files);
   command.option("--frame", request->frame, "Only this frame of the motion, from 1").positive();
   command.option("--unit", request->unit,
-                     "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
-  command.flag("--csv", request->csv,
-                   "Print CSV: frame, bone or joint, start and end position in metres");
+                 "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
+  command.flag("--csv", request->csv, "Print CSV: frame, bone or joint, start and end position in metres");
   return request;
 }
 
 void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& request) {
   ImportOptions options;
   if (!request.unit.empty()) options.metresPerUnit = metresPerUnit(request.unit);
-  const Imported imported = importFiles(nameOrFile,
-                                        {.skeleton = {},
-                                         .weights = {},
-                                         .asf = request.asf,
-                                         .amc = request.amc,
-                                         .mapping = {},
-                                         .figure = {},
-                                         .clip = request.clip},
-                                        options);
+  const Imported imported = importFiles(nameOrFile, request.files, options);
   sayNotes(nameOrFile, imported.model.notes);
   const Skeleton& skeleton = imported.model.skeleton;
   const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;

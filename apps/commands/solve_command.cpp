@@ -6,8 +6,11 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/goal_options.h"
+#include "apps/commands/model_options.h"
 #include "apps/commands/solve_batch.h"
 #include "apps/document/model.h"
+#include "apps/document/scene_file.h"
+#include "apps/document/session.h"
 #include "kinematics/configuration.h"
 #include "solvers/lab/sweep.h"
 #include "solvers/problem/goal_text.h"
@@ -20,6 +23,7 @@ namespace {
 using json = nlohmann::ordered_json;
 
 struct Request {
+  Companions files;
   std::string model = "panda", solver = "default", joint, axis, goalsFile, targets, answers = "-",
               format = "radians";
   std::vector<std::string> settings, goals;
@@ -59,7 +63,7 @@ std::vector<TypedGoal> goalsAskedFor(const Request& request, const Model& model)
   }
   if (!request.weights.empty()) {
     if (request.weights.size() != 2 || !(request.weights[0] > 0.0) || !(request.weights[1] > 0.0))
-      throw std::invalid_argument("--weights wants two numbers above 0: of positions and of orientations");
+      throw std::invalid_argument("--goal-weights wants two numbers above 0: of positions and of orientations");
     for (TypedGoal& goal : goals) {
       goal.positionWeight *= request.weights[0];
       goal.orientationWeight *= request.weights[1];
@@ -75,7 +79,8 @@ std::vector<TypedGoal> goalsAskedFor(const Request& request, const Model& model)
   return goals;
 }
 
-Eigen::VectorXd startOf(const Request& request, const Skeleton& skeleton) {
+Eigen::VectorXd startOf(const Request& request, const Skeleton& skeleton, const Eigen::VectorXd& otherwise) {
+  if (request.start.empty()) return otherwise;
   std::vector<double> values = request.start;
   if (request.degrees() && static_cast<int>(values.size()) == skeleton.nq()) {
     const std::vector<char> angle = coordinateIsAngle(skeleton);
@@ -128,10 +133,11 @@ json byJoint(const Skeleton& skeleton, const std::vector<double>& q) {
   return joints;
 }
 
-bool batch(const Request& request, const Model& model, const std::string& solver) {
+bool batch(const Request& request, const Model& model, const Eigen::VectorXd& begins,
+           const std::string& solver) {
   const BatchOutcome outcome = solveBatch({.skeleton = model.skeleton,
                                            .joint = effectorOf(model, request.joint),
-                                           .start = startOf(request, model.skeleton),
+                                           .start = startOf(request, model.skeleton, begins),
                                            .targets = request.targets,
                                            .answers = request.answers,
                                            .solver = solver,
@@ -152,17 +158,22 @@ bool solve(const Request& request) {
   if (request.budget.restarts < 0) throw std::invalid_argument("--restarts must not be negative");
   const std::string chosen = withParameters({request.solver}, request.settings).front();
   const auto solver = makeSolver(chosen);
-  const Model model = openModel(request.model);
+  const Opened opened = openDocument({.nameOrFile = request.model, .files = request.files}, Body::AsItComes);
+  const Model& model = *opened.model;
   const Skeleton& skeleton = model.skeleton;
-  if (!request.targets.empty()) return batch(request, model, chosen);
+  const Eigen::VectorXd& begins = opened.document.edits.q;
+  if (!request.targets.empty()) return batch(request, model, begins, chosen);
   const std::vector<TypedGoal> typed = goalsAskedFor(request, model);
   std::vector<Goal> goals = goalsOf(typed);
-  const std::vector<Goal> open = openGoals(request, model);
+  std::vector<Goal> open = openGoals(request, model);
+  if (goals.empty() && open.empty() && isScene(request.model))  // what is held and pinned in it
+    open = Session(opened.model, opened.document).problem().goals;
   goals.insert(goals.end(), open.begin(), open.end());
   if (goals.empty())
-    throw std::invalid_argument("nothing is asked for: give --target, --goal, --goals or --targets");
+    throw std::invalid_argument(
+        "nothing is asked for: give --target, --goal, --goals or --targets, or a scene that holds something");
   const IkProblem problem{.skeleton = &skeleton,
-                          .start = startOf(request, skeleton),
+                          .start = startOf(request, skeleton, begins),
                           .goals = goals,
                           .positionTolerance = request.tolerance,
                           .orientationTolerance = request.tolerance};
@@ -225,7 +236,12 @@ void addSolveCommand(Command& app) {
   auto request = std::make_shared<Request>();
   Command command = app.command(
       "solve", "Solve inverse-kinematics problems; print JSON or a table; exit status 0 if solved, 2 if not");
-  command.option("--model", request->model, "Built-in model or file").showDefault();
+  command
+      .option("--model", request->model,
+              "Built-in model, file, or scene (.json), which begins in its own pose and, where no goal is "
+              "given, with its own goals")
+      .showDefault();
+  addModelOptions(command, request->files);
   command.option("--target", request->target,
                  "X Y Z, QW QX QY QZ or X Y Z QW QX QY QZ: metres and a unit quaternion, world frame");
   command
@@ -241,7 +257,7 @@ void addSolveCommand(Command& app) {
   command.option("--goals", request->goalsFile, "Goals from a JSON file, see docs/lab.md");
   command.option("--axis", request->axis,
                  "Of orientations only the direction of this axis of the joint counts: x, -z, or X,Y,Z");
-  command.option("--weights", request->weights, "POSITION ORIENTATION: weights of the two parts").count(2);
+  command.option("--goal-weights", request->weights, "POSITION ORIENTATION: weights of the two parts").count(2);
   command.flag("--position-first", request->positionFirst,
                "Where not all can be met: meet the positions, then turn as well as possible");
   command.option("--targets", request->targets,

@@ -23,6 +23,7 @@ Voice& voice() {
 }  // namespace
 
 void addNoteOptions(Command& program) {
+  voice() = {};  // of the command line before this one, in tests
   program.optionsAnywhere();
   const Option quiet = program.flag("--quiet", voice().quiet, "Notes about files are not told");
   program.flag("--strict", voice().strict, "Every note about a file is an error").excludes(quiet);

@@ -14,6 +14,7 @@
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
+#include "solvers/problem/goal_text.h"
 
 namespace gelenk {
 namespace {
@@ -178,8 +179,7 @@ SceneGoal readGoal(const JsonEntry& entry, const Model& model) {
   }
   if (const std::string why = whyInvalid(goal, model.skeleton); !why.empty())
     entry.fail("a goal that can be asked of the model", why);
-  goal.axisInJoint.normalize();
-  goal.direction.normalize();
+  normaliseDirections(goal);
   out.state = entry.at("state").oneOf(stateNames);
   if (out.state == GoalState::Dragged) out.state = GoalState::Held;
   out.handle = entry.at("handle").boolean();
@@ -609,9 +609,11 @@ Document readScene(const std::string& path, const Model& model) {
 
 bool isScene(const std::string& nameOrFile) { return lowerCase(nameOrFile).ends_with(".json"); }
 
-Opened openDocument(const ModelReference& reference) {
+Opened openDocument(const ModelReference& reference, Body body) {
   if (!isScene(reference.nameOrFile)) {
-    auto model = std::make_shared<const Model>(readModel(reference));
+    auto model = std::make_shared<const Model>(
+        body == Body::Wanted ? readModel(reference)
+                             : importFiles(reference.nameOrFile, reference.files).model);
     Document document = newDocument(*model, reference);
     return {std::move(model), std::move(document)};
   }

@@ -32,8 +32,11 @@ struct Opened {
 };
 bool isScene(const std::string& nameOrFile);  ///< by its ending, .json
 /// What every command opens: a scene with its model (other files must not be given then), else a model with
-/// all its files, as it begins. Shown: with a body around its bones. Throws ParseError and
-/// std::invalid_argument.
-Opened openDocument(const ModelReference& reference);
+/// all its files, as it begins. Throws ParseError and std::invalid_argument.
+enum class Body {
+  Wanted,     ///< to be shown: made around the bones where there is none
+  AsItComes,  ///< a scene's model has one all the same
+};
+Opened openDocument(const ModelReference& reference, Body body = Body::Wanted);
 
 }  // namespace gelenk

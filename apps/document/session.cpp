@@ -11,6 +11,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 #include "kinematics/symmetry.h"
+#include "solvers/problem/goal_text.h"
 #include "solvers/problem/support.h"
 
 namespace gelenk {
@@ -269,8 +270,7 @@ void Session::changeGoal(GoalId id, const Goal& asked) {
   changed.name = goal.goal.name;
   changed.masses = model_->masses;
   if (const std::string why = whyInvalid(changed, skeleton()); !why.empty()) throw std::invalid_argument(why);
-  changed.axisInJoint.normalize();
-  changed.direction.normalize();
+  normaliseDirections(changed);
   goal.goal = std::move(changed);
   if (goal.state == GoalState::Free) goal.state = GoalState::Held;
 }

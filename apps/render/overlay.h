@@ -12,7 +12,14 @@ namespace gelenk {
 /// then points, each in the order given.
 class Overlay {
  public:
-  enum class Shape { Disc, Ring, Square };
+  enum class Shape {
+    Disc,
+    Ring,
+    Square,  ///< these with an outline in a darker shade, but for the ring
+    Plain,
+    PlainSquare,
+    Diamond  ///< these without
+  };
 
   void line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Colour& colour, float width = 1.5f);
   void polyline(const std::vector<Eigen::Vector3d>& points, const Colour& colour, float width = 1.5f,

@@ -14,9 +14,8 @@
 #include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
 #include "apps/document/session.h"
-#include "apps/render/model_view.h"
 #include "apps/render/muscle_sheet.h"
-#include "apps/render/signs.h"
+#include "apps/render/scene_view.h"
 #include "apps/render/video.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
@@ -121,57 +120,102 @@ Eigen::AlignedBox3d around(const Frames& frames, int joint, double size) {
   return {Eigen::Vector3d(at - half), Eigen::Vector3d(at + half)};
 }
 
-Camera cameraOf(const Request& request, const ModelView& view, const Frames& frames, const Viewport& viewport,
-                const std::optional<Camera>& ofScene) {
+/// The pose as the arguments ask for it.
+Eigen::VectorXd poseOf(const Request& request, const Model& model, const Eigen::VectorXd& otherwise) {
+  Eigen::VectorXd q = otherwise;
+  if (request.frame > 0) {
+    const int count = model.clip ? model.clip->frameCount() : 0;
+    if (request.frame > count)
+      throw std::invalid_argument(
+          fmt::format("--frame: the motion has {} frames, {} was asked for", count, request.frame));
+    q = model.clip->q.col(request.frame - 1);
+  }
+  q = configurationOf(request, model.skeleton, q);
+  for (const std::string& turn : request.turns) q = turned(model.skeleton, q, turn);
+  return q;
+}
+
+/// Muscle layers as the scene has them, or as --layers and --lattice ask.
+std::shared_ptr<const MuscleSettings> musclesOf(const Request& request, const Model& model,
+                                                std::shared_ptr<const MuscleSettings> otherwise) {
+  const bool wanted = request.layers.empty() ? otherwise && otherwise->enabled : request.layers != "none";
+  if (request.lattice && !wanted)
+    throw std::invalid_argument("--lattice: no muscle layers are on; add --layers ffd or --layers muscle");
+  if (request.layers.empty() && !request.lattice) return otherwise;
+  if (wanted && !otherwise)
+    throw std::invalid_argument("--layers: model '" + model.name +
+                                "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...)");
+  if (!otherwise) return nullptr;
+  MuscleSettings settings = *otherwise;
+  settings.enabled = wanted;
+  settings.lattice = request.lattice;
+  if (request.lattice) settings.shownLimb.clear();
+  const std::vector<Limb> limbs = limbsOf(model);
+  if (request.layers == "ffd")
+    for (std::size_t l = 0; l < limbs.size(); ++l)
+      settings.limbs[l].second.control = noMuscleControl(limbs[l]);
+  return std::make_shared<const MuscleSettings>(std::move(settings));
+}
+
+/// The document that the picture shows: the scene's, or the model's as it begins, with what the arguments
+/// change of it.
+Session openRequested(const Request& request) {
+  auto [model, document] = openDocument({.nameOrFile = request.input, .files = request.files});
+  document.edits.q = poseOf(request, *model, document.edits.q);
+  document.edits.muscles = musclesOf(request, *model, document.edits.muscles);
+  if (!request.theme.empty()) document.theme = request.theme == "dark" ? Theme::Dark : Theme::Light;
+  ViewOptions& show = document.view.show;
+  show.wireframe = show.wireframe || request.wireframe;
+  show.skeleton = show.skeleton || request.bones;
+  show.jointFrames = show.jointFrames || request.jointFrames;
+  show.handles = request.handles || (show.handles && isScene(request.input));
+  show.ground = show.ground && !request.noGround;
+  show.shadow = show.shadow && !request.noShadow;
+  if (!request.weightsOf.empty()) {
+    show.weights = true;
+    document.view.selectedJoint = model->skeleton.joint(model->skeleton.jointIndex(request.weightsOf)).name;
+  }
+  return Session(std::move(model), std::move(document));
+}
+
+Camera cameraOf(const Request& request, const Session& session, const SceneView& view,
+                const Viewport& viewport) {
   const bool asked = !request.view.empty() || !request.focus.empty() || request.azimuth ||
                      request.elevation || request.orthographic;
-  Camera camera = ofScene ? *ofScene : view.usualCamera(viewport);
-  if (const auto standard = standardView(request.view)) camera = lookFrom(camera, *standard);
-  if (request.azimuth) camera.azimuth = *request.azimuth * degrees;
-  if (request.elevation) camera.elevation = *request.elevation * degrees;
-  camera.orthographic = camera.orthographic || request.orthographic;
-  if (!ofScene || asked) {
+  Camera camera = session.document().view.camera;
+  if (!isScene(request.input) && !asked) {
+    camera = view.wholeView(session, viewport, view.bounds());
+  } else if (asked) {
+    if (const auto standard = standardView(request.view)) camera = lookFrom(camera, *standard);
+    if (request.azimuth) camera.azimuth = *request.azimuth * degrees;
+    if (request.elevation) camera.elevation = *request.elevation * degrees;
+    camera.orthographic = camera.orthographic || request.orthographic;
     const Eigen::AlignedBox3d box =
-        request.focus.empty() ? view.bounds(frames)
-                              : around(frames, view.model().skeleton.jointIndex(request.focus), view.size());
+        request.focus.empty()
+            ? view.bounds()
+            : around(view.frames(), session.skeleton().jointIndex(request.focus), view.size());
     camera = frameBox(camera, viewport, box);
   }
   camera.distance /= request.zoom;
   return camera;
 }
 
-void addGoals(RenderScene& picture, const Session& session, double size) {
-  for (const SceneGoal& goal : session.goals()) {
-    const bool pinned = goal.state == GoalState::Pinned;
-    const Eigen::Vector3d reached = session.reached(goal.id);
-    const Eigen::Vector3d target = goal.state == GoalState::Free ? reached : goal.goal.target;
-    addReach(picture.overlayOnTop, reached, target, size, pinned ? pinColour : handleColour,
-             pinned ? Overlay::Shape::Square : Overlay::Shape::Disc);
-  }
-}
-
 /// Everything between the request and the pixels.
 class Studio {
  public:
   explicit Studio(const Request& request)
-      : request_(request), viewport_(parseSize(request)), session_(openRequested()) {
-    const Model& model = session_.model();
-    sayNotes(request.input, model.notes);
-    q_ = configurationOf(request, model.skeleton, isScene_ ? session_.q() : poseOfFrame());
-    for (const std::string& turn : request.turns) q_ = turned(model.skeleton, q_, turn);
-    selected_ = session_.selectedJoint();
-    if (!request.weightsOf.empty()) selected_ = model.skeleton.jointIndex(request.weightsOf);
-    shown_ = model;
-    if (session_.skin()) shown_.skin = *session_.skin();
+      : request_(request), viewport_(parseSize(request)), session_(openRequested(request)) {
+    sayNotes(request.input, session_.model().notes);
     context_.emplace();
-    view_.emplace(shown_);
-    addMuscles();
+    view_.emplace(session_, isScene(request.input) || request.frame > 0 ? SceneView::Ground::UnderMotion
+                                                                        : SceneView::Ground::UnderRest);
+    view_->follow(session_, request.bindPose ? bindFrames(session_.model()) : session_.frames(),
+                  !request.bindPose);
+    if (!view_->muscleFault().empty()) throw std::invalid_argument(view_->muscleFault());
+    session_.view().camera = cameraOf(request, session_, *view_, viewport_);
     renderer_.emplace();
     renderer_->setSupersampling(smoothing());
     target_.emplace(viewport_.width, viewport_.height);
-    frames_ = request.bindPose ? bindFrames(model) : forwardKinematics(model.skeleton, q_);
-    camera_ = cameraOf(request, *view_, frames_, viewport_,
-                       isScene_ ? std::optional(session_.document().view.camera) : std::nullopt);
   }
 
   const Viewport& viewport() const { return viewport_; }
@@ -179,69 +223,14 @@ class Studio {
 
   /// The picture with the camera turned by so many radians about up.
   Image picture(double turn = 0.0) {
-    RenderScene picture = view_->compose(frames_, options(), theme(), selected_);
-    if ((isScene_ && session_.document().view.show.handles) || request_.handles)
-      addGoals(picture, session_, view_->size());
-    Camera camera = camera_;
+    Camera camera = session_.document().view.camera;
     camera.azimuth += turn;
-    renderer_->draw(picture, camera, viewport_, target_->framebuffer(), static_cast<float>(request_.scale));
+    renderer_->draw(view_->compose(session_), camera, viewport_, target_->framebuffer(),
+                    static_cast<float>(request_.scale));
     return {viewport_.width, viewport_.height, target_->readPixels()};
   }
 
  private:
-  Session openRequested() {
-    isScene_ = isScene(request_.input);
-    auto [model, document] = openDocument({.nameOrFile = request_.input, .files = request_.files});
-    return Session(std::move(model), std::move(document));
-  }
-
-  Eigen::VectorXd poseOfFrame() const {
-    if (request_.frame == 0) return model().skeleton.rest();
-    const int count = model().clip ? model().clip->frameCount() : 0;
-    if (request_.frame > count)
-      throw std::invalid_argument(
-          fmt::format("--frame: the motion has {} frames, {} was asked for", count, request_.frame));
-    return model().clip->q.col(request_.frame - 1);
-  }
-
-  /// Muscle layers as the scene has them, or as --layers asks.
-  void addMuscles() {
-    if (!model().skin) return;
-    const auto& muscles = session_.edits().muscles;
-    const bool wanted = request_.layers.empty() ? muscles && muscles->enabled : request_.layers != "none";
-    if (!wanted) {
-      if (request_.lattice)
-        throw std::invalid_argument(
-            "--lattice: no muscle layers are on; add --layers ffd or --layers muscle");
-      return;
-    }
-    if (!muscles)
-      throw std::invalid_argument("--layers: model '" + model().name +
-                                  "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...)");
-    auto rig = std::make_shared<MuscleRig>(makeMuscleRig(model(), *session_.skin(), *muscles));
-    if (request_.layers == "ffd")
-      for (std::size_t l = 0; l < rig->controls().size(); ++l)
-        rig->controls()[l] = noMuscleControl(rig->body().limbs[l]);
-    const bool lattice = request_.lattice || (request_.layers.empty() && muscles->lattice);
-    view_->setMuscles(std::move(rig), lattice);
-  }
-
-  Theme theme() const {
-    if (request_.theme.empty()) return session_.document().theme;
-    return request_.theme == "dark" ? Theme::Dark : Theme::Light;
-  }
-
-  ViewOptions options() const {
-    ViewOptions options = session_.document().view.show;
-    options.wireframe = options.wireframe || request_.wireframe;
-    options.skeleton = options.skeleton || request_.bones;
-    options.jointFrames = options.jointFrames || request_.jointFrames;
-    options.weights = options.weights || !request_.weightsOf.empty();
-    options.ground = options.ground && !request_.noGround;
-    options.shadow = options.shadow && !request_.noShadow;
-    return options;
-  }
-
   /// Pixels drawn for one of the picture: as many as the renderer can hold, 3 x 3 at most for a still, 2 x 2
   /// for a video.
   int smoothing() const {
@@ -254,17 +243,11 @@ class Studio {
 
   const Request& request_;
   Viewport viewport_;
-  bool isScene_ = false;
   Session session_;
-  Model shown_;  ///< with the weights as they were edited
-  Eigen::VectorXd q_;
-  Frames frames_;
-  std::optional<int> selected_;
   std::optional<OffscreenContext> context_;  // before all that lives in it
-  std::optional<ModelView> view_;
+  std::optional<SceneView> view_;
   std::optional<Renderer> renderer_;
   std::optional<RenderTarget> target_;
-  Camera camera_;
 };
 
 void showProgress(int done, int all) {

@@ -516,7 +516,8 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   gl.drawBodies(scene, false);
   gl.drawBackdrop(scene);
   glEnable(GL_BLEND);
-  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  // The picture stays opaque: what shows it may blend it over something else.
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl.overlay.draw(scene.overlay);
   gl.drawBodies(scene, true);
   if (!scene.overlayOnTop.empty()) {

@@ -2,10 +2,52 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace gelenk {
 
 using Eigen::Vector3d;
+
+namespace {
+
+constexpr Colour rgb(unsigned hex) {
+  return {static_cast<float>(hex >> 16 & 0xff) / 255.0f, static_cast<float>(hex >> 8 & 0xff) / 255.0f,
+          static_cast<float>(hex & 0xff) / 255.0f};
+}
+Colour between(const Colour& a, const Colour& b, float t) {
+  return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b), a.a + t * (b.a - a.a)};
+}
+
+}  // namespace
+
+const MarkColours& markColours(Theme theme) {
+  static constexpr MarkColours light{.dim = rgb(0x62666d),
+                                     .accent = rgb(0x1f66b0),
+                                     .held = rgb(0xd9790b),
+                                     .pinned = rgb(0x0b7f73),
+                                     .pole = rgb(0x8d5fb0),
+                                     .free = rgb(0x4a5058),
+                                     .good = rgb(0x1d8348),
+                                     .warning = rgb(0xb7791f),
+                                     .bad = rgb(0xc0392b)};
+  static constexpr MarkColours dark{.dim = rgb(0xa3a8b0),
+                                    .accent = rgb(0x4c9be8),
+                                    .held = rgb(0xf5a33b),
+                                    .pinned = rgb(0x35c4b3),
+                                    .pole = rgb(0xbf93e0),
+                                    .free = rgb(0xcdd2d9),
+                                    .good = rgb(0x5cc98a),
+                                    .warning = rgb(0xe3b341),
+                                    .bad = rgb(0xff6b5e)};
+  return theme == Theme::Light ? light : dark;
+}
+
+Colour distanceColour(const MarkColours& colours, double metres) {
+  const float t =
+      static_cast<float>(std::clamp(std::log10(std::max(metres, 1e-9) / 1e-3) / std::log10(200.0), 0.0, 1.0));
+  return t < 0.5f ? between(colours.good, colours.warning, 2.0f * t)
+                  : between(colours.warning, colours.bad, 2.0f * t - 1.0f);
+}
 
 void addBones(Overlay& overlay, const Skeleton& skeleton, const Frames& worldFromJoint, double size,
               const Colour& colour, int selected) {
@@ -51,16 +93,6 @@ void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::Vecto
         frame.translate(value * joint.axes[k].axis);
     }
   }
-}
-
-void addReach(Overlay& overlay, const Vector3d& reached, const Vector3d& target, double size,
-              const Colour& colour, Overlay::Shape shape) {
-  const double distance = (target - reached).norm();
-  if (distance > 1e-3 * size) {
-    overlay.line(reached, target, viridis(static_cast<float>(1.0 - distance / (0.5 * size))), 2.0f);
-    overlay.point(reached, withAlpha(colour, 0.7f), 7.0f);
-  }
-  overlay.point(target, colour, 13.0f, shape);
 }
 
 void addLattice(Overlay& overlay, const LimbPose& limb, const LatticeLook& look) {

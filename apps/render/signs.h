@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "apps/document/theme.h"
 #include "apps/render/overlay.h"
 #include "kinematics/forward_kinematics.h"
 #include "skinning/muscles/muscle_layer.h"
@@ -20,13 +21,16 @@ void addJointFrames(Overlay& overlay, const Frames& worldFromJoint, double size)
 /// The axis of every rotation and translation as a dashed line through its joint. q: nq.
 void addJointAxes(Overlay& overlay, const Skeleton& skeleton, const Eigen::VectorXd& q,
                   const Frames& worldFromJoint, double size, const Colour& colour);
-/// Target and reached point, and, where they differ by more than a thousandth of size, the line between them,
-/// coloured by the distance through viridis reversed.
-void addReach(Overlay& overlay, const Eigen::Vector3d& reached, const Eigen::Vector3d& target, double size,
-              const Colour& colour, Overlay::Shape shape = Overlay::Shape::Disc);
+/// Colours that mean the same in the picture, in panels and in plots.
+struct MarkColours {
+  Colour dim, accent;               ///< words beside; what is chosen, the workspace
+  Colour held, pinned, pole, free;  ///< goals by their state
+  Colour good, warning, bad;
+};
+const MarkColours& markColours(Theme theme);
+/// good at a millimetre, over warning to bad at 20 cm, by the logarithm.
+Colour distanceColour(const MarkColours& colours, double metres);
 
-inline constexpr Colour handleColour = {0.95f, 0.55f, 0.13f};
-inline constexpr Colour pinColour = {0.16f, 0.47f, 0.71f};
 inline constexpr Colour boneColour = {0.33f, 0.46f, 0.60f};
 inline constexpr Colour accentColour = {0.99f, 0.62f, 0.18f};
 

@@ -85,7 +85,7 @@ class BindingPanel final : public Panel {
     bones_ = bonesOf(model.skeleton, bindFrames(model), model.skin->mesh);
     for (const Limb& limb : limbsOf(model))
       layers_.emplace_back(limb.name, layerOf({limb.joints.begin(), limb.joints.end() - 1}));
-    radius_ = 0.03 * sandbox.state().size;
+    radius_ = 0.03 * sandbox.state().size();
   }
 
   void drawInspector(Sandbox& sandbox) override {
@@ -112,8 +112,8 @@ class BindingPanel final : public Panel {
                "w' = (1 - a) w + a times the mean of the neighbours along the mesh's edges.");
     float millimetres = static_cast<float>(1000.0 * radius_), strength = static_cast<float>(strength_);
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
-    if (ImGui::SliderFloat("Radius", &millimetres, static_cast<float>(5.0 * s.size),
-                           static_cast<float>(120.0 * s.size), "%.0f mm"))
+    if (ImGui::SliderFloat("Radius", &millimetres, static_cast<float>(5.0 * s.size()),
+                           static_cast<float>(120.0 * s.size()), "%.0f mm"))
       radius_ = 0.001 * millimetres;
     tooltip("Of the brush, on the posed surface, millimetres. [ and ] change it.");
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
@@ -178,10 +178,10 @@ class BindingPanel final : public Panel {
     if (!takesMouse(sandbox) || (modifiers & GLFW_MOD_CONTROL)) return false;
     switch (key) {
       case GLFW_KEY_LEFT_BRACKET:
-        radius_ = std::max(0.005 * sandbox.state().size, radius_ / 1.15);
+        radius_ = std::max(0.005 * sandbox.state().size(), radius_ / 1.15);
         return true;
       case GLFW_KEY_RIGHT_BRACKET:
-        radius_ = std::min(0.12 * sandbox.state().size, radius_ * 1.15);
+        radius_ = std::min(0.12 * sandbox.state().size(), radius_ * 1.15);
         return true;
       case GLFW_KEY_ESCAPE: tool_ = Tool::Off; return true;
       default: return false;
@@ -376,7 +376,7 @@ class BindingPanel final : public Panel {
     try {
       const std::vector<int> joints = mirrorPartners(model.skeleton);
       const std::vector<int> vertices =
-          mirrorVertices(model.skin->mesh.positions, 1e-3 * sandbox.state().size);
+          mirrorVertices(model.skin->mesh.positions, 1e-3 * sandbox.state().size());
       const auto alone = std::count(vertices.begin(), vertices.end(), -1);
       change(sandbox, mirrored(weights(sandbox), model.skin->mesh.positions, vertices, joints, from));
       sandbox.say(alone > 0 ? fmt::format("Mirrored; {} vertices have no mirror image and stay", alone)
@@ -445,7 +445,8 @@ class BindingPanel final : public Panel {
     for (int v = 0; v < static_cast<int>(points.size()); ++v) {
       if (points[v].depth <= 0.0 || !insideLasso(outline, points[v].pixel)) continue;
       const bool facing = surface.normals[v].dot(eye - surface.positions[v]) > 0.0;
-      if (through_ || (facing && depths.shows(points[v], 0.02 * s.size))) selection.push_back({v, strength_});
+      if (through_ || (facing && depths.shows(points[v], 0.02 * s.size())))
+        selection.push_back({v, strength_});
     }
     change(sandbox, operation(sandbox, selection, target));
     sandbox.say(fmt::format("{} vertices in the lasso", selection.size()));

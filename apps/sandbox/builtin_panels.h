@@ -4,16 +4,23 @@
 
 #include "apps/sandbox/panel.h"
 
+/// Every panel there is, in the order of the tabs. A new one is a line here and a file NAME_panel.cpp, which
+/// defines make##NAME##Panel; declarations and table (panels.cpp) are made from this list.
+#define GELENK_PANELS(ROW)                                         \
+  ROW(Solve)   /* solver, result of the frame, goals */            \
+  ROW(Model)   /* joint tree, sliders with limits */               \
+  ROW(Skin)    /* what is drawn, weights */                        \
+  ROW(Binding) /* weights by brush and lasso */                    \
+  ROW(Muscle)  /* Chadwick's layers: planes, curves, split view */ \
+  ROW(Plots)   /* bottom strip: residual, error, joint angles */   \
+  ROW(Motion)  /* plays a clip: timeline, trails, contacts, keys */ \
+  ROW(Lab)     /* up to four solvers as ghosts; reproductions */   \
+  ROW(Lecture) /* the lecture's examples as scenes */
+
 namespace gelenk {
 
-std::unique_ptr<Panel> makeSolvePanel();    ///< solver, result of the frame, goals
-std::unique_ptr<Panel> makeModelPanel();    ///< joint tree, sliders with limits
-std::unique_ptr<Panel> makeSkinPanel();     ///< what is drawn, weights
-std::unique_ptr<Panel> makeBindingPanel();  ///< weights by brush and lasso
-std::unique_ptr<Panel> makeMusclePanel();   ///< Chadwick's layers: planes, curves, split view
-std::unique_ptr<Panel> makeLabPanel();      ///< up to four solvers as ghosts on the same goals; reproductions
-std::unique_ptr<Panel> makeMotionPanel();   ///< plays a clip: timeline, trails, contacts, edits
-std::unique_ptr<Panel> makePlotsPanel();    ///< bottom strip: residual, error, joint angles
-std::unique_ptr<Panel> makeLecturePanel();  ///< the lecture's examples as scenes
+#define GELENK_DECLARE(Name) std::unique_ptr<Panel> make##Name##Panel();
+GELENK_PANELS(GELENK_DECLARE)
+#undef GELENK_DECLARE
 
 }  // namespace gelenk

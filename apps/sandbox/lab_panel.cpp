@@ -50,12 +50,22 @@ class LabPanel final : public Panel {
     lab_ = &sandbox.session().lab();
   }
 
+  double rests(const Sandbox&) const override {
+    if (moving_) return 0.0;
+    return running_.valid() ? 0.1 : std::numeric_limits<double>::infinity();
+  }
+
   void overlay(Sandbox& sandbox) override {
+    moving_ = false;
     if (!lab_->compare) return;
     const IkProblem problem = sandbox.session().problem();
     if (runners_.size() != lab_->solvers.size()) build(sandbox);
     if (problem.goals.empty()) return follow(sandbox);
-    for (Runner& runner : runners_) solve(runner, problem);
+    for (Runner& runner : runners_) {
+      const VectorXd before = runner.q;
+      solve(runner, problem);
+      moving_ = moving_ || difference(*problem.skeleton, before, runner.q).lpNorm<Eigen::Infinity>() > 1e-7;
+    }
     for (std::size_t i = 0; i < runners_.size(); ++i) drawGhost(sandbox, runners_[i], i);
   }
 
@@ -254,7 +264,7 @@ class LabPanel final : public Panel {
       const Sandbox::State& s = sandbox.state();
       const Eigen::Vector3d right = s.camera().axes().col(0);
       const double side = number % 2 == 0 ? -1.0 : 1.0;
-      const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.36 * s.size * right;
+      const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.36 * s.size() * right;
       for (Eigen::Isometry3d& frame : frames) frame.translation() += offset;
       const Eigen::Vector3f c = runner.colour;
       sandbox.label(frames[session.problem().goals.front().joint].translation(),
@@ -360,6 +370,7 @@ class LabPanel final : public Panel {
 
   LabSettings* lab_ = nullptr;  ///< the document's
   std::vector<Runner> runners_;
+  bool moving_ = false;  ///< a solver's pose changed in this frame
   std::string experiment_;
   bool windowOpen_ = false;
   std::future<Findings> running_;

@@ -158,6 +158,9 @@ class LecturePanel final : public Panel {
   void step(Sandbox& sandbox, double seconds) override {
     if (scene_) scene_->step(sandbox, seconds);
   }
+  double rests(const Sandbox& sandbox) const override {
+    return scene_ && scene_->moves(sandbox) ? 0.0 : std::numeric_limits<double>::infinity();
+  }
   void overlay(Sandbox& sandbox) override {
     if (scene_) scene_->overlay(sandbox);
   }

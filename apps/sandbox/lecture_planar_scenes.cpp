@@ -428,6 +428,8 @@ class NewtonScene final : public PlanarScene {
     session.setPose(VectorXd(from_ + s * (run_.steps[at_].phi - from_)));
   }
 
+  bool moves(const Sandbox&) const override { return progress_ < 1.0; }
+
   void overlay(Sandbox& sandbox) override {
     const LectureColours colours = lectureColours(sandbox.theme());
     Overlay& over = sandbox.overlay();

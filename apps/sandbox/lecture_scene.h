@@ -17,6 +17,7 @@ class LectureScene {
 
   virtual void open(Sandbox& sandbox) = 0;            ///< model, pose, goals, camera
   virtual void step(Sandbox&, double /*seconds*/) {}  ///< before the frame's solve
+  virtual bool moves(const Sandbox&) const { return false; }  ///< something changes by itself
   virtual void overlay(Sandbox&) {}                   ///< marks over the view
   virtual void drawInspector(Sandbox&) {}             ///< values and controls
   virtual bool hasPlot() const { return false; }

@@ -145,11 +145,13 @@ class DhScene final : public LectureScene {
     rebuild(sandbox);
   }
 
+  bool moves(const Sandbox&) const override { return pending_; }
+
   void overlay(Sandbox& sandbox) override {
     const VectorXd q = sandbox.session().q();
     if (q.size() != table_.variableCount()) return;
     const Frames K = dhFrames(table_, q);
-    const double size = 0.09 * sandbox.state().size;
+    const double size = 0.09 * sandbox.state().size();
     const Colour faint = lectureColours(sandbox.theme()).faint,
                  normal = lectureColours(sandbox.theme()).second;
     for (const AxisLine& axis : jointAxes(table_, q))
@@ -326,6 +328,7 @@ class LegScene final : public LectureScene {
       show(sandbox);
     }
   }
+  bool moves(const Sandbox& sandbox) const override { return sandbox.playing(); }
 
   void overlay(Sandbox& sandbox) override {
     const LectureColours colours = lectureColours(sandbox.theme());

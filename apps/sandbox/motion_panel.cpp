@@ -85,7 +85,9 @@ class MotionPanel final : public Panel {
     sandbox.showBottomStrip(name());
     sandbox.setPlaying(!fromFile);
     lastRoot_ = onGround(sandbox, sandbox.session().frames()[0].translation());
-    standOnClip(sandbox, !fromFile);
+    if (sandbox.state().view->standsOnMotion())
+      lastRoot_ = onGround(sandbox,
+                           forwardKinematics(sandbox.session().skeleton(), clip().q.col(0))[0].translation());
     if (fromFile) takeUpPose(sandbox);
   }
 
@@ -122,6 +124,10 @@ class MotionPanel final : public Panel {
     sandbox.showFrames(frames_, resting);
   }
 
+  double rests(const Sandbox& sandbox) const override {
+    return editor_ && play_->showing && sandbox.playing() ? 0.0 : std::numeric_limits<double>::infinity();
+  }
+
   void overlay(Sandbox& sandbox) override {
     if (!editor_ || !play_->showing) return;
     const Palette& colours = sandbox.state().colours();
@@ -131,8 +137,8 @@ class MotionPanel final : public Panel {
       for (const Contact& contact : contacts_) {
         const bool now = frame >= contact.first && frame <= contact.last;
         Vector3d at = tracks_[contact.foot][std::clamp(frame, contact.first, contact.last)];
-        at.y() = sandbox.state().groundHeight + 0.002;
-        const double r = 0.012 * sandbox.state().size;
+        at.y() = sandbox.state().view->groundHeight() + 0.002;
+        const double r = 0.012 * sandbox.state().size();
         sandbox.overlayInScene().annulus(
             at, Vector3d::UnitX(), Vector3d::UnitZ(), 0.6 * r, r,
             toColour(now ? colours.held : colours.textFaint, now ? 0.95f : 0.5f));
@@ -315,27 +321,6 @@ class MotionPanel final : public Panel {
     }
   }
 
-  /// The ground under the clip's first frame and everything in view, where the rest pose stands elsewhere (a
-  /// BVH's hips often rest in the origin).
-  void standOnClip(Sandbox& sandbox, bool frame) {
-    Sandbox::State& s = sandbox.state();
-    const Model& model = sandbox.session().model();
-    if (model.planar) return;
-    const Frames frames = forwardKinematics(model.skeleton, clip().q.col(0));
-    Eigen::AlignedBox3d box;
-    if (s.posedBounds)
-      box = (*s.posedBounds)(poseSkin(*sandbox.session().skin(), frames));
-    else
-      for (const auto& frame : frames) box.extend(frame.translation());
-    const double height = std::min(model.up.dot(box.min()), model.up.dot(box.max()));
-    if (std::abs(height - s.groundHeight) < 0.1 * s.size) return;
-    s.groundHeight = height;
-    if (!frame) return;
-    s.bounds = box;
-    frameEverything(sandbox, false);
-    lastRoot_ = onGround(sandbox, frames[0].translation());
-  }
-
   // --- the pose at the playhead
 
   /// Brings the session into the clip's pose, anew where the playhead or the clip moved. The session keeps
@@ -430,7 +415,7 @@ class MotionPanel final : public Panel {
 
   void plantFeet(Sandbox& sandbox) {
     const Skeleton& skeleton = sandbox.session().skeleton();
-    const FootPlantOptions options{.floor = std::min(0.0, sandbox.state().groundHeight)};
+    const FootPlantOptions options{.floor = std::min(0.0, sandbox.state().view->groundHeight())};
     const auto contacts = footContacts(skeleton, clip(), feet_, options);
     const FootFacts before = footFacts(skeleton, clip(), feet_, contacts, options.floor);
     edit(sandbox, [&] { editor_->replace(footPlanted(skeleton, clip(), feet_, contacts, options)); });

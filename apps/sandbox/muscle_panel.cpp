@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "apps/document/muscle_settings.h"
-#include "apps/render/signs.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 
@@ -31,8 +30,6 @@ bool slider(Sandbox& sandbox, const char* label, double& value, double lower, do
   return moved;
 }
 
-Colour colourOf(const ImVec4& c) { return {c.x, c.y, c.z, c.w}; }
-
 /// Chadwick's muscle layers (lecture 10.3): lattices drawn, planes shaped, muscle curves, LBS beside FFD.
 class MusclePanel final : public Panel {
  public:
@@ -40,7 +37,6 @@ class MusclePanel final : public Panel {
   bool hasInspector() const override { return true; }
 
   void opened(Sandbox& sandbox, bool) override {
-    rig_.reset();
     limbs_ = limbsOf(sandbox.session().model());
     shownSettings_.reset();
     settings_ = {};
@@ -51,20 +47,17 @@ class MusclePanel final : public Panel {
     selectedLink_ = 0;
   }
 
-  /// Takes up what undo or a file changed. The layers stand on the weights as they are when a stroke is over.
+  /// Takes up what undo or a file changed.
   void step(Sandbox& sandbox, double) override {
     if (const auto& muscles = sandbox.session().edits().muscles; muscles && muscles != shownSettings_) {
-      const bool same =
-          rig_ && muscles->enabled && shownSettings_ && sameProportions(*muscles, *shownSettings_);
       shownSettings_ = muscles;
       settings_ = *muscles;
       if (const int limb = indexOf(settings_.shownLimb); limb < static_cast<int>(limbs_.size()))
         shownLimb_ = limb;
-      same ? applyControls(*rig_, settings_) : rebind(sandbox);
     }
-    if (rig_ && boundVersion_ != sandbox.session().weightsVersion() &&
-        sandbox.state().gesture.kind != Gesture::Kind::Tool)
-      rebind(sandbox);
+    if (const std::string& fault = sandbox.state().view->muscleFault(); !fault.empty() && fault != told_)
+      sandbox.say(fault, true);
+    told_ = sandbox.state().view->muscleFault();
   }
 
   void drawInspector(Sandbox& sandbox) override {
@@ -148,31 +141,20 @@ class MusclePanel final : public Panel {
 
   void overlay(Sandbox& sandbox) override {
     if (!dragged_) under_.reset();
-    if (!rig_) return;
-    const std::vector<LimbPose>& limbs = sandbox.limbPoses();
-    if (settings_.lattice && !dragged_ && sandbox.frameNumber() - shownAt_ <= 1) {
-      const Sandbox::State& s = sandbox.state();
-      if (s.layout.view.contains(s.mouse.x(), s.mouse.y()))
-        under_ = pickLattice(limbs[shownLimb_], s.camera(), s.viewport(), s.toView(s.mouse), 8.0 * s.scale);
-    }
-    if (settings_.lattice && shownLimb_ < static_cast<int>(limbs.size())) {
-      const Palette& colours = sandbox.state().colours();
-      addLattice(sandbox.overlay(), limbs[shownLimb_],
-                 {.connecting = colourOf(colours.pinned),
-                  .inner = colourOf(colours.held),
-                  .selectedPlane = under_ ? under_->plane : 6 * selectedLink_ + selectedPlane_,
-                  .selectedPoint = under_ ? under_->point : -1});
-    }
+    if (!sandbox.muscles() || shownLimb_ >= static_cast<int>(sandbox.limbPoses().size())) return;
+    const Sandbox::State& s = sandbox.state();
+    const bool inFront = sandbox.frameNumber() - shownAt_ <= 1;
+    if (settings_.lattice && !dragged_ && inFront && s.layout.view.contains(s.mouse.x(), s.mouse.y()))
+      under_ = pickLattice(sandbox.limbPoses()[shownLimb_], s.camera(), s.viewport(), s.toView(s.mouse),
+                           8.0 * s.scale);
+    if (inFront)
+      sandbox.markLattice(under_ ? under_->plane : 6 * selectedLink_ + selectedPlane_,
+                          under_ ? under_->point : -1);
     if (settings_.split) {
-      Frames beside = sandbox.shownFrames();
-      const Vector3d up = sandbox.session().model().up;
-      const Vector3d shift = sideways(sandbox.camera(), up) * -0.55 * sandbox.state().size;
-      for (Eigen::Isometry3d& frame : beside) frame.pretranslate(shift);
-      sandbox.label(beside[0].translation() + 0.55 * sandbox.state().size * up, "LBS",
-                    {0.35f, 0.35f, 0.35f, 1.0f});
-      sandbox.label(sandbox.shownFrames()[0].translation() + 0.55 * sandbox.state().size * up, "FFD",
-                    {0.0f, 0.45f, 0.7f, 1.0f});
-      sandbox.ghosts().push_back({.worldFromJoint = beside, .tint = {0.80f, 0.76f, 0.71f}, .opacity = 1.0f});
+      const Vector3d above = 0.55 * s.size() * sandbox.session().model().up;
+      const Frames beside = framesBeside(sandbox.session(), sandbox.shownFrames(), s.size());
+      sandbox.label(beside[0].translation() + above, "LBS", {0.35f, 0.35f, 0.35f, 1.0f});
+      sandbox.label(sandbox.shownFrames()[0].translation() + above, "FFD", {0.0f, 0.45f, 0.7f, 1.0f});
     }
   }
 
@@ -192,7 +174,7 @@ class MusclePanel final : public Panel {
   /// its middle.
   void moved(Sandbox& sandbox, const Vector2d& pixel) override {
     MusclePlane* plane = selectedMuscle();
-    if (!dragged_ || !plane || !rig_) return;
+    if (!dragged_ || !plane || !sandbox.muscles()) return;
     const Vector2d from = dragged_->from, to = fromCentre(sandbox, pixel);
     if (from.norm() < 2.0) return;
     if (!std::exchange(dragged_->moved, true)) sandbox.session().remember();
@@ -231,12 +213,6 @@ class MusclePanel final : public Panel {
     return pixel - sandbox.state().toWindow(plane.point(0.5, 0.5)).pixel;
   }
 
-  static Vector3d sideways(const Camera& camera, const Vector3d& up) {
-    const Vector3d forward = camera.target - camera.eye();
-    const Vector3d right = forward.cross(up);
-    return right.norm() > 1e-9 ? Vector3d(right.normalized()) : Vector3d::UnitX();
-  }
-
   int indexOf(const std::string& limb) const {
     return static_cast<int>(
         std::find_if(limbs_.begin(), limbs_.end(), [&](const Limb& l) { return l.name == limb; }) -
@@ -250,24 +226,6 @@ class MusclePanel final : public Panel {
   void edit(Sandbox& sandbox) {
     sandbox.session().remember();
     look(sandbox);
-  }
-
-  /// Binds anew: after switching on, and whenever proportions change, because the rest lattice does.
-  void rebind(Sandbox& sandbox) {
-    rig_.reset();
-    under_.reset();
-    if (settings_.enabled) {
-      try {
-        rig_ = std::make_shared<MuscleRig>(
-            makeMuscleRig(sandbox.session().model(), *sandbox.session().skin(), settings_));
-        boundVersion_ = sandbox.session().weightsVersion();
-      } catch (const std::invalid_argument& error) {
-        sandbox.say(error.what(), true);
-        settings_.enabled = false;
-        look(sandbox);
-      }
-    }
-    sandbox.setMuscles(rig_);
   }
 
   void limbChoice(Sandbox& sandbox) {
@@ -292,9 +250,10 @@ class MusclePanel final : public Panel {
   }
 
   void measures(Sandbox& sandbox) {
-    if (!rig_) return;
+    const MuscleRig* rig = sandbox.muscles();
+    if (!rig || shownLimb_ >= static_cast<int>(sandbox.limbPoses().size())) return;
     const Frames& frames = sandbox.shownFrames();
-    const LimbFrames limb = limbFrames(rig_->body().limbs[shownLimb_], frames);
+    const LimbFrames limb = limbFrames(rig->body().limbs[shownLimb_], frames);
     if (limb.rotations.size() > 1) {
       const JointBend bend = jointBend(limb, 1);
       ImGui::Text("Bend %.1f°   twist %.1f°", bend.bend / degree, bend.twist / degree);
@@ -302,8 +261,8 @@ class MusclePanel final : public Panel {
           "Total bend of the joint between the links (straight = 0) and its twist about the bone, degrees.");
     }
     const double volume =
-        limbVolume(rig_->body(), rig_->surface(shownLimb_), frames, sandbox.limbPoses()[shownLimb_]);
-    ImGui::Text("Volume %.4f of rest", volume / rig_->restVolume(shownLimb_));
+        limbVolume(rig->body(), rig->surface(shownLimb_), frames, sandbox.limbPoses()[shownLimb_]);
+    ImGui::Text("Volume %.4f of rest", volume / rig->restVolume(shownLimb_));
     tooltip("Volume that the limb's surface encloses, relative to the rest pose.");
   }
 
@@ -401,9 +360,8 @@ class MusclePanel final : public Panel {
   std::vector<Limb> limbs_;
   std::shared_ptr<const MuscleSettings> shownSettings_;  ///< the document's that was taken up last
   MuscleSettings settings_;                              ///< a copy to work on
-  std::shared_ptr<MuscleRig> rig_;
-  int boundVersion_ = 0;               ///< the session's weightsVersion() that rig_ stands on
-  std::optional<LatticePoint> under_;  ///< the mouse
+  std::string told_;                                     ///< the fault that was said last
+  std::optional<LatticePoint> under_;                    ///< the mouse
   std::optional<DraggedPlane> dragged_;
   int shownAt_ = -10;  ///< frame in which the inspector was drawn last
   int shownLimb_ = 0, selectedLink_ = 0, selectedPlane_ = 2;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,9 @@ class Panel {
 
   /// Before the frame's solve: playback, goals that move by themselves. dt: seconds.
   virtual void step(Sandbox&, double /*dt*/) {}
+
+  /// Seconds until the panel changes something by itself: 0 while it moves, infinity at rest.
+  virtual double rests(const Sandbox&) const { return std::numeric_limits<double>::infinity(); }
 
   /// After the solve, before rendering: ghosts, and lines and labels over the view (sandbox.overlay(),
   /// label()).

@@ -4,16 +4,9 @@ namespace gelenk {
 
 std::vector<std::unique_ptr<Panel>> makePanels() {
   std::vector<std::unique_ptr<Panel>> panels;
-  panels.push_back(makeSolvePanel());
-  panels.push_back(makeModelPanel());
-  panels.push_back(makeSkinPanel());
-  panels.push_back(
-      makeBindingPanel());  // before the muscles, which bind to its weights when a scene is loaded
-  panels.push_back(makeMusclePanel());
-  panels.push_back(makePlotsPanel());  // first of the bottom strip's tabs
-  panels.push_back(makeMotionPanel());
-  panels.push_back(makeLabPanel());
-  panels.push_back(makeLecturePanel());
+#define GELENK_MAKE(Name) panels.push_back(make##Name##Panel());
+  GELENK_PANELS(GELENK_MAKE)
+#undef GELENK_MAKE
   return panels;
 }
 

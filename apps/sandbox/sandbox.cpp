@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "apps/commands/image.h"
 #include "apps/document/model_files.h"
@@ -19,15 +20,9 @@ namespace gelenk {
 namespace {
 
 constexpr double noticeSeconds = 3.5, errorSeconds = 9.0;
+constexpr int framesToSettle = 4;
+constexpr double still = 1e-7;  // radians or metres a frame
 constexpr std::size_t errorHistory = 240, dragHistory = 3;
-
-Eigen::AlignedBox3d boxOf(const Session& session, const Frames& frames, const SkinnedVertices& surface) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : surface.positions) box.extend(p);
-  if (box.isEmpty())
-    for (int i = 0; i < session.skeleton().jointCount(); ++i) box.extend(frames[i].translation());
-  return box;
-}
 
 /// Moves in a fifth of a second, eased at both ends.
 void glideCamera(Sandbox::State& s) {
@@ -59,71 +54,22 @@ void recordPlots(Sandbox::State& s) {
   }
 }
 
-/// The body on the GPU with the weights as they are edited now.
-void followWeights(Sandbox::State& s) {
-  if (s.meshVersion == s.session->weightsVersion()) return;
-  s.mesh = std::make_unique<SkinnedMeshGl>(*s.session->skin());
-  s.posedBounds = std::make_unique<PosedBounds>(*s.session->skin());
-  s.meshVersion = s.session->weightsVersion();
-}
-
-/// The model's mesh for this frame. Sets the pose to draw it with.
-SkinnedMeshGl* meshOfFrame(Sandbox& sandbox) {
-  Sandbox::State& s = sandbox.state();
-  if (!s.mesh || !(s.show().skin || s.show().wireframe)) return nullptr;
-  if (s.muscles) {
-    poseSkin(s.muscles->body(), sandbox.shownFrames(), sandbox.limbPoses(), s.pose);
-    s.layeredMesh->setSculpture(*s.muscles);
-    return s.layeredMesh.get();
-  }
-  poseSkin(*s.session->skin(), sandbox.shownFrames(), s.pose);  // a menu may have opened another model
-  return s.mesh.get();
-}
-
-Eigen::AlignedBox3d boundsOfFrame(Sandbox& sandbox) {
-  Sandbox::State& s = sandbox.state();
-  if (!s.posedBounds) return boxOf(*s.session, sandbox.shownFrames(), {});
-  poseSkin(*s.session->skin(), sandbox.shownFrames(), s.pose);
-  return (*s.posedBounds)(s.pose);
-}
-
-void addGhosts(Sandbox::State& s) {
-  if (!s.mesh) return;
-  s.ghostPoses.resize(s.ghosts.size());
-  for (std::size_t i = 0; i < s.ghosts.size(); ++i) {
-    const Ghost& ghost = s.ghosts[i];
-    poseSkin(*s.session->skin(), ghost.worldFromJoint, s.ghostPoses[i]);
-    s.scene.bodies.push_back({.mesh = s.mesh.get(),
-                              .pose = &s.ghostPoses[i],
-                              .tint = {ghost.tint.x(), ghost.tint.y(), ghost.tint.z(), ghost.opacity}});
-  }
+/// The picture's way follows what happened to the document and the pose.
+void followDocument(const Sandbox& sandbox) {
+  const Sandbox::State& s = const_cast<Sandbox&>(sandbox).state();
+  s.view->follow(*s.session, sandbox.shownFrames(), !s.shownFrames || s.handlesOnShown,
+                 s.gesture.kind == Gesture::Kind::Tool);
 }
 
 void renderView(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
-  s.scene.bodies.clear();
-  s.scene.theme = s.theme();
-  s.scene.shadows = s.show().shadow;
-  s.scene.ground.visible = s.show().ground && !s.session->model().planar;
-  s.scene.ground.height = s.groundHeight;
-  s.scene.xray = s.show().skeleton;
-  s.scene.bounds = s.bounds;
-  s.scene.size = s.size;
-  std::optional<std::vector<Eigen::Vector3f>> colours = std::exchange(s.vertexColours, std::nullopt);
-  if (SkinnedMeshGl* mesh = meshOfFrame(sandbox)) {
-    BodyInstance body{.mesh = mesh, .pose = &s.pose, .wireframe = s.show().wireframe};
-    if (!colours && s.show().weights && s.selectedJoint())
-      colours = viridisColours(jointWeights(*s.session->skin(), *s.selectedJoint()));
-    if (colours && static_cast<int>(colours->size()) == mesh->vertexCount()) {
-      mesh->setColours(*colours);
-      body.surface = SurfaceColour::Vertex;
-    }
-    s.scene.bodies.push_back(body);
-  }
-  addGhosts(s);
+  s.extras.limitGlow = s.limitGlow;
+  if (s.hover.kind == Hover::Kind::Goal) s.extras.hovered = s.hover.goal;
+  s.extras.selected = s.goalSelected();
+  const RenderScene scene = s.view->compose(*s.session, std::exchange(s.extras, {}));
   const Viewport viewport = s.viewport();
   s.picture.resize(viewport.width, viewport.height);
-  s.renderer.draw(s.scene, s.camera(), viewport, s.picture.framebuffer(), s.scale);
+  s.renderer.draw(scene, s.camera(), viewport, s.picture.framebuffer(), s.scale);
 }
 
 }  // namespace
@@ -163,17 +109,12 @@ void Sandbox::openDocument(std::shared_ptr<const Model> model, Document document
 
 void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   State& s = *state_;
-  auto mesh = session->skin() ? std::make_unique<SkinnedMeshGl>(*session->skin()) : nullptr;
+  auto view = std::make_unique<SceneView>(*session);
   if (s.session && !fromFile) session->theme() = s.theme();
   s.session = std::move(session);
-  s.mesh = std::move(mesh);
-  s.meshVersion = s.session->weightsVersion();
-  s.posedBounds = s.mesh ? std::make_unique<PosedBounds>(*s.session->skin()) : nullptr;
-  s.muscles.reset();
-  s.layeredMesh.reset();
-  s.ghosts.clear();
+  s.view = std::move(view);
   s.shownFrames.reset();
-  s.vertexColours.reset();
+  s.extras = {};
   s.gesture = {};
   s.hover = {};
   s.selectedGoal.reset();
@@ -182,15 +123,9 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   s.scenePath.clear();
   s.cameraMove.reset();
   s.limitGlow.assign(s.session->skeleton().jointCount(), 0.0);
-  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
-  const Frames rest = restFrames(s.session->skeleton());
-  const Eigen::AlignedBox3d box = boxOf(
-      *s.session, rest, s.session->skin() ? linearBlendSkin(*s.session->skin(), rest) : SkinnedVertices{});
-  s.size = std::max(box.diagonal().norm(), 1e-9);
-  const Eigen::Vector3d up = s.session->model().up;
-  s.groundHeight = std::min(up.dot(box.min()), up.dot(box.max()));
-  s.bounds = fromFile ? boundsOfFrame(*this) : box;
-  if (!fromFile) frameEverything(*this, false);
+  const Eigen::AlignedBox3d whole = s.view->bounds();
+  followDocument(*this);
+  if (!fromFile) s.camera() = s.view->wholeView(*s.session, s.viewport(), whole);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
   for (const Note& note : s.session->model().notes) say(note.line());
 }
@@ -244,12 +179,10 @@ void Sandbox::frame(const Input& input, double dt) {
   ++s.frameNumber;
   s.time += dt;
   s.scale = static_cast<float>(input.scale);
-  s.ghosts.clear();
+  s.settling = input.events.empty() && s.frameNumber > 1 ? std::max(0, s.settling - 1) : framesToSettle;
   s.labels.clear();
-  s.scene.overlay.clear();
-  s.scene.overlayOnTop.clear();
+  s.extras = {};
   s.shownFrames.reset();
-  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
 
   s.gui.setLook(s.theme(), s.scale);
   s.gui.beginFrame(input, dt);
@@ -259,13 +192,12 @@ void Sandbox::frame(const Input& input, double dt) {
   for (const auto& panel : s.panels) panel->step(*this, dt);
   if (!s.shownFrames) s.session->step();
   recordPlots(s);
-  followWeights(s);
-  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
-  s.bounds = boundsOfFrame(*this);
+  followDocument(*this);
 
   drawShell(*this);
   for (const auto& panel : s.panels) panel->overlay(*this);
-  addSceneMarks(*this);
+  glowLimits(*this);
+  followDocument(*this);  // the inspector may have changed something
   renderView(*this);
   drawMarks(*this);
 
@@ -290,6 +222,25 @@ void Sandbox::frame(const Input& input, double dt) {
 }
 
 bool Sandbox::wantsToClose() const { return state_->closing; }
+
+double Sandbox::rests() const {
+  const State& s = *state_;
+  const FrameSolve& solve = s.session->lastSolve();
+  if (s.settling > 0 || s.cameraMove || s.gesture.kind != Gesture::Kind::None || !s.screenshotPath.empty() ||
+      (!s.shownFrames && solve.ran && solve.jointMotion > still) ||
+      std::ranges::any_of(s.limitGlow, [](double glow) { return glow > 0.0 && glow < 1.0; }))
+    return 0.0;
+  double seconds = ImGui::GetIO().WantTextInput ? 0.25 : std::numeric_limits<double>::infinity();  // the caret
+  for (const Notice& notice : s.notices)
+    seconds = std::min(seconds, std::max(0.0, notice.until - noticeFade - s.time));
+  for (const auto& panel : s.panels) seconds = std::min(seconds, panel->rests(*this));
+  return seconds;
+}
+
+void Sandbox::slept(double seconds) {
+  state_->time += seconds;
+  state_->lastBegin.reset();  // no frame took that long
+}
 Session& Sandbox::session() { return *state_->session; }
 const Session& Sandbox::session() const { return *state_->session; }
 Camera& Sandbox::camera() { return state_->camera(); }
@@ -302,50 +253,35 @@ double Sandbox::time() const { return state_->time; }
 void Sandbox::showFrames(Frames worldFromJoint, bool withHandles) {
   state_->shownFrames = std::move(worldFromJoint);
   state_->handlesOnShown = withHandles;
-  state_->surfaceIsCurrent = state_->limbPosesAreCurrent = false;
 }
 const Frames& Sandbox::shownFrames() const {
   return state_->shownFrames ? *state_->shownFrames : state_->session->frames();
 }
 
 const SkinnedVertices& Sandbox::surface() const {
-  State& s = *state_;
-  if (!s.surfaceIsCurrent && s.session->skin()) {
-    if (s.muscles)
-      skinWithMuscles(s.muscles->body(), shownFrames(), limbPoses(), s.surface);
-    else
-      linearBlendSkin(*s.session->skin(), shownFrames(), s.surface);
-  } else if (!s.session->skin()) {
-    s.surface = {};
-  }
-  s.surfaceIsCurrent = true;
-  return s.surface;
+  followDocument(*this);
+  return state_->view->surface(*state_->session);
 }
-
-std::vector<Ghost>& Sandbox::ghosts() { return state_->ghosts; }
-void Sandbox::setMuscles(std::shared_ptr<const MuscleRig> muscles) {
-  State& s = *state_;
-  s.layeredMesh = muscles ? std::make_unique<SkinnedMeshGl>(muscles->body()) : nullptr;
-  s.muscles = std::move(muscles);
-  s.surfaceIsCurrent = s.limbPosesAreCurrent = false;
-}
+std::vector<Ghost>& Sandbox::ghosts() { return state_->extras.ghosts; }
+const MuscleRig* Sandbox::muscles() const { return state_->view->muscles(); }
 const std::vector<LimbPose>& Sandbox::limbPoses() const {
-  State& s = *state_;
-  if (!s.limbPosesAreCurrent)
-    s.limbPoses = s.muscles ? s.muscles->pose(shownFrames()) : std::vector<LimbPose>{};
-  s.limbPosesAreCurrent = true;
-  return s.limbPoses;
+  followDocument(*this);
+  return state_->view->limbPoses();
 }
-Overlay& Sandbox::overlay() { return state_->scene.overlayOnTop; }
-Overlay& Sandbox::overlayInScene() { return state_->scene.overlay; }
+void Sandbox::markLattice(int plane, int point) {
+  state_->extras.latticePlane = plane;
+  state_->extras.latticePoint = point;
+}
+Overlay& Sandbox::overlay() { return state_->extras.overlayOnTop; }
+Overlay& Sandbox::overlayInScene() { return state_->extras.overlay; }
 void Sandbox::label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour) {
   state_->labels.push_back({at, text, colour});
 }
 void Sandbox::showVertexScalars(const std::vector<float>& values) {
-  state_->vertexColours = viridisColours(values);
+  state_->extras.vertexColours = viridisColours(values);
 }
 void Sandbox::showVertexColours(std::vector<Eigen::Vector3f> colours) {
-  state_->vertexColours = std::move(colours);
+  state_->extras.vertexColours = std::move(colours);
 }
 
 std::optional<int> Sandbox::selectedJoint() const { return state_->selectedJoint(); }

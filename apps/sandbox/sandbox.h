@@ -9,21 +9,12 @@
 #include <vector>
 
 #include "apps/document/session.h"
-#include "apps/render/renderer.h"
+#include "apps/render/scene_view.h"
 #include "apps/sandbox/input.h"
 #include "apps/sandbox/panel.h"
 #include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
-
-/// A further body in the view: a comparison, a keyframe, a mocap source. Drawn in the frame in which it is
-/// added.
-struct Ghost {
-  Frames worldFromJoint;                      ///< of the sandbox's model
-  Eigen::Vector3f tint = {0.3f, 0.5f, 0.9f};  ///< sRGB, 0..1
-  float opacity = 0.4f;
-  std::string label = {};
-};
 
 /// What the sandbox is started with.
 struct SandboxOptions {
@@ -49,6 +40,11 @@ class Sandbox {
   /// what is measured (times, fps), which is shown and never fed back.
   void frame(const Input& input, double dt);
   bool wantsToClose() const;
+  /// Seconds for which the next frame would look like the last one if nothing happens: 0 while anything moves
+  /// (the solver, a clip, a glow, a camera that glides), infinity at rest.
+  double rests() const;
+  /// So many seconds passed without a frame.
+  void slept(double seconds);
 
   // --- model and scene
   Session& session();
@@ -84,12 +80,11 @@ class Sandbox {
   const SkinnedVertices& surface() const;
 
   std::vector<Ghost>& ghosts();  ///< emptied at the beginning of every frame
-  /// Muscle layers on the model's limbs: the skin is drawn, in the vertex shader, and picked with them.
-  /// nullptr: without. To be called again when the rig's binding has changed; controls may change at any
-  /// time.
-  void setMuscles(std::shared_ptr<const MuscleRig> muscles);
+  /// The muscle layers that the document asks for, bound; nullptr: none.
+  const MuscleRig* muscles() const;
   /// The limbs of this frame; empty without muscle layers.
   const std::vector<LimbPose>& limbPoses() const;
+  void markLattice(int plane, int point);  ///< drawn stronger, this frame
   Overlay& overlay();  ///< lines, dots, bones, fills over the view, this frame (apps/render/renderer.h)
   Overlay& overlayInScene();  ///< the same, hidden by bodies in front
   /// Text at a world point, this frame; colour sRGB 0..1.

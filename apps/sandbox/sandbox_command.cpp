@@ -90,13 +90,18 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
   for (int i = 0;
        !window.shouldClose() && !sandbox.wantsToClose() && (arguments.frames == 0 || i < arguments.frames);
        ++i) {
+    // A window at rest is not drawn again. Replays and counted frames go through without a pause.
+    if (!replay && arguments.frames == 0 && !window.hasEvents())
+      if (const double rests = sandbox.rests(); rests > 0.0) window.wait(rests);
     input = window.poll(arguments.scale);
     if (replay) {
       replay->play(i, sandbox, queue);
       for (InputEvent& event : queue.take()) input.events.push_back(std::move(event));
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    const double passed = std::clamp(secondsSince(std::exchange(last, Clock::now())), 1.0 / 240.0, 0.1);
+    const double since = secondsSince(std::exchange(last, Clock::now()));
+    const double passed = std::clamp(since, 1.0 / 240.0, 0.1);
+    if (since > passed) sandbox.slept(since - passed);
     sandbox.frame(input, replay ? 1.0 / 60.0 : passed);
     const bool lastFrame = arguments.frames > 0 && i + 1 == arguments.frames;
     if (lastFrame && !arguments.screenshot.empty())

@@ -3,8 +3,9 @@
 #include <chrono>
 
 #include "apps/document/pick.h"
-#include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
+#include "apps/render/scene_marks.h"
+#include "apps/render/scene_view.h"
 #include "apps/sandbox/gui.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/view_picture.h"
@@ -51,6 +52,7 @@ struct Gesture {
   Panel* tool = nullptr;  ///< Tool: the panel that took the press
 };
 
+constexpr double noticeFade = 0.5;  ///< seconds in which a notice goes
 struct Notice {
   std::string words;
   bool isError = false;
@@ -77,25 +79,12 @@ struct Sandbox::State {
 
   // model
   std::unique_ptr<Session> session;
-  std::unique_ptr<SkinnedMeshGl> mesh;
-  int meshVersion = 0;  ///< the session's weightsVersion() that mesh and posedBounds show
-  SkinPose pose;
-  Eigen::AlignedBox3d bounds;  ///< of the pose shown
-  double size = 1.0;           ///< diagonal of the rest pose, metres
-  double groundHeight = 0.0;   ///< along up
+  std::unique_ptr<SceneView> view;  ///< the way to the picture
   std::string scenePath;
 
   // pose and surface of this frame
   std::optional<Frames> shownFrames;
   bool handlesOnShown = false;  ///< the session stands as shown
-  SkinnedVertices surface;
-  bool surfaceIsCurrent = false;
-  std::shared_ptr<const MuscleRig> muscles;
-  std::unique_ptr<SkinnedMeshGl> layeredMesh;  ///< the body with its muscle layers
-  std::vector<LimbPose> limbPoses;
-  bool limbPosesAreCurrent = false;
-  std::unique_ptr<PosedBounds> posedBounds;
-  std::optional<std::vector<Eigen::Vector3f>> vertexColours;
 
   // view
   struct CameraMove {
@@ -105,15 +94,13 @@ struct Sandbox::State {
   std::optional<CameraMove> cameraMove;
   float scale = 1.0f;
   Layout layout;
-  RenderScene scene;
+  PictureExtras extras;  ///< what panels add to this frame's picture
   struct Label {
     Eigen::Vector3d at;
     std::string text;
     Eigen::Vector4f colour;
   };
   std::vector<Label> labels;
-  std::vector<Ghost> ghosts;
-  std::vector<SkinPose> ghostPoses;
   std::vector<double> limitGlow;       ///< a joint, 1 at its limit, fading
   std::optional<GoalId> selectedGoal;  ///< may have gone meanwhile: goalSelected()
 
@@ -135,6 +122,7 @@ struct Sandbox::State {
   std::string screenshotPath;  ///< written at the end of the frame
 
   int frameNumber = 0;
+  int settling = 0;  ///< frames to draw yet: panels take some to come to rest after input
   double time = 0.0;
   std::optional<std::chrono::steady_clock::time_point> lastBegin;
   double secondsPerFrame = 0.0;  ///< measured from frame to frame, running mean, shown only
@@ -144,6 +132,8 @@ struct Sandbox::State {
   ViewOptions& show() const { return session->view().show; }
   Theme& theme() const { return session->theme(); }
   std::optional<int> selectedJoint() const { return session->selectedJoint(); }
+
+  double size() const { return view->size(); }  ///< diagonal of the rest pose, metres
 
   std::optional<GoalId> goalSelected() const {
     return selectedGoal && session->hasGoal(*selectedGoal) ? selectedGoal : std::nullopt;
@@ -167,12 +157,10 @@ struct Sandbox::State {
 // viewport.cpp: mouse and keys over the view
 void handleViewInput(Sandbox& sandbox, const Input& input);
 void frameEverything(Sandbox& sandbox, bool glide);
-/// Goals that can be seen and taken now; pole handles only where their limb is held.
-bool isGoalShown(const Sandbox& sandbox, const SceneGoal& goal);
 void undoOrRedo(Sandbox& sandbox, bool redo);  ///< says so where there is nothing
 
-// marks.cpp: what is drawn over and in the view
-void addSceneMarks(Sandbox& sandbox);
+// marks.cpp: what lights up, and what is written over the picture
+void glowLimits(Sandbox& sandbox);
 void drawMarks(Sandbox& sandbox);
 
 // shell.cpp: menu bar, inspector, strip, status line, dialogs

@@ -9,6 +9,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/jacobian.h"
 #include "kinematics/rotation.h"
+#include "solvers/problem/goal_text.h"
 
 namespace gelenk {
 namespace {
@@ -47,6 +48,26 @@ class SolvePanel final : public Panel {
     goals(sandbox);
     addGoal(sandbox);
     selected(sandbox);
+  }
+
+  /// "goal KIND FIELD=VALUE ..." adds a goal, "balance on" or "balance off".
+  void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
+    Session& session = *sandbox.state().session;
+    if (words.size() == 2 && words[0] == "balance" && (words[1] == "on" || words[1] == "off")) {
+      session.setBalance(words[1] == "on");
+    } else if (words.size() > 1 && words[0] == "goal") {
+      std::string text;
+      for (std::size_t i = 1; i < words.size(); ++i) text += (i > 1 ? " " : "") + words[i];
+      Goal goal = goalFromText(text, session.skeleton(), session.model().masses);
+      if (goal.name.empty()) goal.name = goalType(goal.kind).title;
+      session.remember();
+      const bool pinned = goal.role == Role::Pin;
+      const GoalId added = session.addGoal(std::move(goal));
+      if (pinned) session.setState(added, GoalState::Pinned);
+      sandbox.state().selectedGoal = added;
+    } else {
+      throw std::invalid_argument("Solve takes 'goal KIND FIELD=VALUE ...' and 'balance on|off'");
+    }
   }
 
  private:
@@ -155,12 +176,13 @@ class SolvePanel final : public Panel {
   /// Millimetres, or degrees where the goal asks for an angle alone or the angle is what is missed.
   static void showError(const Sandbox::State& s, const SceneGoal& goal) {
     const GoalError error = s.session->judged(goal.id);
-    const bool isAngle = error.position == 0.0 || (error.position < s.session->reachedWithin() &&
-                                                   error.orientation > Session::reachedAngle);
-    ImGui::TextColored(
-        distanceColour(s.colours(), std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0)), "%s",
-        isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
-                : formatLength(error.position).c_str());
+    const bool isAngle =
+        (error.position == 0.0 && error.orientation > 0.0) ||
+        (error.position < s.session->reachedWithin() && error.orientation > Session::reachedAngle);
+    const double missed = std::max(error.position, isAngle ? 0.1 * error.orientation : 0.0);
+    ImGui::TextColored(toImVec4(distanceColour(markColours(s.theme()), missed)), "%s",
+                       isAngle ? fmt::format("{:.2f}°", error.orientation * 180.0 / M_PI).c_str()
+                               : formatLength(error.position).c_str());
   }
 
   static void goals(Sandbox& sandbox) {
@@ -170,7 +192,7 @@ class SolvePanel final : public Panel {
     if (ImGui::BeginTable("##goals", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
       for (const SceneGoal& goal : s.session->goals()) {
-        if (!isGoalShown(sandbox, goal)) continue;
+        if (!isGoalShown(sandbox.session(), goal)) continue;
         ImGui::PushID(static_cast<int>(goal.id));
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
@@ -268,7 +290,7 @@ class SolvePanel final : public Panel {
   static bool edit(const Sandbox::State& s, const GoalField& field, double& value) {
     float shown = static_cast<float>(value);
     ImGui::SetNextItemWidth(-80 * s.scale);
-    if (!ImGui::DragFloat(std::string(field.name).c_str(), &shown, static_cast<float>(1e-3 * s.size), 0.0f,
+    if (!ImGui::DragFloat(std::string(field.name).c_str(), &shown, static_cast<float>(1e-3 * s.size()), 0.0f,
                           1e6f, "%.3f"))
       return false;
     value = std::max(0.0f, shown);
@@ -278,7 +300,7 @@ class SolvePanel final : public Panel {
     float shown[3];
     for (int k = 0; k < 3; ++k) shown[k] = static_cast<float>(value[k]);
     ImGui::SetNextItemWidth(-80 * s.scale);
-    if (!ImGui::DragFloat3(std::string(field.name).c_str(), shown, static_cast<float>(1e-3 * s.size), 0, 0,
+    if (!ImGui::DragFloat3(std::string(field.name).c_str(), shown, static_cast<float>(1e-3 * s.size()), 0, 0,
                            "%.3f"))
       return false;
     for (int k = 0; k < 3; ++k)

@@ -18,43 +18,45 @@ ImVec4 mix(const ImVec4& a, const ImVec4& b, float t) {
 }
 
 Palette lightPalette() {
+  const MarkColours& marks = markColours(Theme::Light);
   return {.panel = rgb(0xf7f6f3),
           .panelRaised = rgb(0xffffff),
           .panelSunken = rgb(0xeae8e3),
           .border = rgb(0xd9d6cf),
           .text = rgb(0x23262b),
-          .textDim = rgb(0x62666d),
+          .textDim = toImVec4(marks.dim),
           .textFaint = rgb(0x9a9da3),
-          .accent = rgb(0x1f66b0),
+          .accent = toImVec4(marks.accent),
           .accentText = rgb(0xffffff),
-          .held = rgb(0xd9790b),
-          .pinned = rgb(0x0b7f73),
-          .pole = rgb(0x8d5fb0),
-          .free = rgb(0x4a5058),
-          .good = rgb(0x1d8348),
-          .warning = rgb(0xb7791f),
-          .bad = rgb(0xc0392b),
+          .held = toImVec4(marks.held),
+          .pinned = toImVec4(marks.pinned),
+          .pole = toImVec4(marks.pole),
+          .free = toImVec4(marks.free),
+          .good = toImVec4(marks.good),
+          .warning = toImVec4(marks.warning),
+          .bad = toImVec4(marks.bad),
           .plotBackground = rgb(0xffffff),
           .plotGrid = rgb(0xe6e3dd)};
 }
 
 Palette darkPalette() {
+  const MarkColours& marks = markColours(Theme::Dark);
   return {.panel = rgb(0x1d2024),
           .panelRaised = rgb(0x272b31),
           .panelSunken = rgb(0x16181b),
           .border = rgb(0x343941),
           .text = rgb(0xe6e7ea),
-          .textDim = rgb(0xa3a8b0),
+          .textDim = toImVec4(marks.dim),
           .textFaint = rgb(0x6d737c),
-          .accent = rgb(0x4c9be8),
+          .accent = toImVec4(marks.accent),
           .accentText = rgb(0x0e1114),
-          .held = rgb(0xf5a33b),
-          .pinned = rgb(0x35c4b3),
-          .pole = rgb(0xbf93e0),
-          .free = rgb(0xcdd2d9),
-          .good = rgb(0x5cc98a),
-          .warning = rgb(0xe3b341),
-          .bad = rgb(0xff6b5e),
+          .held = toImVec4(marks.held),
+          .pinned = toImVec4(marks.pinned),
+          .pole = toImVec4(marks.pole),
+          .free = toImVec4(marks.free),
+          .good = toImVec4(marks.good),
+          .warning = toImVec4(marks.warning),
+          .bad = toImVec4(marks.bad),
           .plotBackground = rgb(0x16181b),
           .plotGrid = rgb(0x2b3037)};
 }
@@ -163,12 +165,6 @@ Fonts loadFonts(float scale) {
   fonts.small = load("Roboto-Regular.ttf", 13.0f);
   fonts.large = load("Roboto-Medium.ttf", 20.0f);
   return fonts;
-}
-
-ImVec4 distanceColour(const Palette& p, double metres) {
-  const float t =
-      static_cast<float>(std::clamp(std::log10(std::max(metres, 1e-9) / 1e-3) / std::log10(200.0), 0.0, 1.0));
-  return t < 0.5f ? mix(p.good, p.warning, 2.0f * t) : mix(p.warning, p.bad, 2.0f * t - 1.0f);
 }
 
 }  // namespace gelenk

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "apps/document/theme.h"
+#include "apps/render/signs.h"
 
 namespace gelenk {
 
@@ -33,7 +34,6 @@ inline ImU32 colour32(const ImVec4& c, float alpha = 1.0f) {
   return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, c.w * alpha});
 }
 inline ImVec4 toImVec4(const Eigen::Vector3f& c, float alpha = 1.0f) { return {c.x(), c.y(), c.z(), alpha}; }
-/// Red, amber, green by distance in metres: green below 1 mm, red from 20 cm, logarithmic between.
-ImVec4 distanceColour(const Palette& palette, double metres);
+inline ImVec4 toImVec4(const Colour& c) { return {c.r, c.g, c.b, c.a}; }
 
 }  // namespace gelenk

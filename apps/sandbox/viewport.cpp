@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "apps/document/limb.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/rotation.h"
 
@@ -28,7 +27,7 @@ Hover hoverAt(Sandbox& sandbox, const Vector2d& pixel) {
   if (s.show().handles) {
     double nearest = handleReach * s.scale;
     for (const SceneGoal& goal : session.goals()) {
-      if (!isGoalShown(sandbox, goal)) continue;
+      if (!isGoalShown(sandbox.session(), goal)) continue;
       const Vector3d at = session.reached(goal.id);
       const Projected p = s.toWindow(at);
       if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
@@ -96,7 +95,7 @@ void continueDrag(Sandbox::State& s) {
   const Vector2d pixel = s.toView(s.mouse + s.gesture.grip);
   if (const auto target = dragTarget(s.camera(), s.viewport(), pixel, s.gesture.start, wanted))
     s.session->moveDrag(s.gesture.start +
-                        (*target - s.gesture.start).cwiseMax(-10.0 * s.size).cwiseMin(10.0 * s.size));
+                        (*target - s.gesture.start).cwiseMax(-10.0 * s.size()).cwiseMin(10.0 * s.size()));
 }
 
 /// The panel whose tool has the mouse; nullptr: dragging is on.
@@ -182,8 +181,8 @@ void frameSelection(Sandbox& sandbox) {
   if (!s.selectedJoint()) return frameEverything(sandbox, true);
   Eigen::AlignedBox3d box;
   const Vector3d at = sandbox.shownFrames()[*s.selectedJoint()].translation();
-  box.extend(at - Vector3d::Constant(0.08 * s.size));
-  box.extend(at + Vector3d::Constant(0.08 * s.size));
+  box.extend(at - Vector3d::Constant(0.08 * s.size()));
+  box.extend(at + Vector3d::Constant(0.08 * s.size()));
   for (const int child : s.session->skeleton().children(*s.selectedJoint()))
     box.extend(sandbox.shownFrames()[child].translation());
   glideTo(s, frameBox(s.camera(), s.viewport(), box));
@@ -317,35 +316,9 @@ void undoOrRedo(Sandbox& sandbox, bool redo) {
     sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
 }
 
-bool isGoalShown(const Sandbox& sandbox, const SceneGoal& goal) {
-  const Session& session = sandbox.session();
-  if (goal.goal.kind == GoalKind::Posture) return false;
-  if (goal.goal.kind != GoalKind::Pole || goal.state != GoalState::Free) return true;
-  for (const SceneGoal& other : session.goals())
-    if (other.handle && other.state != GoalState::Free && other.goal.kind != GoalKind::Pole &&
-        limbMiddle(session.skeleton(), other.goal.joint) == goal.goal.joint)
-      return true;
-  return false;
-}
-
 void frameEverything(Sandbox& sandbox, bool glide) {
   Sandbox::State& s = sandbox.state();
-  Camera camera;
-  camera.up = s.session->model().up;
-  const bool planar = s.session->model().planar;
-  if (planar) camera.up = Vector3d::UnitZ();
-  camera.orthographic = planar;
-  camera = lookFrom(camera, planar ? StandardView::Top : StandardView::ThreeQuarter);
-  Eigen::AlignedBox3d box = s.bounds;
-  if (planar) {  // everything within reach of the base
-    const Vector3d base = sandbox.shownFrames()[0].translation();
-    double reach = 0.0;
-    for (int i = 0; i < s.session->skeleton().jointCount(); ++i)
-      reach = std::max(reach, chainLength(s.session->skeleton(), i));
-    box.extend(base + Vector3d(reach, reach, 0.0));
-    box.extend(base - Vector3d(reach, reach, 0.0));
-  }
-  camera = frameBox(camera, s.viewport(), box);
+  const Camera camera = s.view->wholeView(*s.session, s.viewport(), s.view->bounds());
   if (glide)
     glideTo(s, camera);
   else

@@ -114,6 +114,13 @@ Input Window::poll(double scale) {
   return input;
 }
 
+void Window::wait(double seconds) {
+  if (std::isfinite(seconds))
+    glfwWaitEventsTimeout(seconds);
+  else
+    glfwWaitEvents();
+}
+
 void Window::swap() { glfwSwapBuffers(window_); }
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 

@@ -21,6 +21,9 @@ class Window {
   bool shouldClose() const;
   /// Collects events; returns what the next frame sees. scale 0: the monitor's.
   Input poll(double scale);
+  /// Sleeps until something happens, or for so many seconds (infinity: as long as it takes).
+  void wait(double seconds);
+  bool hasEvents() const { return !queue_.empty(); }
   void swap();
   void setTitle(const std::string& title);
 

@@ -1,5 +1,7 @@
 #include "kinematics/io/bvh.h"
 
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -317,8 +319,29 @@ Plan planJoint(const Skeleton& skeleton, const Frames& rest, int i) {
   return plan;
 }
 
+/// Shortest text that reads back as the same double, without an exponent: not every reader knows one.
+std::string plainNumber(double value) {
+  char buffer[400];
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed);
+  return std::string(buffer, end);
+}
+
 std::string triple(const Vector3d& v) {
-  return exactNumber(v.x()) + ' ' + exactNumber(v.y()) + ' ' + exactNumber(v.z());
+  return plainNumber(v.x()) + ' ' + plainNumber(v.y()) + ' ' + plainNumber(v.z());
+}
+
+/// Names as one word each: blanks and braces, which other readers cut at, become '_'.
+std::vector<std::string> wordNames(const Skeleton& skeleton) {
+  std::vector<std::string> names;
+  std::unordered_set<std::string> taken;
+  for (const Joint& joint : skeleton.joints()) {
+    std::string name = joint.name;
+    for (char& c : name)
+      if (std::isspace(static_cast<unsigned char>(c)) || c == '{' || c == '}') c = '_';
+    while (!taken.insert(name).second) name += '_';
+    names.push_back(name);
+  }
+  return names;
 }
 
 /// The offset from the parent's place, in the parent's bind frame turned to the world: what OFFSET and
@@ -338,6 +361,7 @@ void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<P
     bool closing;
   };
   std::vector<Step> open{{0, 0, false}};
+  const std::vector<std::string> names = wordNames(skeleton);
   text += "HIERARCHY\n";
   while (!open.empty()) {
     const Step step = open.back();
@@ -354,7 +378,7 @@ void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<P
             (step.joint == 0 ? "ROOT "
              : plan.end      ? "End Site"
                              : "JOINT ") +
-            (plan.end ? "" : skeleton.joint(step.joint).name) + '\n' + indent + "{\n" + indent + "\tOFFSET " +
+            (plan.end ? "" : names[step.joint]) + '\n' + indent + "{\n" + indent + "\tOFFSET " +
             triple(offset / metresPerUnit) + '\n';
     if (!plan.end) {
       order.push_back(step.joint);
@@ -381,7 +405,7 @@ std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double m
   std::vector<int> order;
   hierarchy(skeleton, rest, plans, metresPerUnit, text, order);
   text += "MOTION\nFrames: " + std::to_string(clip.frameCount()) +
-          "\nFrame Time: " + exactNumber(1.0 / clip.framesPerSecond) + '\n';
+          "\nFrame Time: " + plainNumber(1.0 / clip.framesPerSecond) + '\n';
 
   std::vector<Vector3d> angles(skeleton.jointCount(),
                                Vector3d::Zero());  // the hint that keeps angles continuous
@@ -394,7 +418,7 @@ std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double m
       const Plan& plan = plans[i];
       if (plan.positions) line += ' ' + triple(localPosition(skeleton, rest, frames, i) / metresPerUnit);
       if (plan.keepsAngles) {
-        for (const int at : plan.qOfAngle) line += ' ' + exactNumber(q[at] / radiansPerDegree);
+        for (const int at : plan.qOfAngle) line += ' ' + plainNumber(q[at] / radiansPerDegree);
         continue;
       }
       // worldTurn = worldFromJoint restFromWorld: the turn from the bind pose, in the world; BVH wants it

@@ -23,7 +23,7 @@ bool CsvReader::next(std::vector<std::string>& fields) {
   line_ = nextLine_;
   fields.emplace_back();
   std::size_t at = 0;
-  bool quoted = false;
+  bool quoted = false, wasQuoted = false;  // the carriage return of a quoted field is its own
   complete_ = false;
   for (; at < rest_.size() && !complete_; ++at) {
     const char c = rest_[at];
@@ -36,12 +36,13 @@ bool CsvReader::next(std::vector<std::string>& fields) {
       else
         quoted = false;
     } else if (c == '"' && fields.back().empty()) {
-      quoted = true;
+      quoted = wasQuoted = true;
     } else if (c == ',') {
       fields.emplace_back();
+      wasQuoted = false;
     } else if (c == '\n') {
       complete_ = true;
-      if (!fields.back().empty() && fields.back().back() == '\r') fields.back().pop_back();
+      if (!wasQuoted && !fields.back().empty() && fields.back().back() == '\r') fields.back().pop_back();
     } else {
       fields.back() += c;
     }

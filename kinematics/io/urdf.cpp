@@ -129,7 +129,7 @@ class Reader {
       const auto value = words.size() == 3 ? parseNumber(words[k]) : std::nullopt;
       if (!value)
         fail(element, std::string("three finite numbers as ") + name,
-             words.size() == 3 ? badNumber(words[k]) : "'" + std::string(text) + "'");
+             "'" + std::string(text) + "'" + (words.size() == 3 ? ", " + badNumber(words[k]) : ""));
       v[k] = *value;
     }
     return v;

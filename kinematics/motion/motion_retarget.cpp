@@ -143,8 +143,16 @@ class Retargeter {
     for (int t = 0; t < target.jointCount(); ++t)
       if (childOf_[t] >= 0) hinges_[t] = hingeAt(t, directions);
     moving_ = movingJoint(target, top_);
+    const StandingParts sourceParts = standingParts(source), targetParts = standingParts(target);
+    if (sourceParts.legs.size() == 2 && targetParts.legs.size() == 2)
+      for (int k = 0; k < 2; ++k) {
+        sourceHips_.push_back(sourceParts.legs[k].hip);
+        targetHips_.push_back(targetParts.legs[k].hip);
+      }
     findScale(sourceLengths, targetLengths, options);
     findFloors(clip);
+    sourceFloor_ += ankleHeight(standingParts(source_), standing_.frames);
+    targetFloor_ += ankleHeight(standingParts(target_), targetRest_);
   }
 
   double scale() const { return scale_; }
@@ -174,8 +182,8 @@ class Retargeter {
     const Matrix3d zero = joint.parent < 0
                               ? Matrix3d(joint.parentFromZero.linear())
                               : Matrix3d(frames[joint.parent].linear() * joint.parentFromZero.linear());
-    const Vector3d way =
-        zero.transpose() * (placeOf(source[sourceOf_[top_]].translation()) - frames[top_].translation());
+    const Vector3d way = zero.transpose() * (placeOf(pathPoint(source, sourceHips_, sourceOf_[top_])) -
+                                             pathPoint(frames, targetHips_, top_));
     for (int k = 0; k < 3; ++k) q[target_.qIndex(moving_) + k] += joint.axes[k].axis.dot(way);
   }
 
@@ -185,11 +193,6 @@ class Retargeter {
     place *= scale_;
     place.y() += targetFloor_;
     return place;
-  }
-  /// What the target's joint stands higher than the source's, scaled, where both stand.
-  double higher(int t) const {
-    return targetRest_[t].translation().y() - lowest(targetRest_) -
-           scale_ * (standing_.frames[sourceOf_[t]].translation().y() - lowest(standing_.frames));
   }
 
   Matrix3d wantedRotation(const Frames& source, int t) const {
@@ -208,6 +211,12 @@ class Retargeter {
   }
 
  private:
+  /// What the path is of: the middle of both hips, since rigs put their pelvis or root where they like.
+  static Vector3d pathPoint(const Frames& frames, const std::vector<int>& hips, int otherwise) {
+    if (hips.empty()) return frames[otherwise].translation();
+    return 0.5 * (frames[hips[0]].translation() + frames[hips[1]].translation());
+  }
+
   Eigen::Isometry3d zeroFrame(int t, const Frames& frames) const {
     const Joint& joint = target_.joint(t);
     return joint.parent < 0 ? joint.parentFromZero : frames[joint.parent] * joint.parentFromZero;
@@ -305,26 +314,42 @@ class Retargeter {
       scale_ = targetLengths / sourceLengths;
   }
 
+  /// Of the feet's joints over the lowest joint where the body stands: heights scale above them, so that legs
+  /// of other lengths stand as straight and every foot keeps its own height. 0 without legs.
+  static double ankleHeight(const StandingParts& parts, const Frames& frames) {
+    double sum = 0.0;
+    for (const StandingParts::Leg& leg : parts.legs)
+      sum += frames[leg.foot].translation().y() - lowest(frames);
+    return parts.legs.empty() ? 0.0 : sum / static_cast<double>(parts.legs.size());
+  }
+
   void findFloors(const MotionClip& clip) {
-    const double sourceLegs = legLength(source_, standingParts(source_), standing_.frames),
+    const StandingParts parts = standingParts(source_);
+    const double sourceLegs = legLength(source_, parts, standing_.frames),
                  targetLegs = legLength(target_, standingParts(target_), targetRest_);
     const double sourceLowest = lowest(standing_.frames), targetLowest = lowest(targetRest_);
-    const bool restsOnFloor = standing_.frame < 0 &&
-                              (!(sourceLegs > 0.0) || std::abs(sourceLowest) < 0.1 * sourceLegs) &&
-                              (!(targetLegs > 0.0) || std::abs(targetLowest) < 0.1 * targetLegs);
-    if (restsOnFloor) {
-      sourceFloor_ = sourceLowest, targetFloor_ = targetLowest;
-      return;
-    }
-    std::vector<double> heights;
+    const bool targetOnFloor = !(targetLegs > 0.0) || std::abs(targetLowest) < 0.1 * targetLegs;
+    const bool sourceOnFloor =
+        standing_.frame < 0 && (!(sourceLegs > 0.0) || std::abs(sourceLowest) < 0.1 * sourceLegs);
+    std::vector<double> upright, all;
     Frames frames;
     for (int f = 0; f < clip.frameCount(); ++f) {
       forwardKinematics(source_, clip.q.col(f), frames);
-      heights.push_back(lowest(frames));
+      all.push_back(lowest(frames));
+      if (!parts.empty() && uprightness(parts, frames, Vector3d::UnitY()) >= 0.8)
+        upright.push_back(all.back());
     }
+    std::vector<double>& heights = 2 * upright.size() >= all.size() ? upright : all;
     const auto tenth = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 10);
     std::nth_element(heights.begin(), tenth, heights.end());
-    sourceFloor_ = std::abs(*tenth) < 0.2 * sourceLegs ? 0.0 : *tenth;
+    // A rest pose on the floor counts unless the body plainly stands elsewhere in most frames.
+    const bool elsewhere = &heights == &upright && std::abs(*tenth - sourceLowest) > 0.2 * sourceLegs;
+    sourceFloor_ = sourceOnFloor && !elsewhere ? sourceLowest : *tenth;
+    // A target that rests with its root at the origin does not say where its floor is: the source's, if near
+    // 0.
+    targetFloor_ = targetOnFloor                               ? targetLowest
+                   : std::abs(sourceFloor_) < 0.2 * sourceLegs ? scale_ * sourceFloor_
+                                                               : 0.0;
   }
 
   const Skeleton& source_;
@@ -337,6 +362,7 @@ class Retargeter {
   std::vector<Hinge> hinges_;
   std::vector<double> twists_;  ///< of the ball above each hinge, of the frame before
   int top_ = -1, moving_ = -1;  ///< what carries the path, and the joint whose translations follow
+  std::vector<int> sourceHips_, targetHips_;  ///< both hips of both bodies; else empty
   double sourceFloor_ = 0.0, targetFloor_ = 0.0, scale_ = 1.0;
 };
 
@@ -366,10 +392,8 @@ void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& 
       const Frames from = forwardKinematics(source, clip.q.col(f));
       VectorXd q = result.clip.q.col(f);
       const Matrix3d turn = forwardKinematics(target, q)[t].linear();
-      Vector3d place = retargeter.placeOf(from[s].translation());
-      const Vector3d scaled = place;
-      if (onFloor) place.y() += retargeter.higher(t);
-      const double left = reachWithLeastChange(target, q, t, place, limb);
+      const Vector3d scaled = retargeter.placeOf(from[s].translation());
+      const double left = reachWithLeastChange(target, q, t, scaled, limb);
       const Frames posed = forwardKinematics(target, q);
       const Matrix3d zero = posed[target.parent(t)].linear() * target.joint(t).parentFromZero.linear();
       setJointRotation(target, q, t, Quaterniond(Matrix3d(zero.transpose() * turn)).normalized());

@@ -61,11 +61,13 @@ inline constexpr double smallestUsualScale = 0.2, largestUsualScale = 5.0;
 /// the side within the hinge's limits. Other joints of fewer axes come as near as setJointRotation can;
 /// unmatched ones keep their rest values; nothing is clamped to limits.
 ///
-/// The path of the pelvis, else of the topmost matched joint, is scaled by the ratio of the legs' lengths
-/// along their bones (else of all matched bones). The floor is that of the rest poses where both stand on
-/// y = 0, else y = 0, or where the source's feet go at their lowest where that is far from it. Kept hands and
-/// feet are put in the source's scaled places, feet at their own height, by their limbs alone.
-/// Throws std::invalid_argument where fewer than two joints match, or for a scale that is not positive.
+/// The path is that of the middle of both hips (else of the pelvis, else of the topmost matched joint),
+/// scaled by the ratio of the legs' lengths along their bones (else of all matched bones) above the ankles'
+/// height, which every body keeps. The source's floor is that of its rest pose on y = 0 unless the body
+/// plainly stands elsewhere in most frames, else where its lowest joint goes; the target's is that of its
+/// rest pose on y = 0, else the source's. Kept hands and feet are put in the source's scaled places by their
+/// limbs alone. Throws std::invalid_argument where fewer than two joints match, or for a scale that is not
+/// positive.
 RetargetedClip retargeted(const Skeleton& source, const MotionClip& clip, const Skeleton& target,
                           const RetargetOptions& options = {});
 

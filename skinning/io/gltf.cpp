@@ -159,7 +159,7 @@ std::vector<double> numbers(const tinygltf::Model& model, int index, int compone
                            accessor.componentType, accessor.normalized, components, what, file);
   } else {
     if (!sparse.isSparse) wrong("no buffer view");
-    if (accessor.count > 50'000'000u) wrong(std::to_string(accessor.count) + " elements without a buffer");
+    if (accessor.count > 1'000'000u) wrong(std::to_string(accessor.count) + " elements without a buffer");
     values.assign(accessor.count * components, 0.0);
   }
   if (!sparse.isSparse) return values;
@@ -717,6 +717,9 @@ class Reader {
     }
     const double frames = std::floor((last - first) * rate + 0.5) + 1.0;
     if (!(frames < 1e6)) fail(file_, "an animation of fewer than a million frames", exactNumber(frames));
+    if (!(frames * result_.skeleton.nq() < 5e7))
+      fail(file_, "an animation of fewer than 50 million values",
+           exactNumber(frames * result_.skeleton.nq()));
     const int count = static_cast<int>(frames);
     GltfClip clip{name, {.framesPerSecond = rate, .q = Eigen::MatrixXd(result_.skeleton.nq(), count)}};
     for (int f = 0; f < count; ++f) {

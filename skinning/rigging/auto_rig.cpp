@@ -76,25 +76,35 @@ constexpr FitStage schedule[] = {
     {.rounds = 8, .stiffness = 0.02, .robustWidth = 0.03, .pull = 0.02},
 };
 
-/// Joints that came to lie outside the body go to the nearest place inside; on symmetric bodies the right
-/// ones as the mirror images of the left.
-void moveInside(std::vector<RigJoint>& joints, const VoxelBody& voxels, const Placement& placement) {
-  if (!voxels.hasInside()) return;
-  const auto mirrored = [&](const Vector3d& p) {
-    const Vector3d q = placement.frame.toBody(p);
-    return placement.frame.toWorld({-q.x(), q.y(), q.z()});
-  };
-  for (RigJoint& joint : joints) {
-    if (voxels.isInside(joint.position)) continue;
-    Vector3d inside = voxels.nearestInside(joint.position, 0.04 * placement.frame.scale);
-    const bool middle = std::abs(placement.frame.toBody(joint.position).x()) < 1e-6;
-    if (placement.symmetric && middle) inside = 0.5 * (inside + mirrored(inside));
-    if (placement.symmetric && !middle)
-      for (RigJoint& other : joints)
-        if (&other != &joint &&
-            (mirrored(joint.position) - other.position).norm() < 1e-6 * placement.frame.scale)
-          other.position = mirrored(inside);
-    joint.position = inside;
+/// How often the surface winds around a point: 1 inside a closed body that faces outwards, 0 outside (van
+/// Oosterom and Strackee 1983).
+double windingNumber(const Mesh& mesh, const Vector3d& p) {
+  double sum = 0.0;
+  for (const auto& t : mesh.triangles) {
+    const Vector3d a = mesh.positions[t[0]] - p, b = mesh.positions[t[1]] - p, c = mesh.positions[t[2]] - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    sum += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return sum / (2.0 * M_PI);
+}
+
+/// Joints that came to lie outside go towards the middle of their neighbours until they are inside.
+void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh) {
+  const std::vector<RigJoint> before = joints;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    Vector3d home = Vector3d::Zero();
+    int neighbours = 0;
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      if (joints[k].parent == static_cast<int>(i) || before[i].parent == static_cast<int>(k))
+        home += before[i].position, ++neighbours;
+    if (neighbours == 0) continue;
+    home /= neighbours;
+    for (int step = 0; step <= 8; ++step) {
+      const Vector3d p = before[k].position + 0.05 * step * (home - before[k].position);
+      if (!(std::abs(windingNumber(mesh, p)) > 0.5)) continue;
+      joints[k].position = p;
+      break;
+    }
   }
 }
 
@@ -155,8 +165,10 @@ Fit fitBest(const TemplateBody& body, const SurfaceSamples& samples, const std::
 /// proportions beyond any animal's.
 void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& samples, RigReport& report) {
   const Placement& placement = fit.placement;
-  report.up = placement.frame.axes.col(1);
-  report.front = placement.frame.axes.col(2);
+  // The frame's axes are those of the surface; those of the body are its pelvis's.
+  const Eigen::Matrix3d pelvis = placement.frame.axes * placement.maps[0].linear;
+  report.up = pelvis.col(1).normalized();
+  report.front = pelvis.col(0).cross(report.up).normalized();
   report.pose = placement.pose;
   report.symmetric = placement.symmetric;
   report.misfit = fit.misfit;
@@ -218,7 +230,7 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   std::vector<RigJoint> joints =
       rigJoints(body, kind, placement,
                 refineJoints(body, *fit.target, placement.maps, {.symmetric = placement.symmetric}));
-  moveInside(joints, voxels, placement);
+  moveInside(joints, mesh);
   out.skeleton = rigSkeleton(joints);
   if (options.own) out.skeleton = layOwn(out.skeleton, *options.own, report);
 

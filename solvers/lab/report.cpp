@@ -578,10 +578,8 @@ std::string sweepPlot(const Group& group, const Sweep& sweep, const ReportStyle&
     const auto iterations =
         column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : double(r.counters.iterations); });
     std::vector<double> row{x, static_cast<double>(solved) / n, share.lower, share.upper};
-    for (const auto& values : {seconds, iterations}) {
-      const double unit = &values == &seconds ? microsecond : 1.0;
-      for (const double p : {0.5, 0.25, 0.75}) row.push_back(quantile(values, p) / unit);
-    }
+    for (const double p : {0.5, 0.25, 0.75}) row.push_back(quantile(seconds, p) / microsecond);
+    for (const double p : {0.5, 0.25, 0.75}) row.push_back(quantile(iterations, p));
     data.push_back(std::move(row));
   }
   const double low = sweep.solvers.begin()->first, high = sweep.solvers.rbegin()->first;

@@ -134,7 +134,12 @@ class NewtonSolver final : public IkSolver {
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
     CountedEvaluator at(problem);
     IkReport report;
-    at.moveTo(projectToLimits(*problem.skeleton, problem.start));
+    const MovingJoints moving(problem);
+    const auto placed = [&](VectorXd q) {
+      moving.restore(q);  // quotients are not quite 0 where a joint moves nothing
+      return q;
+    };
+    at.moveTo(placed(projectToLimits(*problem.skeleton, problem.start)));
     report.why = Stop::Budget;
     if (!whyUnsupported(problem).empty()) {
       report.why = Stop::Unsupported;
@@ -160,7 +165,8 @@ class NewtonSolver final : public IkSolver {
                                 .stepNorm = dq->norm(),
                                 .damping = 0.0,
                                 .seconds = at.seconds()});
-      const VectorXd next = projectToLimits(*problem.skeleton, integrate(*problem.skeleton, at.q(), *dq));
+      const VectorXd next =
+          placed(projectToLimits(*problem.skeleton, integrate(*problem.skeleton, at.q(), *dq)));
       if (!next.allFinite()) {
         report.why = Stop::Failure;
         break;

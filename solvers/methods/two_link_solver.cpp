@@ -177,12 +177,17 @@ class TwoLinkSolver final : public IkSolver {
       report.residual = at.residual().norm();
       return report;
     }
-    at.moveTo(projectToLimits(*problem.skeleton, problem.start));
+    VectorXd first = projectToLimits(*problem.skeleton, problem.start);
+    MovingJoints(problem).restore(first);
+    at.moveTo(first);
     if (trace != TraceLevel::Off)
       report.trace.push_back(
           {.q = trace == TraceLevel::Full ? at.q() : VectorXd(), .residual = at.residual().norm()});
     for (const Goal* goal : fromTheRoot(problem, at.frames())) bend(at, *goal);
     at.counters().iterations = 1;
+    VectorXd bent = at.q();  // moving on the manifold makes every ball's quaternion unit again
+    MovingJoints(problem).restore(bent);
+    at.moveTo(bent);
     report.q = at.q();
     report.residual = at.residual().norm();
     report.why = !report.q.allFinite()  ? Stop::Failure

@@ -161,10 +161,13 @@ Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_p
     if (field.meaning == GoalField::Meaning::End) goal.end = goal.target;
   }
   if (const std::string why = whyInvalid(goal, skeleton); !why.empty()) fail(why);
-  for (const GoalField& field : type.fields)
-    if (field.meaning == GoalField::Meaning::AxisInJoint || field.meaning == GoalField::Meaning::Direction)
-      (goal.*std::get<Vector3d Goal::*>(field.member)).normalize();
+  normaliseDirections(goal);
   return goal;
+}
+
+void normaliseDirections(Goal& goal) {
+  for (Vector3d* direction : {&goal.axisInJoint, &goal.direction})
+    if (std::abs(direction->squaredNorm() - 1.0) > 1e-14) direction->normalize();
 }
 
 bool namesAKind(std::string_view text) {

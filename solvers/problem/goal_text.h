@@ -16,6 +16,9 @@ namespace gelenk {
 /// need them; may be null. Throws std::invalid_argument that says what is wrong and what there is.
 Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses = {});
 
+/// Axes and directions that are not of unit length to the last bits made so; others stay as they are.
+void normaliseDirections(Goal& goal);
+
 /// Whether such a text begins with the name of a kind.
 bool namesAKind(std::string_view text);
 

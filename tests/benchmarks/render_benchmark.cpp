@@ -5,7 +5,7 @@
 #ifdef GELENK_GRAPHICS
 #include <memory>
 
-#include "apps/render/model_view.h"
+#include "apps/render/scene_view.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
 
@@ -19,18 +19,19 @@ void FigurePicture(benchmark::State& state) {
   } catch (const std::runtime_error& error) {
     return state.SkipWithError(error.what());
   }
-  const Model model = openModel("figure");
-  ModelView view(model);
+  Session session(openModel("figure"));
+  SceneView view(session);
+  view.follow(session, session.frames(), true);
   Renderer renderer;
   const Viewport viewport{1280, 800};
   const RenderTarget target(viewport.width, viewport.height);
-  ViewOptions options;
-  options.ground = options.shadow = state.range(0) == 1;
-  Camera camera = view.usualCamera(viewport);
+  ViewOptions& show = session.view().show;
+  show.ground = show.shadow = state.range(0) == 1;
+  show.handles = false;
+  Camera camera = view.wholeView(session, viewport, view.bounds());
   for (auto _ : state) {
     camera.azimuth += 0.01;
-    renderer.draw(view.compose(model.skeleton.rest(), options, Theme::Light), camera, viewport,
-                  target.framebuffer());
+    renderer.draw(view.compose(session), camera, viewport, target.framebuffer());
     glFinish();
   }
   state.SetLabel(glRenderer() + ", " + std::to_string(renderer.samples()) + " samples");

@@ -1,7 +1,6 @@
 #include "apps/render/renderer.h"
 
 #include "apps/commands/image.h"
-#include "apps/render/model_view.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/signs.h"
 #include "skinning/gpu/render_target.h"

@@ -171,9 +171,9 @@ TEST(BindingPanel, MuscleLayersFollowAndTheSceneKeepsTheWeightsExactly) {
   stage.musclesOn();
   stage.play("0 tab Binding\n1 select chest\n2 key b\n");
   const auto [vertex, pixel] = stage.seenVertex();
-  ASSERT_NEAR(stage.sandbox.state().muscles->body().vertices[vertex].weight, 1.0, 1e-12);
+  ASSERT_NEAR(stage.sandbox.muscles()->body().vertices[vertex].weight, 1.0, 1e-12);
   stage.play("0 move " + at(pixel) + "\n1 press left\n2 release left\n");
-  EXPECT_NEAR(stage.sandbox.state().muscles->body().vertices[vertex].weight, 0.7, 0.01);
+  EXPECT_NEAR(stage.sandbox.muscles()->body().vertices[vertex].weight, 0.7, 0.01);
 
   const std::vector<Influences> painted = stage.weights();
   const auto model = stage.sandbox.session().sharedModel();
@@ -184,7 +184,7 @@ TEST(BindingPanel, MuscleLayersFollowAndTheSceneKeepsTheWeightsExactly) {
   stage.play("0 move 5 5\n");
   EXPECT_EQ(stage.weights(), painted);
   EXPECT_EQ(formatScene(stage.sandbox.document(), *model), saved);
-  EXPECT_NEAR(stage.sandbox.state().muscles->body().vertices[vertex].weight, 0.7, 0.01);
+  EXPECT_NEAR(stage.sandbox.muscles()->body().vertices[vertex].weight, 0.7, 0.01);
 }
 
 TEST(MusclePanel, AClickOnTheLatticeSelectsThePlaneAndADragScalesIt) {

@@ -20,6 +20,7 @@ class Program {
   /// The first line that it writes, without the end.
   std::string readLine();
   bool running();
+  int id() const { return pid_; }
   /// SIGKILL: the process gets no chance to tidy up.
   void kill();
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
@@ -148,6 +149,43 @@ TEST_F(RealWindow, AShortTapOfAKeyIsNotLost) {
   mouse({"key", "Tab"});
   const json status = waitFor([&](const json& s) { return s["solver"] != before; });
   EXPECT_NE(status["solver"], before);
+}
+
+/// Ticks of processor time that the process has taken so far, its own and the system's for it.
+long ticksOf(int process) {
+  const std::string line = readFile("/proc/" + std::to_string(process) + "/stat");
+  std::istringstream words(line.substr(line.rfind(')') + 2));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) words >> skipped;
+  long user = 0, system = 0;
+  words >> user >> system;
+  return user + system;
+}
+
+TEST_F(RealWindow, AtRestItTakesUnderTwoPercentOfACoreAndWakesAtOnce) {
+  const auto frame = [&] { return waitFor([](const json&) { return true; })["frame"].get<int>(); };
+  const auto pause = [](int milliseconds) {
+    const timespec time{milliseconds / 1000, milliseconds % 1000 * 1'000'000L};
+    nanosleep(&time, nullptr);
+  };
+  int last = -1;
+  for (int now = frame(), tries = 0; now != last && tries < 120; ++tries) {  // until it has come to rest
+    last = now;
+    pause(1000);
+    now = frame();
+  }
+  const long before = ticksOf(program_->id());
+  constexpr int seconds = 5;
+  pause(1000 * seconds);
+  const double share = static_cast<double>(ticksOf(program_->id()) - before) / (seconds * sysconf(_SC_CLK_TCK));
+  EXPECT_EQ(frame(), last);
+  EXPECT_LT(share, 0.02);
+  RecordProperty("share_of_a_core", std::to_string(share));
+  moveTo(300, 120);
+  waitFor([&](const json& s) { return std::lround(s["mouse"][0].get<double>()) == 300; });
+  mouse({"key", "space"});  // nothing plays: no reason to go on
+  mouse({"key", "Tab"});
+  waitFor([&](const json& s) { return s["solver"] != "hybrid"; });
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace gelenk {
 
@@ -37,7 +36,6 @@ VoxelBody::VoxelBody(const Mesh& mesh, int resolution) {
       open.push_back(next);
     }
   }
-  insideCount_ = static_cast<std::size_t>(std::count(state_.begin(), state_.end(), Inside));
 }
 
 VoxelBody::State VoxelBody::at(const Vector3d& p) const {
@@ -47,43 +45,32 @@ VoxelBody::State VoxelBody::at(const Vector3d& p) const {
   return state_[indexOf(voxelOf(p))];
 }
 
-Vector3d VoxelBody::nearestInside(const Vector3d& p, double reach) const {
-  if (at(p) == Inside) return p;
-  const int radius = static_cast<int>(std::ceil(reach / size_));
-  const Vector3i centre = voxelOf(p);
-  double nearest = reach;
-  Vector3d found = p;
-  for (int z = -radius; z <= radius; ++z)
-    for (int y = -radius; y <= radius; ++y)
-      for (int x = -radius; x <= radius; ++x) {
-        const Vector3i v = centre + Vector3i(x, y, z);
-        if (!within(v) || state_[indexOf(v)] != Inside) continue;
-        const Vector3d c = origin_ + size_ * (v.cast<double>().array() + 0.5).matrix();
-        if (const double d = (c - p).norm(); d < nearest) nearest = d, found = c;
-      }
-  return found;
-}
-
 SurfaceAir faceOutwards(SurfaceSamples& samples, const VoxelBody& body) {
+  // Where two limbs nearly touch no air is found between them, and thin parts have air on both sides: a few
+  // such samples in a sound surface are left as they are.
+  constexpr double flippedOnPurpose = 0.005, layered = 0.05;
   SurfaceAir air;
   if (samples.points.empty()) return air;
-  SurfaceSamples kept;
+  SurfaceSamples turned = samples, kept;
   const double step = 1.6 * body.voxelSize();
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    const Vector3d& p = samples.points[i];
-    Vector3d n = samples.normals[i];
+    const Vector3d &p = samples.points[i], &n = samples.normals[i];
     const bool before = body.isOutside(p + step * n), behind = body.isOutside(p - step * n);
+    if (behind && !before) turned.normals[i] = -n, ++air.flipped;
     if (!before && !behind) {
       ++air.hidden;
       continue;
     }
-    if (behind && !before) n = -n, ++air.flipped;
     kept.points.push_back(p);
-    kept.normals.push_back(n);
+    kept.normals.push_back(turned.normals[i]);
   }
   const auto all = static_cast<double>(samples.points.size());
-  air.flipped /= all, air.hidden /= all;
-  if (!kept.points.empty()) samples = std::move(kept);
+  air.flipped = air.flipped / all > flippedOnPurpose ? air.flipped / all : 0.0;
+  air.hidden = air.hidden / all > layered ? air.hidden / all : 0.0;
+  if (air.hidden > 0.0 && air.hidden < 0.9)
+    samples = std::move(kept);
+  else if (air.flipped > 0.0)
+    samples = std::move(turned);
   return air;
 }
 

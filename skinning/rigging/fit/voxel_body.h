@@ -19,11 +19,6 @@ class VoxelBody {
   double voxelSize() const { return size_; }
   /// Points beyond the box are outside.
   bool isOutside(const Eigen::Vector3d& p) const { return at(p) == Outside; }
-  bool isInside(const Eigen::Vector3d& p) const { return at(p) == Inside; }
-  bool hasInside() const { return insideCount_ > 0; }
-  /// The centre of the nearest voxel inside, p itself where it lies in one or where there is none within
-  /// `reach`.
-  Eigen::Vector3d nearestInside(const Eigen::Vector3d& p, double reach) const;
 
  private:
   enum State : char { Outside, Surface, Inside };
@@ -43,13 +38,12 @@ class VoxelBody {
   Eigen::Vector3d origin_;
   Eigen::Vector3i count_;
   std::vector<State> state_;
-  std::size_t insideCount_ = 0;
 };
 
 /// What the air says about the samples of a surface.
 struct SurfaceAir {
-  double flipped = 0.0;  ///< share that faced inwards and was turned
-  double hidden = 0.0;   ///< share that no air touches: inner layers; left out
+  double flipped = 0.0;  ///< share that faced inwards and was turned; 0 below 0.5 %, nothing is turned then
+  double hidden = 0.0;   ///< share that no air touches, inner layers: left out; 0 below 5 %
 };
 
 /// Turns the samples' normals outwards and drops those inside the body.

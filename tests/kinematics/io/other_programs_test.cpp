@@ -83,6 +83,22 @@ TEST(OtherProgramsBvh, EndSitesMayHaveNames) {
   EXPECT_EQ(parseBvh(bvh(motion, "End Site a"), "a.bvh").skeleton.joint(1).name, "a_");
 }
 
+TEST(OtherProgramsBvh, WhatIsWrittenHasSingleWordsAsNamesAndNoExponents) {
+  const std::string text =
+      "HIERARCHY\nROOT upper body\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT "
+      "upper_body\n{\n"
+      "OFFSET 0 1e-9 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 "
+      "0\n}\n}\n}\nMOTION\n"
+      "Frames: 1\nFrame Time: 0.1\n1e-12 2 3 4 5 6\n";
+  const BvhMotion source = parseBvh(text, "a.bvh");
+  const std::string written = formatBvh(source.skeleton, source.clip);
+  EXPECT_THAT(written, HasSubstr("ROOT upper_body\n"));
+  EXPECT_THAT(written, HasSubstr("JOINT upper_body_\n"));
+  EXPECT_EQ(written.find("e-"), std::string::npos) << written;
+  const BvhMotion again = parseBvh(written, "b.bvh");
+  EXPECT_LE((again.clip.q.bottomRows(6) - source.clip.q.bottomRows(6)).cwiseAbs().maxCoeff(), 1e-15);
+}
+
 TEST(OtherProgramsBvh, SeveralRootsHangOnOneJointAndMoveEachByItself) {
   const auto body = [](const std::string& name) {
     return "ROOT " + name +

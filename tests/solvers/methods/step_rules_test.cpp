@@ -547,6 +547,7 @@ IkProblem twoLevels(const Skeleton& arm, const VectorXd& q, const VectorXd& r) {
   IkProblem problem = poseProblem(arm, q, r);
   Goal orientation = problem.goals[0];
   problem.goals[0].kind = GoalKind::Position;
+  problem.goals[0].priority = 0;
   orientation.kind = GoalKind::Orientation;
   orientation.priority = 1;
   problem.goals.push_back(orientation);

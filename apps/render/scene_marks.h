@@ -1,0 +1,33 @@
+#pragma once
+
+#include "apps/document/session.h"
+#include "apps/render/overlay.h"
+#include "apps/render/signs.h"
+
+namespace gelenk {
+
+// Signs of a document, made from session and frames. size: a typical length of the scene.
+
+/// The range of a joint that lies at its limit: a sector for each axis at a bound, a cone for a ball. colour:
+/// of the outline; its alpha is how brightly it glows.
+void addLimit(Overlay& overlay, const Session& session, const Frames& worldFromJoint, int joint, double size,
+              const Colour& colour);
+
+/// What the end of a planar chain can reach when its joints turn freely: the ring between the shortest and
+/// the longest reach.
+void addWorkspace(Overlay& overlay, const Session& session, const Frames& worldFromJoint,
+                  const MarkColours& colours);
+
+/// The body moved aside, to the left as the document's camera sees it: for linear blending beside muscle
+/// layers.
+Frames framesBeside(const Session& session, Frames worldFromJoint, double size);
+
+/// Goals that can be seen and taken now; pole handles only where their limb is held.
+bool isGoalShown(const Session& session, const SceneGoal& goal);
+/// Handles, pins and what is missed: discs are positions, squares pins, rings orientations, diamonds wishes
+/// such as poles; and what a goal's type says it looks like. hovered: drawn larger; what
+/// is hovered, dragged or selected shows the fainter lines of its type too.
+void addGoals(Overlay& overlay, const Session& session, double size, const MarkColours& colours,
+              std::optional<GoalId> hovered, std::optional<GoalId> selected);
+
+}  // namespace gelenk

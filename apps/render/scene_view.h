@@ -1,0 +1,99 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/document/session.h"
+#include "apps/render/posed_bounds.h"
+#include "apps/render/renderer.h"
+#include "skinning/muscles/muscle_control.h"
+
+namespace gelenk {
+
+/// A further body in the picture: a comparison, a keyframe, a mocap source.
+struct Ghost {
+  Frames worldFromJoint;                      ///< of the document's model
+  Eigen::Vector3f tint = {0.3f, 0.5f, 0.9f};  ///< sRGB, 0..1
+  float opacity = 0.4f;
+  std::string label = {};
+};
+
+/// What a picture shows beyond the document, that one time.
+struct PictureExtras {
+  std::vector<Ghost> ghosts = {};
+  std::optional<std::vector<Eigen::Vector3f>> vertexColours = {};  ///< linear light 0..1, instead of clay
+  Overlay overlay = {};                                            ///< hidden by bodies in front of it
+  Overlay overlayOnTop = {};                                       ///< seen through everything
+  std::vector<double> limitGlow = {};                              ///< a joint, 0 to 1: limits that light up
+  int latticePlane = -1, latticePoint = -1;  ///< of the limb whose lattice is shown, drawn stronger
+  std::optional<GoalId> hovered = {}, selected = {};  ///< drawn larger; with all that belongs to them
+};
+
+/// The one way from a document to a picture, for window, offscreen, replay and `gelenk render`. Holds what is
+/// costly to make (meshes on the GPU, bound muscle layers, the surface for picking), each made anew where
+/// what it stands on has changed. Needs a current context.
+class SceneView {
+ public:
+  enum class Ground {
+    UnderRest,    ///< the rest pose stands on it
+    UnderMotion,  ///< the first frame of the model's motion does, where that is elsewhere (a BVH's hips often
+                  ///< rest in the origin)
+  };
+  explicit SceneView(const Session& session, Ground ground = Ground::UnderMotion);
+
+  /// Brings everything up to date with the document and the pose that is shown; cheap where nothing changed.
+  /// ownPose: the frames are those of the session's q. stroke: weights are being painted, and muscle layers
+  /// stay as they were bound until that is over.
+  void follow(const Session& session, const Frames& worldFromJoint, bool ownPose, bool stroke = false);
+
+  double size() const { return size_; }                  ///< diagonal of the rest pose, metres
+  double groundHeight() const { return groundHeight_; }  ///< along up
+  bool standsOnMotion() const { return standsOnMotion_; }
+  Eigen::AlignedBox3d bounds() const { return bounds_; }  ///< of the pose shown
+  const Frames& frames() const { return frames_; }
+  bool hasBody() const { return mesh_ != nullptr; }
+  /// The surface as it is shown (world, metres), for picking; empty without a skin.
+  const SkinnedVertices& surface(const Session& session);
+  /// The bound muscle layers; nullptr: off.
+  const MuscleRig* muscles() const { return rig_.get(); }
+  const std::vector<LimbPose>& limbPoses();
+  /// Why the muscle layers that the document asks for are not there; empty: nothing is amiss.
+  const std::string& muscleFault() const { return muscleFault_; }
+
+  /// The camera of a document that begins: everything in view (planar: all that the arm can reach), from the
+  /// direction that the document's camera looks.
+  Camera wholeView(const Session& session, const Viewport& viewport, const Eigen::AlignedBox3d& box) const;
+
+  /// The picture. It points into this object and is valid until the next call.
+  RenderScene compose(const Session& session, PictureExtras extras = {});
+
+ private:
+  void bind(const Session& session);
+  void addBodies(const Session& session, PictureExtras& extras, RenderScene& scene);
+  void addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene);
+  Eigen::AlignedBox3d boundsAt(const Session& session, const Frames& frames) const;
+
+  std::unique_ptr<SkinnedMeshGl> mesh_, layeredMesh_;
+  std::unique_ptr<PosedBounds> posedBounds_;
+  int meshVersion_ = 0, rigVersion_ = 0;  ///< Session::weightsVersion() that they stand on
+  std::shared_ptr<const MuscleSettings> settings_;
+  std::unique_ptr<MuscleRig> rig_;
+  std::string muscleFault_;
+
+  Frames frames_;
+  bool ownPose_ = false;
+  SkinnedVertices surface_;
+  int surfaceVersion_ = -1;  ///< of the weights
+  bool surfaceIsCurrent_ = false, limbsAreCurrent_ = false;
+  std::vector<LimbPose> limbs_;
+  Eigen::AlignedBox3d bounds_;
+  double size_ = 1.0, groundHeight_ = 0.0;
+  bool standsOnMotion_ = false;
+
+  SkinPose pose_;
+  std::vector<SkinPose> ghostPoses_;
+};
+
+}  // namespace gelenk
