@@ -216,7 +216,9 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
     // Roots come in pairs; an odd number, a root that led nowhere, or a noisy polynomial asks for another
     // cut.
     roots = std::max(roots, found.roots);
-    if (found.noise < 1e-9 && found.suspects == 0 && out.count % 2 == 0 && out.count >= roots) {
+    // A start far from its solution may have ended at another's.
+    if (found.noise < 1e-9 && found.suspects == 0 && found.raw < 1e-2 && out.count % 2 == 0 &&
+        out.count >= roots) {
       out.complete = true;
       return;
     }

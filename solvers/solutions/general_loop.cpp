@@ -221,15 +221,22 @@ struct Circle {
 };
 const Circle circle;
 
-GELENK_SIMD_CLONES void sampledDeterminants(const Resultant& resultant, double value[samples]) {
-  for (int j = 0; j < samples; j += 4)
-    fourDeterminants(resultant, circle.cosine + j, circle.sine + j, value + j);
+/// At 24 points of the circle, the first at `offset`.
+GELENK_SIMD_CLONES void sampledDeterminants(const Resultant& resultant, double offset,
+                                            double value[samples]) {
+  const double c = std::cos(offset), s = std::sin(offset);
+  double cosine[samples], sine[samples];
+  for (int j = 0; j < samples; ++j) {
+    cosine[j] = c * circle.cosine[j] - s * circle.sine[j];
+    sine[j] = s * circle.cosine[j] + c * circle.sine[j];
+  }
+  for (int j = 0; j < samples; j += 4) fourDeterminants(resultant, cosine + j, sine + j, value + j);
 }
 
 /// The determinant as a polynomial of largest sampled value one, and what its harmonics 9 to 12 hold.
 double interpolate(const Resultant& resultant, TrigonometricPolynomial& polynomial) {
   double value[samples], largest = 0.0;
-  sampledDeterminants(resultant, value);
+  sampledDeterminants(resultant, 0.0, value);
   for (const double v : value) largest = std::max(largest, std::abs(v));
   if (!(largest > 1e-280)) return 1.0;
   polynomial.degree = 8;
@@ -496,8 +503,8 @@ LoopSolutions solveGeneralLoop(const Loop& loop) {
   solutions.noise = interpolate(resultant, polynomial);
   if (solutions.noise > 1e-4) return solutions;
   const TrigonometricRoots roots = realRoots(polynomial, 100.0 * solutions.noise);
-  for (int r = 0; r < roots.count; ++r) {
-    double u3 = roots.t[r], u4[4], u5[4];
+  const auto follow = [&](double root, bool proven) {
+    double u3 = root, u4[4], u5[4];
     int dimension = 1;
     for (int pass = 0; pass < 4; ++pass) {
       const double c = std::cos(u3), s = std::sin(u3);
@@ -520,7 +527,7 @@ LoopSolutions solveGeneralLoop(const Loop& loop) {
       double error, raw;
       if (!u.allFinite() || !polish(loop, u, 1e-10, error, raw)) return;
       for (double& angle : u) angle = wrapped(angle);
-      if (std::abs(wrapped(u[2] - roots.t[r])) > 0.05) return;
+      if (std::abs(wrapped(u[2] - root)) > 0.05) return;
       if (add(solutions, u, error)) solutions.raw = std::max(solutions.raw, raw);
     };
     const auto accept = [&](int candidates) {
@@ -528,24 +535,46 @@ LoopSolutions solveGeneralLoop(const Loop& loop) {
       for (int b = 0; b < candidates; ++b) take(complete(loop, e, elimination, u3, u4[b], u5[b]));
       return solutions.count > before;
     };
-    if (accept(dimension) || dimension > 1) continue;
+    if (accept(dimension) || dimension > 1) return;
     // Nothing new: another root lies so close that the kernel holds a mixture of both solutions.
     Square A;
-    u3 = roots.t[r];
+    u3 = root;
     resultant.at(std::cos(u3), std::sin(u3), A);
     splitKernel(Kernel(A, 2), u4, u5);
-    if (accept(2) || r >= roots.count - roots.grazing) continue;
+    if (accept(2) || !proven) return;
     // The triangular system for hinges 1 and 2 is ill-conditioned: all round instead.
     const double u4Own = u4[0], u5Own = u5[0];
     const int before = solutions.count;
     constexpr int round = 6;
     for (int k = 0; k < 2 * round * round && solutions.count == before; ++k) {
       Vector6d u;
-      u << 2.0 * M_PI * (k % round) / round, 2.0 * M_PI * (k / round % round) / round, roots.t[r], u4Own,
-          u5Own, 0;
+      u << 2.0 * M_PI * (k % round) / round, 2.0 * M_PI * (k / round % round) / round, root, u4Own, u5Own, 0;
       if (k >= round * round) u[3] = u4[1], u[4] = u5[1];
       closeLast(loop, u);
       take(u);
+    }
+  };
+  for (int r = 0; r < roots.count; ++r) follow(roots.t[r], r < roots.count - roots.grazing);
+  if (solutions.count < roots.count) {
+    // The determinant spans more than double precision round the circle; its own samples are accurate where
+    // the polynomial drowns in noise: sign changes and dips of a finer grid.
+    constexpr int rounds = 8;
+    double value[samples * rounds], at[samples * rounds];
+    for (int k = 0; k < rounds; ++k) {
+      double part[samples];
+      sampledDeterminants(resultant, 2.0 * M_PI * k / (samples * rounds), part);
+      for (int j = 0; j < samples; ++j) {
+        value[j * rounds + k] = part[j];
+        at[j * rounds + k] = 2.0 * M_PI * (j * rounds + k) / (samples * rounds);
+      }
+    }
+    constexpr int n = samples * rounds;
+    for (int j = 0; j < n && solutions.count < LoopSolutions::most; ++j) {
+      const double left = value[(j + n - 1) % n], own = value[j], right = value[(j + 1) % n];
+      if ((own < 0.0) != (right < 0.0))
+        follow(at[j] + (2.0 * M_PI / n) * own / (own - right), false);
+      else if (std::abs(own) < std::abs(left) && std::abs(own) < std::abs(right))
+        follow(at[j], false);
     }
   }
   solutions.roots = roots.count - roots.grazing;

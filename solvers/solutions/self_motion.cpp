@@ -402,55 +402,21 @@ double SevenJointArm::slideTowards(const Isometry3d& worldFromTip, const Vector7
 }
 
 bool SevenJointArm::nearest(const Isometry3d& worldFromTip, const Vector7d& near, Vector7d& best,
-                            int slices) const {
-  // A range of less than a turn is looked at whole; of a wider one the turn round `near`.
-  double lower = chain_.lower[held_], upper = chain_.upper[held_];
-  if (!(upper - lower < turn)) lower = near[held_] - M_PI, upper = near[held_] + M_PI;
-  constexpr int kept = 6;
-  std::array<Vector7d, kept> candidate;
-  std::array<double, kept> distance;
-  distance.fill(INFINITY);
-  SliceSolutions found;
-  const double width = (upper - lower) / slices;
-  // From the held joint's own value outwards: what lies farther in it alone than the best, with a slice to
-  // spare, cannot be nearer.
-  const double centre = std::clamp(near[held_], lower, upper);
-  for (int k = 0; k <= 2 * slices; ++k) {
-    const double offset = (k + 1) / 2 * width * (k % 2 ? 1.0 : -1.0), angle = centre + offset;
-    if (angle < lower || angle > upper) continue;
-    if (std::abs(offset) - 2.0 * width > distance[0]) break;
-    slice(worldFromTip, angle, near, found);
-    for (int i = 0; i < found.count; ++i) {
-      if (!found.withinLimits[i]) continue;
-      double d = (found.q[i] - near).norm();
-      Vector7d q = found.q[i];
-      // One candidate a stretch of a branch: a neighbour that is nearer takes the place.
-      int at = -1;
-      for (int c = 0; c < kept && at < 0; ++c)
-        if (std::isfinite(distance[c]) && (candidate[c] - q).norm() < 6.0 * width) at = c;
-      if (at >= 0 && distance[at] <= d) continue;
-      if (at < 0) {
-        at = kept - 1;
-        if (d >= distance[at]) continue;
-      }
-      for (; at > 0 && distance[at - 1] > d; --at)
-        candidate[at] = candidate[at - 1], distance[at] = distance[at - 1];
-      candidate[at] = q, distance[at] = d;
-    }
-  }
-  if (!std::isfinite(distance[0]))  // what is within limits may lie between two slices: walk the whole curves
-    for (const SelfMotionCurve& piece : selfMotion(worldFromTip))
-      for (const Vector7d& q : piece.q)
-        if ((q - near).norm() < distance[0]) candidate[0] = q, distance[0] = (q - near).norm();
-  if (!std::isfinite(distance[0])) return false;
+                            const SelfMotionOptions& options) const {
   const Isometry3d goal = lastFrame(worldFromTip);
   double bestDistance = INFINITY;
-  for (int c = 0; c < kept && std::isfinite(distance[c]); ++c) {
-    Vector7d q = candidate[c];
-    const double d = descend(goal, near, q);
-    if (d < bestDistance) bestDistance = d, best = q;
+  for (const SelfMotionCurve& piece : selfMotion(worldFromTip, options)) {
+    const auto distance = [&](size_t k) { return (piece.q[k] - near).norm(); };
+    for (size_t k = 0; k < piece.q.size(); ++k) {
+      const double own = distance(k);
+      if (own - 2.0 * options.step > bestDistance) continue;
+      if ((k > 0 && distance(k - 1) < own) || (k + 1 < piece.q.size() && distance(k + 1) < own)) continue;
+      Vector7d q = piece.q[k];
+      const double d = descend(goal, near, q);
+      if (d < bestDistance) bestDistance = d, best = q;
+    }
   }
-  return true;
+  return std::isfinite(bestDistance);
 }
 
 }  // namespace gelenk

@@ -54,10 +54,11 @@ class SevenJointArm {
   std::vector<SelfMotionCurve> selfMotion(const Eigen::Isometry3d& worldFromTip,
                                           const SelfMotionOptions& options = {}) const;
 
-  /// The solution within limits nearest to `near`: slices over the held joint's range, then a projected
-  /// Newton on the distance from the best of them. False where no slice has a solution within limits.
+  /// The solution within limits nearest to `near`: of every piece of the self-motion the points that are
+  /// nearer than their neighbours, each improved by a projected Newton on the distance. False where no
+  /// solution lies within the limits.
   bool nearest(const Eigen::Isometry3d& worldFromTip, const Vector7d& near, Vector7d& best,
-               int slices = 48) const;
+               const SelfMotionOptions& options = {}) const;
 
   /// Slides a solution along its self-motion, by at most `most` radians and within limits, to where it is
   /// nearest to `wanted` by the tangent there; returns how far it went.
