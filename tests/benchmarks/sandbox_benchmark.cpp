@@ -28,7 +28,7 @@ BENCHMARK(pickTheSkin)->Unit(benchmark::kMillisecond);
 /// Feet pinned, one hand led on a circle of 10 cm at 1 cm a frame.
 void sessionStepWhileDragging(benchmark::State& state) {
   Session session(openModel("figure"));
-  const int hand = *session.findGoal("hand_r");
+  const GoalId hand = *session.findGoal("hand_r");
   session.beginDrag(hand);
   const Eigen::Vector3d centre = session.goals()[hand].goal.target;
   double angle = 0.0;
