@@ -30,7 +30,7 @@ void sessionStepWhileDragging(benchmark::State& state) {
   Session session(openModel("figure"));
   const GoalId hand = *session.findGoal("hand_r");
   session.beginDrag(hand);
-  const Eigen::Vector3d centre = session.goals()[hand].goal.target;
+  const Eigen::Vector3d centre = session.goal(hand).goal.target;
   double angle = 0.0;
   for (auto _ : state) {
     angle += 0.1;
