@@ -4,19 +4,19 @@ namespace gelenk {
 
 using Eigen::Vector3d;
 
-Vector3d Bend::line() const { return (c - a) / std::max((c - a).norm(), 1e-12); }
+Vector3d PoleBend::line() const { return (c - a) / std::max((c - a).norm(), 1e-12); }
 
-Vector3d Bend::side(const Vector3d& target) const {
+Vector3d PoleBend::side(const Vector3d& target) const {
   const Vector3d u = line(), s = target - a;
   return s - u * u.dot(s);
 }
 
-double Bend::distanceFromPlane(const Vector3d& target) const {
+double PoleBend::distanceFromPlane(const Vector3d& target) const {
   const double width = side(target).norm();
   return width > 1e-12 ? line().dot((b - a).cross(target - a)) / width : 0.0;
 }
 
-Vector3d Bend::onSide(const Vector3d& target) const {
+Vector3d PoleBend::onSide(const Vector3d& target) const {
   const Vector3d u = line(), across = side(target), foot = a + u * u.dot(b - a);
   const double width = across.norm();
   if (!((c - a).norm() > 1e-9 && width > 1e-9)) return b;
@@ -24,7 +24,7 @@ Vector3d Bend::onSide(const Vector3d& target) const {
 }
 
 Vector3d polePoint(const Skeleton& skeleton, const Frames& frames, int middle) {
-  Bend bend{frames[skeleton.parent(middle)].translation(), frames[middle].translation(), {}};
+  PoleBend bend{frames[skeleton.parent(middle)].translation(), frames[middle].translation(), {}};
   bend.c =
       skeleton.children(middle).empty() ? bend.b : frames[skeleton.children(middle).front()].translation();
   const double length = (bend.b - bend.a).norm() + (bend.c - bend.b).norm();

@@ -5,7 +5,7 @@
 namespace gelenk {
 
 /// A limb that bends at b between a and c (shoulder, elbow, wrist), metres: the geometry of poles.
-struct Bend {
+struct PoleBend {
   Eigen::Vector3d a, b, c;
 
   /// Unit vector from a to c.

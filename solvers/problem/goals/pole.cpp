@@ -24,7 +24,7 @@ constexpr GoalField fields[] = {
 
 int childOf(const Goal& goal, const Skeleton& skeleton) { return skeleton.children(goal.joint).front(); }
 
-Bend bendAt(const Goal& goal, const Skeleton& skeleton, const Frames& frames) {
+PoleBend bendAt(const Goal& goal, const Skeleton& skeleton, const Frames& frames) {
   return {frames[skeleton.parent(goal.joint)].translation(), frames[goal.joint].translation(),
           frames[childOf(goal, skeleton)].translation()};
 }
@@ -35,7 +35,7 @@ void residual(const Goal& goal, const GoalPlace& at, Eigen::Ref<VectorXd> r) {
 
 void jacobian(const Goal& goal, const GoalMotion& at, Eigen::Ref<MatrixXd> J) {
   const int parent = at.skeleton.parent(goal.joint), child = childOf(goal, at.skeleton);
-  const Bend bend = bendAt(goal, at.skeleton, at.frames);
+  const PoleBend bend = bendAt(goal, at.skeleton, at.frames);
   const double length = std::max((bend.c - bend.a).norm(), 1e-12);
   const Vector3d u = bend.line(), s = goal.target - bend.a, e = bend.b - bend.a;
   const double D = bend.side(goal.target).norm(), N = u.dot(e.cross(s));
@@ -77,7 +77,7 @@ void references(const Goal& goal, const Skeleton& skeleton, std::array<Carried, 
             .inJoint = skeleton.joint(childOf(goal, skeleton)).parentFromZero.translation()};
 }
 Vector3d follow(const Goal& goal, const std::array<Vector3d, 3>& at) {
-  return Bend{at[0], at[1], at[2]}.onSide(goal.target);
+  return PoleBend{at[0], at[1], at[2]}.onSide(goal.target);
 }
 
 Vector3d reached(const Goal& goal, const GoalPlace& at) {
