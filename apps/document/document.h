@@ -42,8 +42,9 @@ enum class GoalId : int {};
 /// A goal of the document and how it is held. Goals of handles are always there; others come with a drag and
 /// go with it.
 struct SceneGoal {
-  Goal goal;  ///< weight is set by the session from the state
+  Goal goal;  ///< its own weight is set by the session from state and weight
   GoalState state = GoalState::Free;
+  double weight = 1.0;  ///< of the user: on the squared error, beside what the state brings
   bool handle = false;
   SurfacePoint surface =
       {};  ///< triangle >= 0: a point of the skin, whose pointInJoint the session keeps up to date

@@ -37,7 +37,7 @@ class DragFrameSolver final : public FrameSolver {
     fresh_ = false;
     goals_ = problem.goals;
     for (Goal& goal : goals_)
-      if (goal.role == Role::Pin) goal.weight = 1.0;  // pins have their weight in the solver's options
+      if (goal.role == Role::Pin) goal.weight /= pinWeight;  // pins have their weight in the solver's options
     return leavingSaddles(problem, settle(problem.start));
   }
   void reset() override { fresh_ = true; }

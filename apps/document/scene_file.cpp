@@ -152,6 +152,7 @@ Json toJson(const SceneGoal& sceneGoal, const Skeleton& skeleton) {
              {"kind", goalType(goal.kind).name},
              {"state", nameIn(stateNames, state)},
              {"handle", sceneGoal.handle}};
+  if (sceneGoal.weight != 1.0) entry["weight"] = sceneGoal.weight;
   for (const GoalField& field : goalType(goal.kind).fields)
     entry[std::string(field.name)] =
         std::visit([&](auto member) { return fieldToJson(goal.*member, skeleton); }, field.member);
@@ -183,6 +184,10 @@ SceneGoal readGoal(const JsonEntry& entry, const Model& model) {
   out.state = entry.at("state").oneOf(stateNames);
   if (out.state == GoalState::Dragged) out.state = GoalState::Held;
   out.handle = entry.at("handle").boolean();
+  if (const auto weight = entry.find("weight")) {
+    out.weight = weight->number();
+    if (!(out.weight > 0.0 && out.weight <= 1e6)) weight->fail("a weight above 0, at most 1e6");
+  }
   if (const auto e = entry.find("surface")) {
     const int triangles = model.skin ? static_cast<int>(model.skin->mesh.triangles.size()) : 0;
     out.surface.triangle = e->at("triangle").integer(0, triangles - 1);

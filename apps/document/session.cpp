@@ -11,14 +11,14 @@
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 #include "kinematics/symmetry.h"
+#include "solvers/iteration/attempt.h"
 #include "solvers/problem/goal_text.h"
 #include "solvers/problem/support.h"
 
 namespace gelenk {
 namespace {
 
-constexpr double pinWeight =
-    300.0;  // on the squared error: a pin yields 300 times less than the hand that pulls
+constexpr double pinnedWithin = 3e-4;  // metres: a pin that is missed by more is put where its point is
 
 bool has(const Goal& goal, GoalField::Meaning meaning) {
   return std::ranges::any_of(goalType(goal.kind).fields,
@@ -153,11 +153,53 @@ void Session::resetPose() {
 }
 
 void Session::mirrorPose() {
-  const Eigen::VectorXd mirrored = gelenk::mirrorPose(skeleton(), q());
   endDrag();
+  const Eigen::VectorXd mirrored = gelenk::mirrorPose(skeleton(), q());
+  const Frames before = frames_;
   remember();
   place(projectToLimits(skeleton(), mirrored));
-  followPose();
+  mirrorGoals(before);
+  solver_->reset();
+}
+
+/// What a goal asked of one side it asks of the other. The frames of two partners are no reflections of each
+/// other; those of the body before and after are: an orientation keeps its turn from the one reached.
+void Session::mirrorGoals(const Frames& before) {
+  const std::vector<int> partners = mirrorPartners(skeleton());
+  const auto reflected = [](const Eigen::Vector3d& p) { return Eigen::Vector3d(-p.x(), p.y(), p.z()); };
+  const std::vector<SceneGoal> old = document_.edits.goals;
+  const auto mirrors = [](const SceneGoal& goal) {
+    return goal.goal.kind == GoalKind::Position || goal.goal.kind == GoalKind::Pose ||
+           goal.goal.kind == GoalKind::Orientation || goal.goal.kind == GoalKind::Pole;
+  };
+  for (SceneGoal& goal : document_.edits.goals) {
+    if (!mirrors(goal)) {
+      if (goalType(goal.goal.kind).movesWithPose) holdHere(goal);
+      continue;
+    }
+    // A handle takes over from the handle of the other side, another goal goes there itself.
+    const auto isPartner = [&](const SceneGoal& other) {
+      return other.handle && mirrors(other) && other.goal.joint == partners[goal.goal.joint] &&
+             (other.goal.kind == GoalKind::Pole) == (goal.goal.kind == GoalKind::Pole);
+    };
+    const auto partner = goal.handle ? std::ranges::find_if(old, isPartner) : old.end();
+    const SceneGoal& from = partner != old.end() ? *partner : old[&goal - document_.edits.goals.data()];
+    const int joint = goal.handle ? goal.goal.joint : partners[goal.goal.joint];
+    goal.state = from.state;
+    goal.weight = from.weight;
+    goal.goal.kind = from.goal.kind;
+    goal.goal.pointInJoint =
+        frames_[joint].inverse() * reflected(before[from.goal.joint] * from.goal.pointInJoint);
+    if (goal.handle && partner == old.end()) continue;  // no handle there: it stays what it was
+    goal.goal.joint = joint;
+    goal.surface = {};  // which triangle is the other side's is not known
+    goal.goal.target = reflected(from.goal.target);
+    const Eigen::AngleAxisd turn(from.goal.orientation *
+                                 Eigen::Quaterniond(before[from.goal.joint].linear()).conjugate());
+    const Eigen::AngleAxisd turned(-turn.angle(), reflected(turn.axis()));
+    goal.goal.orientation = Eigen::Quaterniond(turned * frames_[joint].linear()).normalized();
+  }
+  anchorSurfaceGoals();
 }
 
 // --- goals
@@ -354,10 +396,30 @@ GoalId Session::togglePin(const Grip& grip) {
   remember();
   const GoalId id = goalOf(grip);
   if (goal(id).state != GoalState::Pinned)
-    setState(id, GoalState::Pinned);
+    pinHere(id);
   else
     removeGoal(id);
   return id;
+}
+
+void Session::pinHere(GoalId id) {
+  setState(id, GoalState::Pinned);
+  SceneGoal& goal = at(id);
+  if (judged(id).position > pinnedWithin && goalType(goal.goal.kind).movesWithPose) holdHere(goal);
+}
+
+void Session::freePins() {
+  endDrag();
+  remember();
+  const std::vector<SceneGoal> all = goals();
+  for (const SceneGoal& goal : all)
+    if (goal.state == GoalState::Pinned) removeGoal(goal.id);
+}
+
+void Session::setWeight(GoalId id, double weight) {
+  if (!(weight > 0.0 && weight <= 1e6))
+    throw std::invalid_argument(fmt::format("a goal's weight is above 0 and at most 1e6, not {}", weight));
+  at(id).weight = weight;
 }
 
 void Session::removeGoal(GoalId id) {
@@ -433,6 +495,8 @@ void Session::endDrag() {
   history_.remember(std::move(drag.before));
   if (drag.after == GoalState::Free)
     removeGoal(drag.goal);
+  else if (drag.after == GoalState::Pinned)
+    pinHere(drag.goal);
   else
     setState(drag.goal, drag.after);
 }
@@ -514,7 +578,18 @@ void Session::nextSolver(int direction) {
   const std::vector<std::string> names = frameSolverNames();
   const int count = static_cast<int>(names.size());
   const int at = static_cast<int>(std::ranges::find(names, document_.solver.name) - names.begin());
-  setSolver(names[((at + direction) % count + count) % count]);
+  for (int step = 1; step <= count; ++step)
+    if (const std::string& name = names[((at + step * direction) % count + count) % count];
+        whyUnsupported(name).empty())
+      return setSolver(name);
+}
+
+std::string Session::whyUnsupported(const std::string& solver, Pins pins) const {
+  IkProblem asked = problem();
+  if (pins == Pins::Freed)
+    std::erase_if(asked.goals,
+                  [](const Goal& goal) { return goal.role == Role::Pin && goal.kind != GoalKind::Balance; });
+  return asked.goals.empty() ? std::string() : makeSolver(solver)->whyUnsupported(asked);
 }
 
 IkProblem Session::problem() const {
@@ -523,7 +598,7 @@ IkProblem Session::problem() const {
     if (!isEffective(goal)) continue;
     Goal g = goal.goal;
     const bool pinned = goal.state == GoalState::Pinned;
-    g.weight = pinned ? pinWeight : goalType(g.kind).preference;
+    g.weight = (pinned ? pinWeight : goalType(g.kind).preference) * goal.weight;
     g.role = pinned ? Role::Pin : goal.state == GoalState::Dragged ? Role::Drag : Role::Hold;
     problem.goals.push_back(std::move(g));
   }
@@ -589,7 +664,8 @@ const FrameSolve& Session::step() {
   lastSolve_.seconds = report.seconds;
   for (const IterationRecord& record : report.trace) lastSolve_.residuals.push_back(record.residual);
   lastSolve_.residuals.push_back(report.residual);
-  if (report.why == Stop::Unsupported) lastSolve_.unsupported = makeUnsupportedReason(problem);
+  if (report.why == Stop::Unsupported)
+    lastSolve_.unsupported = makeSolver(document_.solver.name)->whyUnsupported(problem);
   if (report.q.size() == q().size() && report.q.allFinite()) {
     lastSolve_.jointMotion = largestMotion(skeleton(), q(), report.q);
     place(report.q);
@@ -598,7 +674,20 @@ const FrameSolve& Session::step() {
   }
   freeFollow();
   judgeFrame();
+  lastSolve_.outOfReach = restsOutOfReach(problem);
   return lastSolve_;
+}
+
+/// Asked once of a pose that stays.
+bool Session::restsOutOfReach(const IkProblem& problem) {
+  constexpr double still = 1e-4;  // radians or metres a frame
+  if (lastSolve_.reached || lastSolve_.why == Stop::Unsupported || lastSolve_.why == Stop::Failure ||
+      lastSolve_.jointMotion > still)
+    return false;
+  if (lastSolve_.why == Stop::Stationary) return true;
+  if (restedAt_ != q()) restedOutOfReach_ = whyAtRest(problem, q()) == Stop::Stationary;
+  restedAt_ = q();
+  return restedOutOfReach_;
 }
 
 void Session::judgeFrame() {
@@ -607,11 +696,6 @@ void Session::judgeFrame() {
     lastSolve_.orientationError = std::max(lastSolve_.orientationError, goal.orientation);
   }
   lastSolve_.reached = lastSolve_.error < reachedWithin_ && lastSolve_.orientationError < reachedAngle;
-}
-
-std::string Session::makeUnsupportedReason(const IkProblem& problem) const {
-  return document_.solver.name == "drag" ? std::string()
-                                         : makeSolver(document_.solver.name)->whyUnsupported(problem);
 }
 
 std::vector<bool> Session::jointsAtLimit() const {

@@ -18,6 +18,9 @@
 
 namespace gelenk {
 
+/// On the squared error of a pin: it yields 300 times less than the hand that pulls.
+inline constexpr double pinWeight = 300.0;
+
 /// One method of following goals from frame to frame: the stateful drag solver, or a catalogue solver started
 /// warm.
 class FrameSolver {
@@ -46,6 +49,7 @@ struct FrameSolve {
   double error = 0.0;             ///< largest position error of the goals in the solve, metres
   double orientationError = 0.0;  ///< largest orientation or aim error, radians
   bool reached = false;           ///< every goal within Session::reachedWithin() and reachedAngle
+  bool outOfReach = false;        ///< at rest short of the goals, and no pose nearby comes closer
   double jointMotion = 0.0;  ///< largest change of a rotation (radians) or translation (metres) this frame
   std::vector<double> residuals;  ///< weighted residual norm before each iteration, then after the last
   std::string unsupported;        ///< why the solver does not do this problem; empty where it does
@@ -120,8 +124,8 @@ class Session {
   /// length or values that are not finite.
   void setPose(const Eigen::VectorXd& q);
   void resetPose();  ///< rest pose, only the handles pinned at the beginning are pinned
-  /// Left and right change places, see kinematics/symmetry.h. Throws std::invalid_argument where the model is
-  /// not symmetric.
+  /// Left and right change places, see kinematics/symmetry.h; goals of points, orientations and poles go
+  /// along, others ask for what is then. Throws std::invalid_argument where the model is not symmetric.
   void mirrorPose();
 
   // --- goals: an id that no goal has any more throws std::invalid_argument
@@ -152,7 +156,12 @@ class Session {
   void setOrientation(GoalId goal, const Eigen::Quaterniond& orientation);  ///< makes it a pose goal
   void clearOrientation(GoalId goal);
   void setState(GoalId goal, GoalState state);
+  /// A pin holds its point where it is, also where a goal was missed: another pin is then never pulled away.
   GoalId togglePin(const Grip& grip);
+  void freePins();  ///< one edit
+  /// On the squared error, above 0, beside what the state brings. remember() comes first, once a move of a
+  /// slider. Throws std::invalid_argument.
+  void setWeight(GoalId goal, double weight);
   /// Handles become free, others vanish.
   void removeGoal(GoalId goal);
   void removeAllGoals();
@@ -184,7 +193,10 @@ class Session {
   /// likewise.
   ParameterValues parameters() const;
   void setParameters(const ParameterValues& values);
-  void nextSolver(int direction = 1);
+  void nextSolver(int direction = 1);  ///< the next one that can do the present goals
+  enum class Pins { AsTheyAre, Freed };
+  /// Why the solver cannot do the present goals; empty: it can.
+  std::string whyUnsupported(const std::string& solver, Pins pins = Pins::AsTheyAre) const;
   /// Whether the model can keep its balance (masses and soles), and whether it shall.
   bool canBalance() const { return model_->masses && !model_->soles.empty(); }
   bool balance() const { return document_.solver.balance && canBalance(); }
@@ -223,13 +235,15 @@ class Session {
   void place(const Eigen::VectorXd& q);
   SceneGoal& at(GoalId goal);
   GoalId goalOf(const Grip& grip);
+  void pinHere(GoalId goal);
   GoalId addSceneGoal(SceneGoal goal);
   Eigen::Vector3d reached(const SceneGoal& goal) const;
   void holdHere(SceneGoal& goal) const;
   GoalPlace here() const { return {skeleton(), q(), frames_}; }
   void updateSupport();
   Eigen::Vector3d blendedPoint(const SurfacePoint& point) const;
-  std::string makeUnsupportedReason(const IkProblem& problem) const;
+  void mirrorGoals(const Frames& before);
+  bool restsOutOfReach(const IkProblem& problem);
 
   std::shared_ptr<const Model> model_;
   std::unique_ptr<Skin> skin_;
@@ -243,6 +257,8 @@ class Session {
   FrameSolve lastSolve_;
   std::vector<Eigen::Vector3d> standing_, support_;  ///< soles on the ground; their hull, inset
   bool asOpened_ = false;
+  Eigen::VectorXd restedAt_;  ///< where it was last asked whether a pose nearby comes closer
+  bool restedOutOfReach_ = false;
   double reachedWithin_ = 1e-3;
 };
 

@@ -127,8 +127,9 @@ void addWorkspace(Overlay& overlay, const Session& session, const Frames& frames
 Frames framesBeside(const Session& session, Frames frames, double size) {
   const Camera& camera = session.document().view.camera;
   const Vector3d right = (camera.target - camera.eye()).cross(session.model().up);
-  const Vector3d shift =
-      -0.55 * size * (right.norm() > 1e-9 ? Vector3d(right.normalized()) : Vector3d::UnitX());
+  // Near the camera less: what is looked at stands beside itself, both within the view.
+  const Vector3d shift = -std::min(0.55 * size, 0.6 * camera.halfHeight()) *
+                         (right.norm() > 1e-9 ? Vector3d(right.normalized()) : Vector3d::UnitX());
   for (Isometry3d& frame : frames) frame.pretranslate(shift);
   return frames;
 }

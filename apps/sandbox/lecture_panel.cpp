@@ -229,16 +229,16 @@ class LecturePanel final : public Panel {
       ImGui::BeginGroup();
       ImGui::TextColored(verdicts_[i].ok ? colours.good : colours.bad, verdicts_[i].ok ? "+" : "!");
       ImGui::SameLine();
-      ImGui::PushTextWrapPos();
-      ImGui::TextUnformatted(check.what.c_str());
+      const float width = ImGui::GetContentRegionAvail().x;
+      ImGui::TextUnformatted(brokenAtBlanks(check.what, width).c_str());
       ImGui::PushFont(sandbox.state().gui.fonts().small);
       const char* sign = check.comparison == Comparison::Equal    ? ""
                          : check.comparison == Comparison::AtMost ? "at most "
                                                                   : "at least ";
-      ImGui::TextColored(colours.textDim, "%s%s   computed %s", sign, list(check.printed, 6).c_str(),
-                         list(verdicts_[i].computed, 7).c_str());
+      const std::string numbers =
+          fmt::format("{}{}   computed {}", sign, list(check.printed, 6), list(verdicts_[i].computed, 7));
+      ImGui::TextColored(colours.textDim, "%s", brokenAtBlanks(numbers, width).c_str());
       ImGui::PopFont();
-      ImGui::PopTextWrapPos();
       ImGui::EndGroup();
       const std::string hint =
           check.id + ", " + check.section + (check.note.empty() ? "" : "\n" + check.note);

@@ -327,6 +327,7 @@ class LegScene final : public LectureScene {
       time_ = std::fmod(time_ + seconds * speed_, keyed_.duration());
       show(sandbox);
     }
+    if (sandbox.session().dragged() && usePins_) standFirm(sandbox.session());
   }
   bool moves(const Sandbox& sandbox) const override { return sandbox.playing(); }
 
@@ -433,6 +434,13 @@ class LegScene final : public LectureScene {
   }
 
  private:
+  /// Who drags the body while a foot stands pinned finds it pinned.
+  void standFirm(Session& session) const {
+    for (int side = 0; side < 2; ++side)
+      if (const auto foot = session.findGoal(side == 0 ? "foot_l" : "foot_r");
+          foot && pinned_.onGround[frame()][side] && session.goal(*foot).state == GoalState::Free)
+        session.setState(*foot, GoalState::Pinned);
+  }
   int frame() const {
     return std::clamp(static_cast<int>(time_ * keyed_.framesPerSecond), 0,
                       static_cast<int>(keyed_.q.size()) - 1);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/sandbox/label_places.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
@@ -17,13 +18,17 @@ struct Pen {
   const Palette& colours;
   const Fonts& fonts;
   float scale;
+  LabelPlaces* places;
 };
 
+/// At the point, or as near to it as there is room.
 void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& text) {
   ImFont* font = pen.fonts.small;
   const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
-  pen.draw->AddRectFilled({at.x - 5 * pen.scale, at.y - 2 * pen.scale},
-                          {at.x + size.x + 5 * pen.scale, at.y + size.y + 2 * pen.scale},
+  LabelBox box{at.x - 5 * pen.scale, at.y - 2 * pen.scale, size.x + 10 * pen.scale, size.y + 4 * pen.scale};
+  if (!pen.places->place(box)) return;
+  at = {box.x + 5 * pen.scale, box.y + 2 * pen.scale};
+  pen.draw->AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + box.height},
                           colour32(pen.colours.panelRaised, 0.82f), 4 * pen.scale);
   pen.draw->AddText(font, font->FontSize, at, colour32(colour), text.c_str());
 }
@@ -42,7 +47,8 @@ void nameGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
     const ImVec2 end = toImVec2(s.toWindow(goal.goal.target).pixel);
     if (std::hypot(end.x - at.x, end.y - at.y) > 26 * pen.scale)
       words(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale},
-            toImVec4(distanceColour(markColours(s.theme()), 2.0 * error / s.size())), formatLength(error));
+            toImVec4(distanceColour(markColours(s.theme()), 2.0 * error / s.size())),
+            (s.session->lastSolve().outOfReach ? "out of reach by " : "") + formatLength(error));
   }
   const float r = wish ? 5.0f : 6.5f;
   if (s.selectedGoal == goal.id && s.session->dragged() != goal.id)
@@ -117,7 +123,8 @@ void drawMarks(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   const Layout::Rect& view = s.layout.view;
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
-  const Pen pen{draw, s.colours(), s.gui.fonts(), s.scale};
+  LabelPlaces places({view.x + 2, view.y + 2, view.width - 4, view.height - 4});
+  const Pen pen{draw, s.colours(), s.gui.fonts(), s.scale, &places};
   draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())),
                  {view.x, view.y}, {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
   draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height}, true);

@@ -144,7 +144,8 @@ class MusclePanel final : public Panel {
     if (!sandbox.muscles() || shownLimb_ >= static_cast<int>(sandbox.limbPoses().size())) return;
     const Sandbox::State& s = sandbox.state();
     const bool inFront = sandbox.frameNumber() - shownAt_ <= 1;
-    if (settings_.lattice && !dragged_ && inFront && s.layout.view.contains(s.mouse.x(), s.mouse.y()))
+    if (settings_.lattice && !dragged_ && inFront && s.layout.view.contains(s.mouse.x(), s.mouse.y()) &&
+        !handleAt(s, s.mouse))
       under_ = pickLattice(sandbox.limbPoses()[shownLimb_], s.camera(), s.viewport(), s.toView(s.mouse),
                            8.0 * s.scale);
     if (inFront)
@@ -158,8 +159,11 @@ class MusclePanel final : public Panel {
     }
   }
 
-  /// Near a line of the lattice the mouse is the lattice's.
-  bool takesMouse(const Sandbox&) const override { return under_.has_value(); }
+  /// Near a line of the lattice the mouse is the lattice's, but for handles.
+  bool takesMouse(const Sandbox& sandbox) const override {
+    const Sandbox::State& s = const_cast<Sandbox&>(sandbox).state();
+    return dragged_ || (under_ && !handleAt(s, s.mouse));
+  }
 
   bool pressed(Sandbox& sandbox, const Vector2d& pixel) override {
     const int links = static_cast<int>(limbs_[shownLimb_].shape.links.size());

@@ -32,9 +32,7 @@ class PlotsPanel final : public Panel {
   static void hint(ImVec2 at, ImVec2 size, const char* words) {
     if (!ImGui::IsMouseHoveringRect(at, {at.x + size.x, at.y + size.y})) return;
     ImGui::BeginTooltip();
-    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 22.0f);
-    ImGui::TextUnformatted(words);
-    ImGui::PopTextWrapPos();
+    ImGui::TextUnformatted(brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f).c_str());
     ImGui::EndTooltip();
   }
 
@@ -48,7 +46,7 @@ class PlotsPanel final : public Panel {
     curves.push_back({.values = s.plots.residuals,
                       .colour = toImVec4(solverColour(s.session->solver())),
                       .width = 2.0f,
-                      .label = s.session->solver(),
+                      .label = std::string(solverEntry(s.session->solver()).title),
                       .dots = true});
     drawPlot({.title = "Residual per iteration",
               .xLabel = "iteration",

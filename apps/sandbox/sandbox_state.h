@@ -108,6 +108,7 @@ struct Sandbox::State {
   Eigen::Vector2d mouse{-1.0, -1.0};
   bool buttons[3] = {false, false, false};
   bool ctrl = false, shift = false, alt = false;
+  bool turnKey = false;  ///< T, which turns as Alt does: many window managers keep Alt + drag for themselves
   Hover hover;
   Gesture gesture;
 
@@ -133,6 +134,7 @@ struct Sandbox::State {
   Theme& theme() const { return session->theme(); }
   std::optional<int> selectedJoint() const { return session->selectedJoint(); }
 
+  bool turning() const { return alt || turnKey; }
   double size() const { return view->size(); }  ///< diagonal of the rest pose, metres
 
   std::optional<GoalId> goalSelected() const {
@@ -158,6 +160,10 @@ struct Sandbox::State {
 void handleViewInput(Sandbox& sandbox, const Input& input);
 void frameEverything(Sandbox& sandbox, bool glide);
 void undoOrRedo(Sandbox& sandbox, bool redo);  ///< says so where there is nothing
+/// The handle that a press at the window's pixel takes.
+std::optional<GoalId> handleAt(const Sandbox::State& state, const Eigen::Vector2d& pixel);
+/// Another method; where only pins stand in its way they are freed, and that is said.
+void chooseSolver(Sandbox& sandbox, const std::string& name);
 
 // marks.cpp: what lights up, and what is written over the picture
 void glowLimits(Sandbox& sandbox);
@@ -175,7 +181,9 @@ void colourBar(const Sandbox::State& state);
 void tooltip(const char* words);
 /// The largest errors of the goals: 0.42 mm, and the angle where it can be seen.
 std::string describeErrors(const FrameSolve& solve);
-/// "stationary: closest point, 41.3 mm" and the like.
+/// A text in lines of at most so many pixels of the present font, broken at blanks only: numbers stay whole.
+std::string brokenAtBlanks(const std::string& text, float width);
+/// "out of reach by 41.3 mm: this is the closest pose" and the like.
 std::string describeSolve(const Session& session);
 /// 0.42 mm, 41.3 mm, 1.27 m.
 std::string formatLength(double metres);

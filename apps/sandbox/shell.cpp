@@ -180,8 +180,8 @@ void strip(Sandbox& sandbox) {
 
 std::string hint(const Sandbox::State& s) {
   if (s.gesture.kind == Gesture::Kind::Drag) {
-    if (s.alt) return "Turning the goal · release Alt to move it";
-    return "X Y Z lock an axis · Shift: ground plane · Alt turns · P pins · Esc cancels";
+    if (s.turning()) return "Turning the goal · release T or Alt to move it";
+    return "X Y Z lock an axis · Shift: ground plane · T or Alt turns · P pins · Esc cancels";
   }
   switch (s.hover.kind) {
     case Hover::Kind::Goal:
@@ -215,7 +215,7 @@ void statusLine(Sandbox& sandbox) {
   if (s.secondsPerFrame > 0.0) facts += fmt::format(" · {:.0f} fps", 1.0 / s.secondsPerFrame);
   std::string renderer = sandbox.renderer();
   if (const auto at = renderer.find(" ("); at != std::string::npos) renderer.resize(at);
-  facts = s.session->solver() + " · " + facts + " · " + renderer;
+  facts = std::string(solverEntry(s.session->solver()).title) + " · " + facts + " · " + renderer;
   const float width = ImGui::CalcTextSize(facts.c_str()).x;
   const float x = ImGui::GetWindowWidth() - width - 12 * s.scale;
   const std::string help = hint(s);
@@ -254,7 +254,7 @@ void help(Sandbox& sandbox) {
       {"Drag a handle, the skin or a joint", "move it in the plane that faces you"},
       {"X, Y, Z while dragging", "lock to an axis, again to free it"},
       {"Shift while dragging", "move along the ground plane"},
-      {"Alt while dragging", "turn the goal's orientation"},
+      {"T or Alt while dragging", "turn the goal's orientation"},
       {"Drag the ground", "orbit; middle button orbits anywhere"},
       {"Right drag, Shift + middle", "pan"},
       {"Wheel", "zoom to the mouse"},
@@ -375,10 +375,30 @@ void colourBar(const Sandbox::State& state) {
 void tooltip(const char* words) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(ImGui::GetFontSize() * 22.0f);
-  ImGui::TextUnformatted(words);
-  ImGui::PopTextWrapPos();
+  ImGui::TextUnformatted(brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f).c_str());
   ImGui::EndTooltip();
+}
+
+std::string brokenAtBlanks(const std::string& text, float width) {
+  std::string out, line;
+  std::size_t from = 0;
+  while (from <= text.size()) {
+    const std::size_t to = std::min(text.find_first_of(" \n", from), text.size());
+    const std::string word = text.substr(from, to - from);
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (!line.empty() && ImGui::CalcTextSize(longer.c_str()).x > width) {
+      out += line + "\n";
+      line = word;
+    } else {
+      line = longer;
+    }
+    if (to < text.size() && text[to] == '\n') {
+      out += line + "\n";
+      line.clear();
+    }
+    from = to + 1;
+  }
+  return out + line;
 }
 
 std::string formatLength(double metres) {
@@ -403,8 +423,8 @@ std::string describeSolve(const Session& session) {
   if (solve.why == Stop::Failure) return "numerical failure";
   const std::string errors = describeErrors(solve);
   if (solve.reached) return "reached, " + errors;
+  if (solve.outOfReach) return "out of reach by " + errors + ": no pose nearby comes closer";
   switch (solve.why) {
-    case Stop::Stationary: return "stationary: closest point, " + errors;
     case Stop::Saddle: return "stuck at a saddle, " + errors;
     case Stop::Stalled: return "stalled, " + errors;
     default: return (solve.jointMotion < 1e-5 ? "at rest, " : "on the way, ") + errors;

@@ -26,17 +26,6 @@ Eigen::Vector3d singularValues(const Session& session, const Goal& goal) {
       .cwiseSqrt();
 }
 
-std::string_view titleOf(const std::string& solver) {
-  for (const SolverEntry& entry : solverCatalogue())
-    if (entry.name == solver) return entry.title;
-  return solver == "drag" ? "Drag solver" : std::string_view(solver);
-}
-std::string_view referenceOf(const std::string& solver) {
-  for (const SolverEntry& entry : solverCatalogue())
-    if (entry.name == solver) return entry.reference;
-  return solver == "drag" ? "exact Hessian and Gauss-Newton steps on the skeleton tree" : "";
-}
-
 class SolvePanel final : public Panel {
  public:
   std::string name() const override { return "Solve"; }
@@ -84,13 +73,10 @@ class SolvePanel final : public Panel {
     Sandbox::State& s = sandbox.state();
     heading(sandbox.state(), "SOLVER  (Tab)");
     const std::string current = s.session->solver();
-    if (ImGui::BeginCombo("##solver", std::string(titleOf(current)).c_str(), ImGuiComboFlags_HeightLarge)) {
-      for (const std::string& name : frameSolverNames()) {
-        dot(toImVec4(solverColour(name)), s.scale);
-        if (ImGui::Selectable(fmt::format("{}##{}", titleOf(name), name).c_str(), name == current))
-          s.session->setSolver(name);
-        tooltip(fmt::format("{}\n{}", name, referenceOf(name)).c_str());
-      }
+    const SolverEntry& entry = solverEntry(current);
+    if (ImGui::BeginCombo("##solver", std::string(entry.title).c_str(), ImGuiComboFlags_HeightLarge)) {
+      for (const std::string& name : frameSolverNames())
+        solverRow(sandbox, solverEntry(name), name == current);
       ImGui::EndCombo();
     }
     tooltip(
@@ -100,11 +86,31 @@ class SolvePanel final : public Panel {
     ImGui::PushFont(s.gui.fonts().small);
     dot(toImVec4(solverColour(current)), s.scale);
     ImGui::PushTextWrapPos();
-    ImGui::TextColored(s.colours().textDim, "%s", std::string(referenceOf(current)).c_str());
+    ImGui::TextColored(s.colours().textDim, "%s", std::string(entry.reference).c_str());
     ImGui::PopTextWrapPos();
     ImGui::PopFont();
     ParameterValues values = s.session->parameters();
-    if (parameterSliders(current, solverEntry(current).parameters, values)) s.session->setParameters(values);
+    if (parameterSliders(current, entry.parameters, values)) s.session->setParameters(values);
+  }
+
+  /// One method of the list; those that cannot do the present goals stand grey, with the reason.
+  static void solverRow(Sandbox& sandbox, const SolverEntry& entry, bool isCurrent) {
+    Sandbox::State& s = sandbox.state();
+    const std::string name(entry.name), why = s.session->whyUnsupported(name);
+    const bool wouldDoWithoutPins =
+        !why.empty() && s.session->whyUnsupported(name, Session::Pins::Freed).empty();
+    dot(toImVec4(solverColour(name)), s.scale);
+    ImGui::PushStyleColor(ImGuiCol_Text, why.empty() ? s.colours().text : s.colours().textFaint);
+    const auto flags =
+        why.empty() || wouldDoWithoutPins ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
+    if (ImGui::Selectable(fmt::format("{}##{}", entry.title, name).c_str(), isCurrent, flags))
+      chooseSolver(sandbox, name);
+    ImGui::PopStyleColor();
+    tooltip(fmt::format("{}\ndocs/solvers/{}.md, --solver {}{}", entry.reference, name, name,
+                        why.empty()          ? std::string()
+                        : wouldDoWithoutPins ? "\n\nNot for these goals: " + why + ". A click frees the pins."
+                                             : "\n\nNot for these goals: " + why)
+                .c_str());
   }
 
   static void row(const char* label, const std::string& value, const char* explanation) {
@@ -131,9 +137,17 @@ class SolvePanel final : public Panel {
                                            : s.colours().warning;
     ImGui::PushFont(s.gui.fonts().medium);
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextWrapped("%s", sentence.c_str());
+    ImGui::TextUnformatted(brokenAtBlanks(sentence, ImGui::GetContentRegionAvail().x).c_str());
     ImGui::PopStyleColor();
     ImGui::PopFont();
+    if (solve.why == Stop::Unsupported && solve.ran) {
+      if (s.session->whyUnsupported(s.session->solver(), Session::Pins::Freed).empty()) {
+        if (ImGui::Button("Free the pins and try")) chooseSolver(sandbox, s.session->solver());
+        tooltip("The solver moves one chain; undo (Ctrl+Z) brings the pins back.");
+      } else if (ImGui::Button("Back to the drag solver")) {
+        s.session->setSolver("drag");
+      }
+    }
     if (!ImGui::BeginTable("##facts", 2)) return;
     row("Iterations", solve.ran ? std::to_string(solve.iterations) : "–",
         "Steps of the solver in this frame.");
@@ -150,7 +164,7 @@ class SolvePanel final : public Panel {
         "Smallest singular value of the goal's position Jacobian J (3 x n; 2 x n in the plane): metres a "
         "radian in the direction that moves least. 0 at a singularity.");
     row("Manipulability", measured ? fmt::format("{:.2e}", sigma.head(rank).prod()) : "–",
-        "w = √det(J Jᵀ), the product of the singular values of the goal's position Jacobian (Yoshikawa "
+        "w = √det(J Jᵗ), the product of the singular values of the goal's position Jacobian (Yoshikawa "
         "1985): volume of the velocity ellipsoid.");
     ImGui::EndTable();
   }
@@ -344,6 +358,18 @@ class SolvePanel final : public Panel {
       if (ImGui::IsItemActivated()) s.session->remember();
       tooltip(fmt::format("{}: {}", field.name, field.explain).c_str());
       ImGui::PopID();
+    }
+    if (goal.state != GoalState::Free) {
+      float weight = static_cast<float>(goal.weight);
+      ImGui::SetNextItemWidth(-80 * s.scale);
+      const bool moved = ImGui::SliderFloat("weight", &weight, 0.05f, 20.0f, "%.2f",
+                                            ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+      if (ImGui::IsItemActivated()) s.session->remember();
+      tooltip(
+          "On the squared error of this goal, beside what its state brings (held 1, pin 300). A heavier goal "
+          "is "
+          "missed by less where not all can be reached. Default 1.");
+      if (moved) s.session->setWeight(goal.id, weight);
     }
     if (changed) try {
         s.session->changeGoal(goal.id, asked);

@@ -24,19 +24,8 @@ Hover hoverAt(Sandbox& sandbox, const Vector2d& pixel) {
   Sandbox::State& s = sandbox.state();
   const Session& session = *s.session;
   Hover best;
-  if (s.show().handles) {
-    double nearest = handleReach * s.scale;
-    for (const SceneGoal& goal : session.goals()) {
-      if (!isGoalShown(sandbox.session(), goal)) continue;
-      const Vector3d at = session.reached(goal.id);
-      const Projected p = s.toWindow(at);
-      if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
-        nearest = d;
-        best = {.kind = Hover::Kind::Goal, .goal = goal.id, .position = at};
-      }
-    }
-    if (best.kind != Hover::Kind::Nothing) return best;
-  }
+  if (const auto goal = handleAt(s, pixel))
+    return {.kind = Hover::Kind::Goal, .goal = *goal, .position = session.reached(*goal)};
   if (s.show().skeleton || !session.skin()) {
     double nearest = jointReach * s.scale;
     for (int i = 0; i < session.skeleton().jointCount(); ++i) {
@@ -75,7 +64,7 @@ void beginDrag(Sandbox::State& s, const Hover& hover) {
 
 void continueDrag(Sandbox::State& s) {
   const Vector2d moved = s.mouse - s.gesture.last;
-  if (s.alt) {
+  if (s.turning()) {
     if (moved.norm() > 0.0) {
       const Eigen::Matrix3d axes = s.camera().axes();
       const Vector3d turn = radiansPerPixel * (moved.x() * axes.col(1) + moved.y() * axes.col(0));
@@ -302,11 +291,36 @@ void trackModifiers(Sandbox::State& s, const InputEvent& event) {
     case GLFW_KEY_RIGHT_SHIFT: s.shift = event.down; break;
     case GLFW_KEY_LEFT_ALT:
     case GLFW_KEY_RIGHT_ALT: s.alt = event.down; break;
+    case GLFW_KEY_T: s.turnKey = event.down; break;
     default: break;
   }
 }
 
 }  // namespace
+
+std::optional<GoalId> handleAt(const Sandbox::State& s, const Vector2d& pixel) {
+  if (!s.show().handles || (s.shownFrames && !s.handlesOnShown)) return std::nullopt;
+  std::optional<GoalId> best;
+  double nearest = handleReach * s.scale;
+  for (const SceneGoal& goal : s.session->goals()) {
+    if (!isGoalShown(*s.session, goal)) continue;
+    const Projected p = s.toWindow(s.session->reached(goal.id));
+    if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
+      nearest = d;
+      best = goal.id;
+    }
+  }
+  return best;
+}
+
+void chooseSolver(Sandbox& sandbox, const std::string& name) {
+  Session& session = sandbox.session();
+  if (!session.whyUnsupported(name).empty() && session.whyUnsupported(name, Session::Pins::Freed).empty()) {
+    session.freePins();
+    sandbox.say("Pins freed, since this solver moves one chain; undo brings them back");
+  }
+  session.setSolver(name);
+}
 
 void undoOrRedo(Sandbox& sandbox, bool redo) {
   Sandbox::State& s = sandbox.state();

@@ -1,0 +1,167 @@
+// What a first user met (the review of the sandbox), a test a bug: each failed before it was mended.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/document/muscle_settings.h"
+#include "apps/sandbox/replay.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/view_picture.h"
+#include "kinematics/io/text_file.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+#include "tests/places.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int width = 800, height = 600;
+
+struct Stage {
+  OffscreenContext context;
+  GlDebugLog log;
+  Sandbox sandbox;
+  ViewPicture target;
+  InputQueue queue;
+
+  explicit Stage(const std::string& model) : sandbox({.model = model, .width = width, .height = height}) {
+    target.resize(width, height);
+  }
+  void play(const std::string& script, int more = 2) {
+    Replay replay = Replay::parse("test", script);
+    const int length = replay.length() + more;
+    for (int i = 0; i < length; ++i) {
+      replay.play(i, sandbox, queue);
+      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+      sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
+    }
+  }
+  Vector2d pixelOf(const std::string& goal) {
+    Session& session = sandbox.session();
+    return sandbox.state().toWindow(session.reached(*session.findGoal(goal))).pixel;
+  }
+};
+
+std::string at(const Vector2d& pixel) { return std::to_string(pixel.x()) + " " + std::to_string(pixel.y()); }
+
+/// 9: the lattice took the click that was meant for the hand's handle.
+TEST(Review, AHandleWinsOverTheLattice) {
+  Stage stage("figure");
+  const auto limbs = limbsOf(stage.sandbox.session().model());
+  MuscleSettings settings = defaultMuscleSettings(limbs);
+  settings.enabled = settings.lattice = true;
+  settings.shownLimb = "left arm";
+  stage.sandbox.session().setMuscles(std::make_shared<const MuscleSettings>(settings));
+  stage.play("0 tab Muscles\n", 4);
+  ASSERT_NE(stage.sandbox.muscles(), nullptr);
+  stage.play("0 move " + at(stage.pixelOf("hand_l")) + "\n", 3);
+  stage.play("0 press left\n2 shift-by 6 -12 3\n", 2);
+  ASSERT_TRUE(stage.sandbox.session().dragged());
+  EXPECT_EQ(stage.sandbox.session().goal(*stage.sandbox.session().dragged()).goal.name, "hand_l");
+}
+
+/// 9: "LBS beside" left the view when zoomed in.
+TEST(Review, TheBodyBesideStaysInViewWhenZoomedIn) {
+  Stage stage("figure");
+  Camera& camera = stage.sandbox.camera();
+  camera.target = stage.sandbox.session().reached(*stage.sandbox.session().findGoal("hand_l"));
+  camera.distance = 0.8;
+  stage.play("", 1);
+  const Frames beside =
+      framesBeside(stage.sandbox.session(), stage.sandbox.session().frames(), stage.sandbox.state().size());
+  const int hand = stage.sandbox.session().skeleton().jointIndex("hand_l");
+  const Vector2d pixel = stage.sandbox.state().toWindow(beside[hand].translation()).pixel;
+  const Layout::Rect& view = stage.sandbox.state().layout.view;
+  EXPECT_TRUE(view.contains(pixel.x(), pixel.y())) << pixel.transpose();
+}
+
+/// 10: a character without a glyph; line breaks within numbers.
+TEST(Review, EveryCharacterOfTheSandboxHasAGlyph) {
+  Stage stage("planar");
+  stage.play("", 1);
+  int characters = 0;
+  for (const char* folder :
+       {"/../apps/sandbox", "/../apps/lecture", "/../solvers/problem/goals", "/../solvers"})
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(testing::assetFolder() + folder)) {
+      if (entry.path().extension() != ".cpp") continue;
+      const std::string text = readFile(entry.path().string());
+      std::size_t lineBegin = 0;
+      while (lineBegin < text.size()) {
+        const std::size_t lineEnd = std::min(text.find('\n', lineBegin), text.size());
+        const std::string line = text.substr(lineBegin, lineEnd - lineBegin);
+        lineBegin = lineEnd + 1;
+        const std::size_t code = line.find_first_not_of(' ');
+        if (code == std::string::npos || line.compare(code, 2, "//") == 0) continue;
+        const std::string said = line.substr(0, line.find(" // "));
+        for (std::size_t i = 0; i < said.size();) {
+          const auto byte = static_cast<unsigned char>(said[i]);
+          const int length = byte < 0x80 ? 1 : byte < 0xe0 ? 2 : byte < 0xf0 ? 3 : 4;
+          unsigned point = length == 1 ? byte : byte & (0xffu >> (length + 1));
+          for (int k = 1; k < length; ++k)
+            point = point << 6 | (static_cast<unsigned char>(said[i + k]) & 63);
+          i += length;
+          if (point < 0x80) continue;
+          ++characters;
+          EXPECT_TRUE(point <= 0xffff && stage.sandbox.state().gui.fonts().regular->FindGlyphNoFallback(
+                                             static_cast<ImWchar>(point)))
+              << std::hex << point << " in " << entry.path().filename() << ": " << line;
+        }
+      }
+    }
+  EXPECT_GT(characters, 100);
+}
+
+TEST(Review, LinesAreBrokenAtBlanksOnly) {
+  Stage stage("planar");
+  stage.play("", 1);
+  const std::string text = "computed 0.34202, -0.93969, 1.2345e-07 at 12.5 mm (3.25, 4.75) and 0.34";
+  for (float room = 20; room < 400; room += 7) {
+    ImGui::NewFrame();
+    const std::string broken = brokenAtBlanks(text, room);
+    ImGui::EndFrame();
+    std::string joined = broken;
+    for (char& c : joined)
+      if (c == '\n') c = ' ';
+    EXPECT_EQ(joined, text);
+  }
+}
+
+/// 12, 13: in words, and in the status line by the list's name.
+TEST(Review, ATargetOutOfReachIsCalledThat) {
+  Stage stage("figure");
+  Session& session = stage.sandbox.session();
+  const GoalId hand = *session.findGoal("hand_r");
+  session.setTarget(hand, session.reached(hand) + Vector3d(-2.0, 0.6, 0.4));
+  stage.play("", 300);
+  EXPECT_TRUE(describeSolve(session).starts_with("out of reach by ")) << describeSolve(session);
+}
+
+/// 14: dragging a hand lifted the whole body, though "Pinned feet" is ticked.
+TEST(Review, TheLegExamplesStandingFootStaysWhileAHandIsDragged) {
+  Stage stage("lecture:leg");
+  stage.play("", 3);
+  Session& session = stage.sandbox.session();
+  stage.sandbox.setPlaying(false);
+  const Vector3d left = session.reached(*session.findGoal("foot_l")),
+                 right = session.reached(*session.findGoal("foot_r"));
+  stage.play("0 drag hand_r -10 -60 20\n", 30);
+  const double movedLeft = (session.reached(*session.findGoal("foot_l")) - left).norm(),
+               movedRight = (session.reached(*session.findGoal("foot_r")) - right).norm();
+  EXPECT_LT(std::min(movedLeft, movedRight), 1e-3) << movedLeft << " " << movedRight;
+}
+
+/// 15: Alt + drag moves the window under many window managers; T turns as well.
+TEST(Review, TTurnsTheGoalThatIsDragged) {
+  Stage stage("panda");
+  const std::string tool = stage.sandbox.session().goals().front().goal.name;
+  stage.play("0 grab " + tool + "\n2 keydown t\n3 shift-by 30 0 4\n9 keyup t\n", 3);
+  ASSERT_TRUE(stage.sandbox.session().dragged());
+  EXPECT_EQ(stage.sandbox.session().goal(*stage.sandbox.session().dragged()).goal.kind, GoalKind::Pose);
+}
+
+}  // namespace
+}  // namespace gelenk
