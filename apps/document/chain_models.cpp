@@ -11,6 +11,7 @@
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/robots.h"
 #include "skinning/bodies/body_around.h"
+#include "skinning/bodies/robot_body.h"
 #include "skinning/io/skin_cache.h"
 
 namespace gelenk {
@@ -106,10 +107,13 @@ Model dhModel(const DhTable& table) {
   model.handles = {"tool"};
   double size = 0.0;
   for (int i = 0; i < model.skeleton.jointCount(); ++i) size = std::max(size, chainLength(model.skeleton, i));
-  if (size > 0.0)
-    model.skin = chainSkin(model.name, model.skeleton);
-  else
+  if (size > 0.0) {
+    RobotBody body = robotBody(model.skeleton, robotFigures(table.name));
+    model.skin = std::move(body.skin);
+    model.look = std::make_shared<const MeshLook>(std::move(body.look));
+  } else {
     tell(model.notes, "no-body", "all frames stand at one point: there is nothing to put a body around");
+  }
   tellFact(model.notes, "dh-convention",
            fmt::format("{} Denavit-Hartenberg convention, {} rows, {} parameters (4 n + 3)",
                        toString(table.convention), table.rows.size(), parameterCount(table)));

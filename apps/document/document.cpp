@@ -1,6 +1,7 @@
 #include "apps/document/document.h"
 
 #include <array>
+#include <stdexcept>
 
 namespace gelenk {
 
@@ -25,8 +26,23 @@ std::span<const ViewOptionName> viewOptionNames() {
       ViewOptionName{&ViewOptions::handles, "handles"},
       ViewOptionName{&ViewOptions::ground, "ground"},
       ViewOptionName{&ViewOptions::shadow, "shadow"},
+      ViewOptionName{&ViewOptions::velocityEllipsoid, "velocity_ellipsoid"},
+      ViewOptionName{&ViewOptions::forceEllipsoid, "force_ellipsoid"},
+      ViewOptionName{&ViewOptions::reachable, "reachable"},
+      ViewOptionName{&ViewOptions::solutions, "solutions"},
+      ViewOptionName{&ViewOptions::nullSpace, "null_space"},
+      ViewOptionName{&ViewOptions::convergence, "convergence"},
   };
   return names;
+}
+
+bool ViewOptions::*viewOption(const std::string& name) {
+  std::string known;
+  for (const auto& [member, word] : viewOptionNames()) {
+    if (name == word) return member;
+    known += (known.empty() ? "" : ", ") + std::string(word);
+  }
+  throw std::invalid_argument("'" + name + "' cannot be shown; there are: " + known);
 }
 
 Document newDocument(const Model& model, ModelReference reference) {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -81,6 +82,12 @@ struct ViewOptions {
   bool handles = true;
   bool ground = true;
   bool shadow = true;
+  // Pictures that explain an arm (apps/render/teaching_pictures.h)
+  bool velocityEllipsoid = false, forceEllipsoid = false;
+  bool reachable = false;    ///< where the effector comes to
+  bool solutions = false;    ///< every other pose of the same effector pose
+  bool nullSpace = false;    ///< the self-motion of a redundant arm
+  bool convergence = false;  ///< where the present solver converges from here
   bool operator==(const ViewOptions&) const = default;
 };
 /// The options by the names that files and replays use.
@@ -89,11 +96,14 @@ struct ViewOptionName {
   std::string_view name;
 };
 std::span<const ViewOptionName> viewOptionNames();
+/// Throws std::invalid_argument that lists the names.
+bool ViewOptions::*viewOption(const std::string& name);
 
 struct View {
   Camera camera = {};
   ViewOptions show = {};
-  std::string selectedJoint = {};  ///< empty: none
+  std::string selectedJoint = {};     ///< empty: none
+  std::set<std::string> hidden = {};  ///< parts of the body that are not drawn (MeshLook::Part)
 };
 
 /// How the model's motion plays.

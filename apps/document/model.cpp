@@ -93,9 +93,10 @@ Model openModel(const std::string& nameOrFile) {
   if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);
   std::string known;
   for (const std::string& name : builtInModels()) known += (known.empty() ? "" : ", ") + name;
-  throw std::invalid_argument(fmt::format(
-      "no model is called '{}'; there are: {}, planar:X,Y:L1,L2,..., balls:L1,L2,... and files ending in {}",
-      nameOrFile, known, knownExtensions()));
+  throw std::invalid_argument(
+      fmt::format("no model is called '{}'; there are: {}, planar:X,Y:L1,L2,..., balls:L1,L2,... files "
+                  "ending in {} and scenes (.json)",
+                  nameOrFile, known, knownExtensions()));
 }
 
 }  // namespace gelenk

@@ -464,6 +464,7 @@ Json toJson(const View& view, Theme theme) {
             {"vertical_field_of_view", camera.verticalFieldOfView},
             {"orthographic", camera.orthographic}}},
           {"show", show},
+          {"hidden", view.hidden},
           {"theme", nameIn(themeNames, theme)},
           {"selected", view.selectedJoint}};
 }
@@ -489,6 +490,8 @@ void readView(const JsonEntry& from, const Skeleton& skeleton, Document& documen
     for (const auto& [option, name] : viewOptionNames())
       if (const auto entry = show->find(std::string(name).c_str()))
         document.view.show.*option = entry->boolean();
+  if (const auto hidden = from.find("hidden"))
+    for (const JsonEntry& part : hidden->list()) document.view.hidden.insert(part.text());
   if (const auto theme = from.find("theme")) document.theme = theme->oneOf(themeNames);
   if (const auto selected = from.find("selected"); selected && !selected->text().empty())
     document.view.selectedJoint = skeleton.joint(readJoint(*selected, skeleton)).name;

@@ -685,7 +685,8 @@ bool Session::restsOutOfReach(const IkProblem& problem) {
       lastSolve_.jointMotion > still)
     return false;
   if (lastSolve_.why == Stop::Stationary) return true;
-  if (restedAt_ != q()) restedOutOfReach_ = whyAtRest(problem, q()) == Stop::Stationary;
+  if (restedAt_.size() != q().size() || restedAt_ != q())
+    restedOutOfReach_ = whyAtRest(problem, q()) == Stop::Stationary;
   restedAt_ = q();
   return restedOutOfReach_;
 }

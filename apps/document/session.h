@@ -180,6 +180,7 @@ class Session {
   void rememberAs(Edits before) { history_.remember(std::move(before)); }
   bool undo();
   bool redo();
+  int editCount() const { return history_.steps(); }  ///< grows with every edit, undo and redo
   bool canUndo() const { return history_.canUndo() || (drag_ && drag_->moved); }
   bool canRedo() const { return history_.canRedo(); }
   int jumps() const { return jumps_; }  ///< counts undo, redo and cancelled drags

@@ -43,7 +43,8 @@ struct Request {
   std::string layers;  ///< empty: as the scene says
   bool lattice = false;
   std::string muscleSheet;  ///< name of a limb or its joints
-  std::vector<std::string> turns;
+  std::vector<std::string> turns, show, hide;
+  std::string solver, replay;
 };
 
 bool endsWith(const std::string& text, std::string_view end) {
@@ -171,6 +172,9 @@ Session openRequested(const Request& request) {
   show.handles = request.handles || (show.handles && isScene(request.input));
   show.ground = show.ground && !request.noGround;
   show.shadow = show.shadow && !request.noShadow;
+  for (const std::string& name : request.show) show.*viewOption(name) = true;
+  document.view.hidden.insert(request.hide.begin(), request.hide.end());
+  if (!request.solver.empty()) document.solver.name = solverSpec(request.solver).entry->name;
   if (!request.weightsOf.empty()) {
     show.weights = true;
     document.view.selectedJoint = model->skeleton.joint(model->skeleton.jointIndex(request.weightsOf)).name;
@@ -344,6 +348,11 @@ void addRenderCommand(Command& app) {
   command.flag("--wireframe", request->wireframe, "Edges of the triangles");
   command.flag("--bones", request->bones, "Skeleton through a translucent skin");
   command.option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
+  command.option("--show", request->show,
+                 "Something more: velocity_ellipsoid, force_ellipsoid, reachable, solutions, null_space, "
+                 "convergence or what else a scene shows; may be repeated");
+  command.option("--hide", request->hide, "A part of the body that is not drawn; may be repeated");
+  command.option("--solver", request->solver, "Solver of the convergence map");
   command.flag("--joint-frames", request->jointFrames, "Axes of every joint");
   command
       .option("--layers", request->layers,

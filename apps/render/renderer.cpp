@@ -20,7 +20,13 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr GLuint frameBinding = 2;
-enum TextureUnit : GLint { ShadowMapUnit = 0, ShadowDepthUnit = 1, ContactUnit = 2, GroundLightUnit = 3 };
+enum TextureUnit : GLint {
+  ShadowMapUnit = 0,
+  ShadowDepthUnit = 1,
+  ContactUnit = 2,
+  GroundLightUnit = 3,
+  PictureUnit = 4
+};
 
 /// Mirrors frame.glsl (std140: every member is a multiple of 16 bytes); GLM's types are laid out as GLSL's.
 struct FrameBlock {
@@ -220,6 +226,29 @@ void bindTexture(TextureUnit unit, GLuint texture, GLuint sampler = 0) {
 
 bool isLayered(const BodyInstance& body) { return body.mesh->hasLayers() && !body.pose->layers.empty(); }
 
+/// Calls draw(part) for what is seen of a body with a look.
+template <class Draw>
+void eachPart(const BodyInstance& body, Draw&& draw) {
+  for (const MeshLook::Part& part : body.look->look().parts)
+    if (part.shown && part.triangleCount > 0 && !(body.hidden && body.hidden->count(part.name) > 0))
+      draw(part);
+}
+
+/// The triangles, whatever they look like: for shadows.
+void drawShape(const BodyInstance& body) {
+  if (!body.look) return body.mesh->drawTriangles(isLayered(body));
+  eachPart(body, [&](const MeshLook::Part& part) {
+    body.mesh->drawTriangles(part.firstTriangle, part.triangleCount, isLayered(body));
+  });
+}
+
+void setMaterial(const ShaderProgram& program, const Material& material) {
+  glUniform4f(program.uniform("materialColour"), material.colour.x(), material.colour.y(),
+              material.colour.z(), material.colour.w());
+  glUniform3f(program.uniform("materialLook"), material.texture >= 0 ? 1.0f : 0.0f, material.cutOff,
+              material.gloss);
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -286,6 +315,7 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
   made.bindBlock("Frame", frameBinding);
   made.bindSampler("poseRows", PoseGl::textureUnit);
   made.bindSampler("shadowMap", ShadowMapUnit);
+  made.bindSampler("picture", PictureUnit);
   made.bindSampler("shadowDepth", ShadowDepthUnit);
   made.bindSampler("contact", ContactUnit);
   made.bindSampler("source", ContactUnit);
@@ -352,7 +382,7 @@ void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& li
     depth.use();
     glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, glm::value_ptr(matrix));
     poses[i].bind();
-    scene.bodies[i].mesh->drawTriangles(isLayered(scene.bodies[i]));
+    drawShape(scene.bodies[i]);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_DEPTH_TEST);
@@ -371,7 +401,7 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
     if (scene.bodies[i].tint.a < 1.0f) continue;
     bodyProgram("contact", scene.bodies[i]).use();
     poses[i].bind();
-    scene.bodies[i].mesh->drawTriangles(isLayered(scene.bodies[i]));
+    drawShape(scene.bodies[i]);
   }
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
@@ -401,15 +431,28 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
   surface.use();
   glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b,
               throughSkin ? 0.90f : body.tint.a);
-  glUniform1f(surface.uniform("vertexColourShare"), body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
+  glUniform1f(surface.uniform("vertexColourShare"),
+              body.look || body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
+  setMaterial(surface, {});
   poses[index].bind();
-  if (!translucent) return body.mesh->drawTriangles(isLayered(body));
+  const auto drawAll = [&] {
+    if (!body.look) return body.mesh->drawTriangles(isLayered(body));
+    eachPart(body, [&](const MeshLook::Part& part) {
+      const Material& material = body.look->look().materials[part.material];
+      setMaterial(surface, material);
+      bindTexture(PictureUnit, body.look->texture(material));
+      if (!material.doubleSided) glEnable(GL_CULL_FACE);
+      body.mesh->drawTriangles(part.firstTriangle, part.triangleCount, isLayered(body));
+      glDisable(GL_CULL_FACE);
+    });
+  };
+  if (!translucent) return drawAll();
   // Depth first, so that only the nearest layer of a translucent body is seen.
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  body.mesh->drawTriangles(isLayered(body));
+  drawAll();
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  body.mesh->drawTriangles(isLayered(body));
+  drawAll();
 }
 
 void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {
@@ -530,7 +573,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
 
   glBindVertexArray(0);
   glUseProgram(0);
-  for (const TextureUnit unit : {ShadowMapUnit, ShadowDepthUnit, ContactUnit, GroundLightUnit})
+  for (const TextureUnit unit : {ShadowMapUnit, ShadowDepthUnit, ContactUnit, GroundLightUnit, PictureUnit})
     bindTexture(unit, 0);
 }
 

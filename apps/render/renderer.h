@@ -2,11 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "apps/document/camera.h"
 #include "apps/document/theme.h"
 #include "apps/render/overlay.h"
+#include "skinning/gpu/mesh_look_gl.h"
 #include "skinning/gpu/skinned_mesh_gl.h"
 
 namespace gelenk {
@@ -23,7 +26,10 @@ struct BodyInstance {
   Colour tint = {0.88f, 0.83f, 0.77f,
                  1.0f};  ///< alpha < 1: a ghost, drawn after the solid bodies, without a shadow
   SurfaceColour surface = SurfaceColour::Clay;
-  bool wireframe = false;   ///< the triangles' edges over the surface
+  bool wireframe = false;  ///< the triangles' edges over the surface
+  /// Colours of its parts, instead of the tint; parts of these names are not drawn.
+  const MeshLookGl* look = nullptr;
+  const std::set<std::string>* hidden = nullptr;
   float seeThrough = 1.0f;  ///< how far a translucent body gives way where it faces the viewer, 0 to 1
 };
 

@@ -26,7 +26,13 @@ SceneView::SceneView(const Session& session, Ground ground) {
   const Frames rest = restFrames(model.skeleton);
   Eigen::AlignedBox3d box;
   if (session.skin()) {
+    if (model.look) {
+      validate(*model.look, static_cast<int>(session.skin()->mesh.positions.size()),
+               static_cast<int>(session.skin()->mesh.triangles.size()));
+      look_ = std::make_unique<MeshLookGl>(*model.look);
+    }
     mesh_ = std::make_unique<SkinnedMeshGl>(*session.skin());
+    takeLook(session, *mesh_);
     posedBounds_ = std::make_unique<PosedBounds>(*session.skin());
     meshVersion_ = session.weightsVersion();
     for (const Eigen::Vector3d& p : linearBlendSkin(*model.skin, rest).positions) box.extend(p);
@@ -55,6 +61,7 @@ void SceneView::follow(const Session& session, const Frames& frames, bool ownPos
   const int version = session.weightsVersion();
   if (mesh_ && meshVersion_ != version) {
     mesh_ = std::make_unique<SkinnedMeshGl>(*session.skin());
+    takeLook(session, *mesh_);
     posedBounds_ = std::make_unique<PosedBounds>(*session.skin());
     meshVersion_ = version;
     surfaceIsCurrent_ = false;
@@ -66,6 +73,12 @@ void SceneView::follow(const Session& session, const Frames& frames, bool ownPos
     surfaceIsCurrent_ = limbsAreCurrent_ = false;
   }
   bounds_ = boundsAt(session, frames_);
+}
+
+void SceneView::takeLook(const Session& session, SkinnedMeshGl& mesh) {
+  colouredByLook_ = nullptr;
+  if (look_ && !session.model().look->coordinates.empty())
+    mesh.setCoordinates(session.model().look->coordinates);
 }
 
 /// Anew after switching on, and where weights or proportions changed, because the rest lattice did.
@@ -83,6 +96,7 @@ void SceneView::bind(const Session& session) {
   try {
     rig_ = std::make_unique<MuscleRig>(makeMuscleRig(session.model(), *session.skin(), *settings_));
     layeredMesh_ = std::make_unique<SkinnedMeshGl>(rig_->body());
+    takeLook(session, *layeredMesh_);
     rigVersion_ = session.weightsVersion();
   } catch (const std::invalid_argument& error) {
     muscleFault_ = error.what();
@@ -143,6 +157,16 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
     if (colours && static_cast<int>(colours->size()) == mesh->vertexCount()) {
       mesh->setColours(*colours);
       body.surface = SurfaceColour::Vertex;
+      colouredByLook_ = nullptr;
+    } else if (look_) {
+      if (colouredByLook_ != mesh) {
+        const auto& own = look_->look().colours;
+        mesh->setColours(
+            own.empty() ? std::vector<Eigen::Vector3f>(mesh->vertexCount(), Eigen::Vector3f::Ones()) : own);
+        colouredByLook_ = mesh;
+      }
+      body.look = look_.get();
+      body.hidden = &session.document().view.hidden;
     }
     scene.bodies.push_back(body);
   }
@@ -203,6 +227,13 @@ RenderScene SceneView::compose(const Session& session, PictureExtras extras) {
   scene.xray = show.skeleton;
   scene.bounds = bounds_;
   scene.size = size_;
+  if (ownPose_)
+    teaching_.add(session, frames_,
+                  {.size = size_,
+                   .colours = &markColours(scene.theme),
+                   .selected = extras.selected,
+                   .whole = extras.whole},
+                  extras.overlay, extras.overlayOnTop, extras.ghosts);
   addBodies(session, extras, scene);
   scene.overlay = std::move(extras.overlay);
   scene.overlayOnTop = std::move(extras.overlayOnTop);

@@ -8,6 +8,7 @@
 #include "apps/document/session.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
+#include "apps/render/teaching_pictures.h"
 #include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
@@ -27,6 +28,7 @@ struct PictureExtras {
   Overlay overlay = {};                                            ///< hidden by bodies in front of it
   Overlay overlayOnTop = {};                                       ///< seen through everything
   std::vector<double> limitGlow = {};                              ///< a joint, 0 to 1: limits that light up
+  bool whole = true;  ///< a still picture: what is computed bit by bit is finished at once
   int latticePlane = -1, latticePoint = -1;           ///< of the limb whose lattice is shown, drawn stronger
   std::optional<GoalId> hovered = {}, selected = {};  ///< drawn larger; with all that belongs to them
 };
@@ -66,18 +68,24 @@ class SceneView {
   /// direction that the document's camera looks.
   Camera wholeView(const Session& session, const Viewport& viewport, const Eigen::AlignedBox3d& box) const;
 
+  /// What stands beside the body to explain it.
+  const TeachingPictures& teaching() const { return teaching_; }
+
   /// The picture. It points into this object and is valid until the next call.
   RenderScene compose(const Session& session, PictureExtras extras = {});
 
  private:
   void bind(const Session& session);
+  void takeLook(const Session& session, SkinnedMeshGl& mesh);
   void addBodies(const Session& session, PictureExtras& extras, RenderScene& scene);
   void addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene);
   Eigen::AlignedBox3d boundsAt(const Session& session, const Frames& frames) const;
 
   std::unique_ptr<SkinnedMeshGl> mesh_, layeredMesh_;
   std::unique_ptr<PosedBounds> posedBounds_;
-  int meshVersion_ = 0, rigVersion_ = 0;  ///< Session::weightsVersion() that they stand on
+  std::unique_ptr<MeshLookGl> look_;               ///< null: clay
+  const SkinnedMeshGl* colouredByLook_ = nullptr;  ///< whose vertex colours are the look's
+  int meshVersion_ = 0, rigVersion_ = 0;           ///< Session::weightsVersion() that they stand on
   std::shared_ptr<const MuscleSettings> settings_;
   std::unique_ptr<MuscleRig> rig_;
   std::string muscleFault_;
@@ -92,6 +100,7 @@ class SceneView {
   double size_ = 1.0, groundHeight_ = 0.0;
   bool standsOnMotion_ = false;
 
+  TeachingPictures teaching_;
   SkinPose pose_;
   std::vector<SkinPose> ghostPoses_;
 };

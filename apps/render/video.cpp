@@ -16,6 +16,8 @@ extern char** environ;
 namespace gelenk {
 namespace {
 
+bool isGif(const std::string& path) { return path.ends_with(".gif"); }
+
 /// Fails early, with the system's reason, where the folder cannot be written.
 void requireWritable(const std::string& path) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
@@ -42,7 +44,7 @@ int startReader(const std::vector<std::string>& words, int readEnd, int writeEnd
 }  // namespace
 
 VideoWriter::VideoWriter(const std::string& path, int width, int height, int framesPerSecond)
-    : path_(path), unfinished_(path + ".tmp" + std::to_string(getpid()) + ".mp4") {
+    : path_(path), unfinished_(path + ".tmp" + std::to_string(getpid()) + (isGif(path) ? ".gif" : ".mp4")) {
   if (width % 2 != 0 || height % 2 != 0)
     throw std::runtime_error("a video needs an even width and height, not " + std::to_string(width) + " x " +
                              std::to_string(height));
@@ -51,7 +53,12 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, int fra
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     throw std::runtime_error(std::string("cannot make a pipe: ") + std::strerror(errno));
-  const int error = startReader({"ffmpeg",
+  const std::vector<std::string> encoding =
+      isGif(path)
+          ? std::vector<std::string>{"-filter_complex", "[0:v]split[a][b];[a]palettegen[p];[b][p]paletteuse"}
+          : std::vector<std::string>{"-c:v", "libx264",  "-preset", "medium",    "-crf",
+                                     "18",   "-pix_fmt", "yuv420p", "-movflags", "+faststart"};
+  std::vector<std::string> words{"ffmpeg",
                                  "-y",
                                  "-loglevel",
                                  "error",
@@ -64,19 +71,10 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, int fra
                                  "-framerate",
                                  std::to_string(framesPerSecond),
                                  "-i",
-                                 "-",
-                                 "-c:v",
-                                 "libx264",
-                                 "-preset",
-                                 "medium",
-                                 "-crf",
-                                 "18",
-                                 "-pix_fmt",
-                                 "yuv420p",
-                                 "-movflags",
-                                 "+faststart",
-                                 unfinished_},
-                                ends[0], ends[1], process_);
+                                 "-"};
+  words.insert(words.end(), encoding.begin(), encoding.end());
+  words.push_back(unfinished_);
+  const int error = startReader(words, ends[0], ends[1], process_);
   close(ends[0]);
   pipe_ = fdopen(ends[1], "wb");
   if (error == 0) return;
@@ -84,7 +82,7 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, int fra
   std::fclose(pipe_);
   pipe_ = nullptr;
   std::remove(unfinished_.c_str());
-  throw std::runtime_error("writing an .mp4 needs the program ffmpeg, which cannot be started (" +
+  throw std::runtime_error("writing a video needs the program ffmpeg, which cannot be started (" +
                            std::string(std::strerror(error)) + "); apt install ffmpeg, or write a .png");
 }
 

@@ -7,8 +7,8 @@
 
 namespace gelenk {
 
-/// Encodes pictures into an H.264 .mp4 by the program ffmpeg, which gets raw frames through a pipe. The file
-/// appears under its name when finish() has succeeded.
+/// Encodes pictures into an H.264 .mp4, or a .gif where the path ends so, by the program ffmpeg, which gets
+/// raw frames through a pipe. The file appears under its name when finish() has succeeded.
 class VideoWriter {
  public:
   /// width, height even. Throws std::runtime_error with a sentence where ffmpeg is missing or the folder

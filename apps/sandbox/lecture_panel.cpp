@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/lecture_scene.h"
+#include "apps/sandbox/mathematics.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
@@ -19,20 +22,29 @@ LectureColours lectureColours(Theme theme) {
 void headingRow(Sandbox& sandbox, const char* words) {
   ImGui::Dummy({0, 3 * sandbox.scale()});
   ImGui::PushFont(sandbox.state().gui.fonts().small);
-  ImGui::TextColored(sandbox.state().colours().textDim, "%s", words);
+  ImGui::PushStyleColor(ImGuiCol_Text, sandbox.state().colours().textDim);
+  mathItem(words);
+  ImGui::PopStyleColor();
   ImGui::PopFont();
 }
 
 void valueRow(Sandbox& sandbox, const std::string& name, const std::string& value) {
-  ImGui::TextColored(sandbox.state().colours().textDim, "%s", name.c_str());
-  const float width = ImGui::CalcTextSize(value.c_str()).x;
-  ImGui::SameLine(std::max(ImGui::CalcTextSize(name.c_str()).x + 16 * sandbox.scale(),
-                           ImGui::GetContentRegionMax().x - width));
-  ImGui::TextUnformatted(value.c_str());
+  const auto widthOf = [](const std::string& text) {
+    return mathSize(ImGui::GetFont(), ImGui::GetFontSize(), text).x;
+  };
+  ImGui::PushStyleColor(ImGuiCol_Text, sandbox.state().colours().textDim);
+  mathItem(name);
+  ImGui::PopStyleColor();
+  ImGui::SameLine(
+      std::max(widthOf(name) + 16 * sandbox.scale(), ImGui::GetContentRegionMax().x - widthOf(value)));
+  mathItem(value);
 }
 
 void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd& m, const char* format) {
-  ImGui::TextColored(sandbox.state().colours().textDim, "%s", name.c_str());
+  ImGui::PushStyleColor(ImGuiCol_Text, sandbox.state().colours().textDim);
+  mathItem(name);
+  ImGui::PopStyleColor();
+  const ImVec2 low = ImGui::GetCursorScreenPos();
   const float left = 14 * sandbox.scale();
   const float column =
       (ImGui::GetContentRegionMax().x - left) / static_cast<float>(std::max<Eigen::Index>(3, m.cols()));
@@ -45,6 +57,11 @@ void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd
                            ImGui::CalcTextSize(text).x);
       ImGui::TextUnformatted(text);
     }
+  const float wide = left + column * static_cast<float>(m.cols());
+  drawBrackets(
+      *ImGui::GetWindowDrawList(), {low.x + 4 * sandbox.scale(), low.y - 1 * sandbox.scale()},
+      {low.x + wide, ImGui::GetCursorScreenPos().y - ImGui::GetStyle().ItemSpacing.y + 2 * sandbox.scale()},
+      colour32(sandbox.state().colours().textDim), 1.4f * sandbox.scale());
 }
 
 void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box) {
@@ -53,9 +70,10 @@ void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box) {
   s.camera() = frameBox(s.camera(), s.viewport(), box, 0.06);
 }
 
-void columnText(Sandbox& sandbox, const std::string& text) {
-  const float cell = 6.1f * sandbox.scale();  // about the mean width of a character of the small font
-  ImGui::PushFont(sandbox.state().gui.fonts().small);
+void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen) {
+  ImFont* font = chosen ? chosen : sandbox.state().gui.fonts().small;
+  const float cell = 0.47f * font->FontSize;  // about the mean width of a character
+  ImGui::PushFont(font);
   std::size_t from = 0;
   while (from < text.size()) {
     const std::size_t end = std::min(text.find('\n', from), text.size());
@@ -73,7 +91,7 @@ void columnText(Sandbox& sandbox, const std::string& text) {
       if (!first) ImGui::SameLine(0, 0);
       ImGui::SetCursorPosX(
           std::max(first ? 0.0f : ImGui::GetCursorPosX() + cell, cell * static_cast<float>(at)));
-      ImGui::TextUnformatted(word.c_str());
+      mathItem(word);
       first = false;
       at = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
     }
@@ -150,6 +168,19 @@ class LecturePanel final : public Panel {
     ImGui::EndChild();
   }
 
+  bool drawPresentation(Sandbox& sandbox) override {
+    if (!topic_) return false;
+    ImGui::PushFont(sandbox.state().gui.fonts().title);
+    ImGui::TextUnformatted(topic_->title.c_str());
+    ImGui::PopFont();
+    ImGui::TextColored(sandbox.state().colours().textDim, "%s", topic_->section.c_str());
+    ImGui::Dummy({0, 6 * sandbox.scale()});
+    ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
+    columnText(sandbox, derivation_, sandbox.state().gui.fonts().large);
+    ImGui::EndChild();
+    return true;
+  }
+
   void step(Sandbox& sandbox, double seconds) override {
     if (scene_) scene_->step(sandbox, seconds);
   }
@@ -222,10 +253,13 @@ class LecturePanel final : public Panel {
       const LectureCheck& check = topic_->checks[i];
       ImGui::PushID(static_cast<int>(i));
       ImGui::BeginGroup();
-      ImGui::TextColored(verdicts_[i].ok ? colours.good : colours.bad, verdicts_[i].ok ? "+" : "!");
-      ImGui::SameLine();
+      tickItem(verdicts_[i].ok, verdicts_[i].ok ? colours.good : colours.bad);
+      ImGui::SameLine(0, 4 * sandbox.scale());
       const float width = ImGui::GetContentRegionAvail().x;
-      ImGui::TextUnformatted(brokenAtBlanks(check.what, width).c_str());
+      ImGui::BeginGroup();
+      std::istringstream lines(brokenAtBlanks(check.what, width));
+      for (std::string line; std::getline(lines, line);) mathItem(line);
+      ImGui::EndGroup();
       ImGui::PushFont(sandbox.state().gui.fonts().small);
       const char* sign = check.comparison == Comparison::Equal    ? ""
                          : check.comparison == Comparison::AtMost ? "at most "

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <imgui.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,6 +64,7 @@ void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd
 /// Moves the camera so that the box fills the view.
 void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box);
 /// Text in columns: runs of three or more blanks begin a cell at the same place in every line.
-void columnText(Sandbox& sandbox, const std::string& text);
+/// font: null, the small one.
+void columnText(Sandbox& sandbox, const std::string& text, ImFont* font = nullptr);
 
 }  // namespace gelenk

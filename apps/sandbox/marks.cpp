@@ -1,7 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "apps/sandbox/gizmo.h"
 #include "apps/sandbox/label_places.h"
+#include "apps/sandbox/mathematics.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
@@ -22,15 +26,19 @@ struct Pen {
 };
 
 /// At the point, or as near to it as there is room.
-void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& text) {
+void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& text, bool isFormula = false) {
   ImFont* font = pen.fonts.small;
-  const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
+  ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
+  if (isFormula) size = {mathSize(font, font->FontSize, text).x, size.y};
   LabelBox box{at.x - 5 * pen.scale, at.y - 2 * pen.scale, size.x + 10 * pen.scale, size.y + 4 * pen.scale};
   if (!pen.places->place(box)) return;
   at = {box.x + 5 * pen.scale, box.y + 2 * pen.scale};
   pen.draw->AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + box.height},
                           colour32(pen.colours.panelRaised, 0.82f), 4 * pen.scale);
-  pen.draw->AddText(font, font->FontSize, at, colour32(colour), text.c_str());
+  if (isFormula)
+    drawMathematics(*pen.draw, font, font->FontSize, at, colour32(colour), text);
+  else
+    pen.draw->AddText(font, font->FontSize, at, colour32(colour), text.c_str());
 }
 
 /// What the picture itself does not tell: how far, which, chosen.
@@ -77,6 +85,21 @@ void drawConstraint(const Pen& pen, Sandbox& sandbox) {
     pen.draw->AddLine(toImVec2(s.toWindow(target - u).pixel), toImVec2(s.toWindow(target + u).pixel),
                       colour32(axisColours[axis], 0.8f), 1.4f * pen.scale);
   }
+}
+
+/// How far the gizmo was moved or turned.
+void nameGesture(const Pen& pen, Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.session->dragged() || !s.gesture.part) return;
+  const Vector3d target = s.session->goal(*s.session->dragged()).goal.target;
+  const int axis = s.gesture.part->axis;
+  const double moved = target[axis] - s.gesture.start[axis];
+  const std::string text = s.gesture.part->kind == GizmoPart::Kind::Ring
+                               ? fmt::format("{:+.1f}°", s.gesture.angle * 180.0 / M_PI)
+                               : (moved < 0.0 ? "−" : "+") + formatLength(std::abs(moved));
+  words(pen,
+        {static_cast<float>(s.mouse.x()) + 18 * pen.scale, static_cast<float>(s.mouse.y()) + 14 * pen.scale},
+        pen.colours.text, text);
 }
 
 void drawNotices(const Pen& pen, Sandbox& sandbox) {
@@ -134,12 +157,14 @@ void drawMarks(Sandbox& sandbox) {
       words(
           pen,
           {static_cast<float>(p.pixel.x()) + 8 * pen.scale, static_cast<float>(p.pixel.y()) - 8 * pen.scale},
-          {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text);
+          {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text, true);
   }
   drawConstraint(pen, sandbox);
   if (s.show().handles && (!s.shownFrames || s.handlesOnShown))
     for (const SceneGoal& goal : s.session->goals())
       if (isGoalShown(sandbox.session(), goal)) nameGoal(pen, sandbox, goal);
+  drawGizmo(sandbox.state(), *draw);
+  nameGesture(pen, sandbox);
   drawHover(pen, sandbox);
   drawNotices(pen, sandbox);
   draw->PopClipRect();

@@ -47,6 +47,7 @@ class ModelPanel final : public Panel {
     tooltip(
         "Every joint uniform within its limits; a free root stays where it is. Seed 1 at the start of the "
         "program.");
+    parts(s);
     ImGui::Separator();
     const float sliders = s.selectedJoint() ? slidersHeight(s) : 0.0f;
     ImGui::BeginChild("tree", {0, std::max(120 * s.scale, ImGui::GetContentRegionAvail().y - sliders)});
@@ -56,6 +57,26 @@ class ModelPanel final : public Panel {
   }
 
  private:
+  /// What the body is made of, to be hidden.
+  static void parts(Sandbox::State& s) {
+    const auto& look = s.session->model().look;
+    if (!look) return;
+    std::set<std::string> names;
+    for (const MeshLook::Part& part : look->parts) names.insert(part.name);
+    if (names.size() < 2 ||
+        !ImGui::CollapsingHeader(fmt::format("{} parts of the body###parts", names.size()).c_str()))
+      return;
+    std::set<std::string>& hidden = s.session->view().hidden;
+    for (const std::string& name : names) {
+      bool shown = hidden.count(name) == 0;
+      if (!ImGui::Checkbox(name.empty() ? "(unnamed)" : name.c_str(), &shown)) continue;
+      if (shown)
+        hidden.erase(name);
+      else
+        hidden.insert(name);
+    }
+  }
+
   static float slidersHeight(const Sandbox::State& s) {
     const int rows = s.session->skeleton().vCount(*s.selectedJoint());
     const float row =

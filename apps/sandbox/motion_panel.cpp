@@ -210,6 +210,24 @@ class MotionPanel final : public Panel {
     }
   }
 
+  /// The motions of a file that holds several.
+  static void clipChoice(Sandbox& sandbox) {
+    const Model& model = sandbox.session().model();
+    if (model.clipNames.size() < 2) return;
+    heading(sandbox.state(), fmt::format("CLIP, ONE OF {}", model.clipNames.size()).c_str());
+    if (!ImGui::BeginCombo("##clip", model.clipName.c_str(), ImGuiComboFlags_HeightLarge)) return;
+    for (const std::string& name : model.clipNames)
+      if (ImGui::Selectable(name.c_str(), name == model.clipName)) {
+        ModelReference reference = sandbox.session().document().model;
+        reference.files.clip = name;
+        sandbox.state().afterFrame = [reference](Sandbox& box) {
+          const Camera camera = box.camera();
+          if (box.open(reference)) box.camera() = camera, box.setPlaying(true);
+        };
+      }
+    ImGui::EndCombo();
+  }
+
   void drawInspector(Sandbox& sandbox) override {
     const Palette& colours = sandbox.state().colours();
     if (!editor_) {
@@ -219,6 +237,7 @@ class MotionPanel final : public Panel {
       ImGui::PopStyleColor();
       return;
     }
+    clipChoice(sandbox);
     heading(sandbox.state(), "PLAYBACK");
     if (ImGui::Button(sandbox.playing() ? "Pause" : "Play", {90 * sandbox.scale(), 0}))
       sandbox.setPlaying(!sandbox.playing());

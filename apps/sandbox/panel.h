@@ -35,6 +35,9 @@ class Panel {
   /// Inside the bottom strip's tab (plots, timeline).
   virtual void drawBottomStrip(Sandbox&) {}
 
+  /// What a room sees: half of the window, in large type and without controls. False: nothing to present.
+  virtual bool drawPresentation(Sandbox&) { return false; }
+
   /// Inside the main menu bar, between Model and Help: `if (ImGui::BeginMenu("Lecture")) {...}`.
   virtual void drawMenu(Sandbox&) {}
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/sandbox/mathematics.h"
+
 namespace gelenk {
 namespace {
 
@@ -30,7 +32,8 @@ Area drawFrame(ImDrawList* draw, const std::string& title, ImVec2 position, ImVe
                float bottomMargin, const Palette& palette, const Fonts& fonts, float scale) {
   draw->AddRectFilled(position, {position.x + size.x, position.y + size.y}, colour32(palette.plotBackground),
                       6.0f * scale);
-  text(draw, fonts.small, {position.x + 10 * scale, position.y + 6 * scale}, palette.textDim, title);
+  drawMathematics(*draw, fonts.small, fonts.small->FontSize,
+                  {position.x + 10 * scale, position.y + 6 * scale}, colour32(palette.textDim), title);
   return {{position.x + leftMargin, position.y + 6 * scale + fonts.small->FontSize + 7 * scale},
           {position.x + size.x - 12 * scale, position.y + size.y - bottomMargin}};
 }

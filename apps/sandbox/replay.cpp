@@ -22,12 +22,21 @@ struct KeyName {
   int code;
 };
 constexpr std::array keyNames{
-    KeyName{"tab", GLFW_KEY_TAB},          KeyName{"space", GLFW_KEY_SPACE},
-    KeyName{"delete", GLFW_KEY_DELETE},    KeyName{"home", GLFW_KEY_HOME},
-    KeyName{"escape", GLFW_KEY_ESCAPE},    KeyName{"enter", GLFW_KEY_ENTER},
-    KeyName{"shift", GLFW_KEY_LEFT_SHIFT}, KeyName{"ctrl", GLFW_KEY_LEFT_CONTROL},
-    KeyName{"alt", GLFW_KEY_LEFT_ALT},     KeyName{"f12", GLFW_KEY_F12},
-    KeyName{"?", GLFW_KEY_SLASH},          KeyName{"backspace", GLFW_KEY_BACKSPACE},
+    KeyName{"tab", GLFW_KEY_TAB},
+    KeyName{"space", GLFW_KEY_SPACE},
+    KeyName{"delete", GLFW_KEY_DELETE},
+    KeyName{"home", GLFW_KEY_HOME},
+    KeyName{"escape", GLFW_KEY_ESCAPE},
+    KeyName{"enter", GLFW_KEY_ENTER},
+    KeyName{"shift", GLFW_KEY_LEFT_SHIFT},
+    KeyName{"ctrl", GLFW_KEY_LEFT_CONTROL},
+    KeyName{"alt", GLFW_KEY_LEFT_ALT},
+    KeyName{"f12", GLFW_KEY_F12},
+    KeyName{"f5", GLFW_KEY_F5},
+    KeyName{"down", GLFW_KEY_DOWN},
+    KeyName{"up", GLFW_KEY_UP},
+    KeyName{"?", GLFW_KEY_SLASH},
+    KeyName{"backspace", GLFW_KEY_BACKSPACE},
 };
 
 std::optional<int> keyCode(const std::string& word) {
@@ -96,7 +105,7 @@ void check(const std::string& file, const Replay::Command& command) {
     if (kind == 'k' && !keyCode(word))
       throw ParseError(file, command.line,
                        "a key: a letter, a digit, tab, space, delete, home, escape, enter, shift, ctrl, alt, "
-                       "f12, backspace or ?",
+                       "f5, f12, up, down, backspace or ?",
                        "'" + word + "'");
     if (kind == 'b' && !buttonCode(word))
       throw ParseError(file, command.line, "left, right or middle", "'" + word + "'");
@@ -121,15 +130,6 @@ Panel& panelOf(Sandbox& sandbox, std::string_view name) {
     known += (known.empty() ? "" : ", ") + panel->name();
   }
   throw std::invalid_argument(fmt::format("no panel is called '{}'; there are: {}", name, known));
-}
-
-bool ViewOptions::*option(const std::string& name) {
-  std::string known;
-  for (const auto& [member, word] : viewOptionNames()) {
-    if (name == word) return member;
-    known += (known.empty() ? "" : ", ") + std::string(word);
-  }
-  throw std::invalid_argument("'" + name + "' cannot be shown; there are: " + known);
 }
 
 double number(const Replay::Command& command, int i) { return *parseNumber(command.words[i]); }
@@ -172,7 +172,7 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
     sandbox.select(joint);
     s.selectedGoal = s.session->findGoal(command.words[0]);
   }
-  if (verb == "show") s.show().*option(command.words[0]) = command.words[1] == "on";
+  if (verb == "show") s.show().*viewOption(command.words[0]) = command.words[1] == "on";
   if (verb == "tab") {
     const Panel& panel = panelOf(sandbox, command.words[0]);
     panel.hasBottomStrip() && !panel.hasInspector() ? sandbox.showBottomStrip(command.words[0])

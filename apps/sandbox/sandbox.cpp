@@ -66,6 +66,7 @@ void renderView(Sandbox& sandbox) {
   s.extras.limitGlow = s.limitGlow;
   if (s.hover.kind == Hover::Kind::Goal) s.extras.hovered = s.hover.goal;
   s.extras.selected = s.goalSelected();
+  s.extras.whole = false;
   const RenderScene scene = s.view->compose(*s.session, s.extras);
   const Viewport viewport = s.viewport();
   s.picture.resize(viewport.width, viewport.height);
@@ -78,8 +79,11 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   State& s = *state_;
   s.options = options;
   s.scale = static_cast<float>(options.scale);
+  s.preferences = s.written = readPreferences(options.preferences);
   s.panels = makePanels();
   s.gui.setLook(options.theme, s.scale);
+  s.windowWidth = options.width;
+  s.windowHeight = options.height;
   s.layout = layOut(s, options.width, options.height);
   const bool isLecture =
       options.model.starts_with("lecture:");  // an example of the lecture opens its own model
@@ -122,6 +126,7 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   s.playing = false;
   s.scenePath.clear();
   s.cameraMove.reset();
+  s.savedEdits = s.session->editCount();
   s.limitGlow.assign(s.session->skeleton().jointCount(), 0.0);
   const Eigen::AlignedBox3d whole = s.view->bounds();
   followDocument(*this);
@@ -133,6 +138,7 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
 bool Sandbox::open(const ModelReference& reference) {
   try {
     bool taken = false;
+    const Session* before = state_->session.get();
     if (reference.files == Companions{} && !isScene(reference.nameOrFile))
       for (const auto& panel : state_->panels) taken = taken || panel->openFile(*this, reference.nameOrFile);
     if (!taken && isScene(reference.nameOrFile)) {
@@ -142,6 +148,9 @@ bool Sandbox::open(const ModelReference& reference) {
     } else if (!taken) {
       openModel(readModel(reference), reference);
     }
+    state_->preferences.opened(reference.nameOrFile);
+    state_->savedEdits = session().editCount();
+    if (taken && state_->session.get() == before) return true;  // a question comes first, or it was added
     say("Opened " + reference.nameOrFile);
     return true;
   } catch (const std::exception& error) {
@@ -163,12 +172,34 @@ bool Sandbox::saveSceneTo(const std::string& name) {
   try {
     writeScene(path, document(), session().model());
     state_->scenePath = path;
+    state_->preferences.opened(path);
+    state_->savedEdits = session().editCount();
     say("Saved " + path);
     return true;
   } catch (const std::exception& error) {
     say(error.what(), true);
     return false;
   }
+}
+
+namespace {
+
+/// Does it, or asks first where something would be lost.
+void whenSaved(Sandbox& sandbox, std::function<void(Sandbox&)> what) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.options.asks || s.session->editCount() == s.savedEdits) return what(sandbox);
+  s.next = std::move(what);
+  s.dialog = Sandbox::State::Dialog::Unsaved;
+}
+
+}  // namespace
+
+void Sandbox::requestClose() {
+  whenSaved(*this, [](Sandbox& sandbox) { sandbox.state().closing = true; });
+}
+
+void Sandbox::requestOpen(const std::string& nameOrFile) {
+  whenSaved(*this, [nameOrFile](Sandbox& sandbox) { sandbox.open(nameOrFile); });
 }
 
 void Sandbox::frame(const Input& input, double dt) {
@@ -179,6 +210,8 @@ void Sandbox::frame(const Input& input, double dt) {
   ++s.frameNumber;
   s.time += dt;
   s.scale = static_cast<float>(input.scale);
+  s.windowWidth = input.width;
+  s.windowHeight = input.height;
   s.settling = input.events.empty() && s.frameNumber > 1 ? std::max(0, s.settling - 1) : framesToSettle;
   s.labels.clear();
   s.extras = {};
@@ -214,11 +247,45 @@ void Sandbox::frame(const Input& input, double dt) {
     }
     s.screenshotPath.clear();
   }
+  if (s.recorder.wants(s.time)) try {
+      s.recorder.add({input.width, input.height, readPixels(framebuffer, input.width, input.height)}, s.time);
+    } catch (const std::exception& error) {
+      say(error.what(), true);
+    }
   if (s.lastBegin) {
     const double seconds = std::chrono::duration<double>(begin - *s.lastBegin).count();
     s.secondsPerFrame += (s.secondsPerFrame > 0.0 ? 0.1 : 1.0) * (seconds - s.secondsPerFrame);
   }
   s.lastBegin = begin;
+  if (s.afterFrame) std::exchange(s.afterFrame, nullptr)(*this);
+  if (s.preferences != s.written && s.gesture.kind == Gesture::Kind::None && !ImGui::IsMouseDown(0)) {
+    writePreferences(s.options.preferences, s.preferences);
+    s.written = s.preferences;
+  }
+}
+
+bool Sandbox::startRecording(const std::string& path) {
+  State& s = *state_;
+  try {
+    s.recorder.start(path, s.windowWidth, s.windowHeight, s.time);
+    return true;
+  } catch (const std::exception& error) {
+    say(error.what(), true);
+    return false;
+  }
+}
+
+bool Sandbox::stopRecording() {
+  State& s = *state_;
+  if (!s.recorder.isRunning()) return true;
+  try {
+    s.recorder.finish();
+    say(fmt::format("Recorded {} ({:.1f} s)", s.recorder.path(), s.recorder.seconds()));
+    return true;
+  } catch (const std::exception& error) {
+    say(error.what(), true);
+    return false;
+  }
 }
 
 bool Sandbox::wantsToClose() const { return state_->closing; }
@@ -226,7 +293,8 @@ bool Sandbox::wantsToClose() const { return state_->closing; }
 double Sandbox::rests() const {
   const State& s = *state_;
   const FrameSolve& solve = s.session->lastSolve();
-  if (s.settling > 0 || s.cameraMove || s.gesture.kind != Gesture::Kind::None || !s.screenshotPath.empty() ||
+  if (s.settling > 0 || s.afterFrame || s.view->teaching().isWorking() || s.cameraMove ||
+      s.gesture.kind != Gesture::Kind::None || !s.screenshotPath.empty() ||
       (!s.shownFrames && solve.ran && solve.jointMotion > still) ||
       std::ranges::any_of(s.limitGlow, [](double glow) { return glow > 0.0 && glow < 1.0; }))
     return 0.0;

@@ -25,6 +25,9 @@ struct SandboxOptions {
   Theme theme = Theme::Light;
   std::string solver = "drag";             ///< with or without values of parameters in brackets
   std::vector<std::string> settings = {};  ///< values of its parameters, "dls.lambda=0.1"
+  std::string preferences = {};  ///< file of what the window remembers (preferences.h); empty: nothing
+  bool bare = false;             ///< the view alone, without menus and panels: for films
+  bool asks = false;             ///< before unsaved changes are lost: a person sits before it
 };
 
 /// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.
@@ -40,6 +43,7 @@ class Sandbox {
   /// what is measured (times, fps), which is shown and never fed back.
   void frame(const Input& input, double dt);
   bool wantsToClose() const;
+  void requestClose();  ///< closes, where there is nothing to ask
   /// Seconds for which the next frame would look like the last one if nothing happens: 0 while anything moves
   /// (the solver, a clip, a glow, a camera that glides), infinity at rest.
   double rests() const;
@@ -53,6 +57,9 @@ class Sandbox {
   /// screen and return false; what is open stays open.
   bool open(const std::string& nameOrFile) { return open(ModelReference{.nameOrFile = nameOrFile}); }
   bool open(const ModelReference& reference);  ///< a model with all its files
+  /// The same as a person asks for it: unsaved changes are asked about first, a mesh without a skeleton is
+  /// offered one. A file whose kind needs no question opens at once.
+  void requestOpen(const std::string& nameOrFile);
   /// A model that the program made itself. Nothing of the document before goes into the new one, but for the
   /// user's preferences (theme).
   void openModel(Model model, const ModelReference& reference);
@@ -106,6 +113,10 @@ class Sandbox {
   /// Everything the status file holds, as a JSON text (docs/sandbox.md).
   std::string status() const;
   std::string renderer() const;  ///< GL_RENDERER
+
+  /// A film of what is shown from the next frame on, .mp4 or .gif; says so where it cannot be written.
+  bool startRecording(const std::string& path);
+  bool stopRecording();  ///< false: it could not be finished, which was said
 
   struct State;
   State& state() { return *state_; }  ///< for the sandbox's own files

@@ -20,7 +20,7 @@ namespace {
 
 struct Arguments {
   SandboxOptions sandbox;
-  std::string replay, screenshot, status, size = "1280x800", theme = "light";
+  std::string replay, record, screenshot, status, size = "1280x800", theme = "light";
   double scale = 0.0;
   bool offscreen = false, verbose = false;
   int frames = 0;
@@ -55,6 +55,12 @@ void tellStart(const Arguments& arguments, const Sandbox& sandbox, Clock::time_p
     std::fprintf(stderr, "first frame after %.3f s, %s\n", secondsSince(begin), sandbox.renderer().c_str());
 }
 
+void startRecording(Sandbox& sandbox, const Arguments& arguments) {
+  if (!arguments.record.empty() && !sandbox.startRecording(arguments.record))
+    throw std::runtime_error("cannot record " + arguments.record +
+                             ": is the program ffmpeg there, and the folder?");
+}
+
 /// Frames of 1/60 s into a framebuffer of its own.
 void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Clock::time_point begin) {
   const OffscreenContext context;
@@ -62,6 +68,7 @@ void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Cloc
   const int width = arguments.sandbox.width, height = arguments.sandbox.height;
   ViewPicture target;
   target.resize(width, height);
+  startRecording(sandbox, arguments);
   InputQueue queue;
   const int frames = arguments.frames > 0 ? arguments.frames : replay ? replay->length() + 1 : 1;
   for (int i = 0; i < frames && !sandbox.wantsToClose(); ++i) {
@@ -73,6 +80,7 @@ void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Cloc
     if (i == 0) tellStart(arguments, sandbox, begin);
     if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
   }
+  if (!sandbox.stopRecording()) throw std::runtime_error("the film " + arguments.record + " is not complete");
   if (!arguments.screenshot.empty())
     writePng(arguments.screenshot, {width, height, readPixels(target.framebuffer(), width, height)});
 }
@@ -84,16 +92,19 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
   options.width = input.width;
   options.height = input.height;
   options.scale = input.scale;
+  const bool watched = !replay && arguments.frames == 0;  // by a person
+  options.asks = watched;
+  if (watched) options.preferences = preferencesFile();
   Sandbox sandbox(options);
+  startRecording(sandbox, arguments);
   InputQueue queue;
   auto last = Clock::now();
-  for (int i = 0;
-       !window.shouldClose() && !sandbox.wantsToClose() && (arguments.frames == 0 || i < arguments.frames);
-       ++i) {
+  for (int i = 0; !sandbox.wantsToClose() && (arguments.frames == 0 || i < arguments.frames); ++i) {
     // A window at rest is not drawn again. Replays and counted frames go through without a pause.
     if (!replay && arguments.frames == 0 && !window.hasEvents())
       if (const double rests = sandbox.rests(); rests > 0.0) window.wait(rests);
     input = window.poll(arguments.scale);
+    if (window.takeCloseRequest()) sandbox.requestClose();
     if (replay) {
       replay->play(i, sandbox, queue);
       for (InputEvent& event : queue.take()) input.events.push_back(std::move(event));
@@ -110,6 +121,7 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
     if (i == 0) tellStart(arguments, sandbox, begin);
     if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
   }
+  if (!sandbox.stopRecording()) throw std::runtime_error("the film is not complete");
 }
 
 void run(Arguments arguments) {
@@ -121,6 +133,9 @@ void run(Arguments arguments) {
     throw std::invalid_argument("--weights needs --skeleton: weights belong to the skeleton's bones");
   requireWritableFolder(arguments.screenshot);
   requireWritableFolder(arguments.status);
+  if (!arguments.record.empty() && !arguments.record.ends_with(".mp4") && !arguments.record.ends_with(".gif"))
+    throw std::invalid_argument("--record: expected a name ending in .mp4 or .gif, found '" +
+                                arguments.record + "'");
   std::optional<Replay> replay;
   if (!arguments.replay.empty()) replay = Replay::read(arguments.replay);
   if (arguments.offscreen)
@@ -150,6 +165,7 @@ void addSandboxCommand(Command& app) {
   command.option("--mapping", a.sandbox.files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
+  command.option("--record", a.record, "A film of the window, .mp4 or .gif (needs the program ffmpeg)");
   command.flag("--offscreen", a.offscreen, "Without a window; deterministic");
   command.option("--frames", a.frames, "Stop after so many frames; offscreen: the replay's length by default")
       .positive();

@@ -6,7 +6,11 @@
 #include "apps/render/renderer.h"
 #include "apps/render/scene_marks.h"
 #include "apps/render/scene_view.h"
+#include "apps/sandbox/file_browser.h"
 #include "apps/sandbox/gui.h"
+#include "apps/sandbox/palette.h"
+#include "apps/sandbox/preferences.h"
+#include "apps/sandbox/recorder.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/view_picture.h"
 
@@ -20,7 +24,7 @@ struct Layout {
       return px >= x && py >= y && px < x + width && py < y + height;
     }
   };
-  Rect view, inspector, strip, statusLine;
+  Rect view, inspector, rail, strip, statusLine;
 };
 
 /// What lies under the mouse, and what a press would take.
@@ -36,6 +40,14 @@ struct Hover {
   }
 };
 
+/// What of the gizmo lies under a pixel: an arrow along a world axis, a ring about one.
+struct GizmoPart {
+  enum class Kind { Arrow, Ring };
+  Kind kind = Kind::Arrow;
+  int axis = 0;  ///< 0, 1, 2: x, y, z
+  bool operator==(const GizmoPart&) const = default;
+};
+
 /// The mouse between press and release.
 struct Gesture {
   enum class Kind { None, PressedSkin, Drag, Orbit, Pan, Tool };
@@ -48,6 +60,9 @@ struct Gesture {
   DragConstraint constraint = DragConstraint::ViewPlane;
   DragConstraint lock = DragConstraint::ViewPlane;  ///< chosen by X, Y, Z
   bool rotated = false;                             ///< Alt turned the goal since the last move
+  std::optional<GizmoPart> part = {};               ///< of the gizmo, that is being dragged
+  double angle = 0.0;                               ///< radians that the ring was turned
+  std::optional<double> lastAngle = {};             ///< of the mouse about the ring's axis
   Hover pressed;
   Panel* tool = nullptr;  ///< Tool: the panel that took the press
 };
@@ -115,13 +130,22 @@ struct Sandbox::State {
   // panels
   std::vector<std::unique_ptr<Panel>> panels;
   std::string inspectorTab, stripTab;  ///< in front; empty: the first
-  bool inspectorOpen = true, stripOpen = true, helpOpen = false, playing = false, closing = false;
-  enum class Dialog { None, OpenFile, SaveScene } dialog = Dialog::None;
-  char path[1024] = "";
+  bool inspectorOpen = true, stripOpen = true, presenting = false, helpOpen = false, playing = false,
+       closing = false;
+  enum class Dialog { None, OpenFile, SaveScene, Unsaved } dialog = Dialog::None;
+  FileBrowser browser;
+  CommandPalette palette;
+  Preferences preferences, written;          ///< as they are, and as the file has them
+  std::function<void(Sandbox&)> next;        ///< what Unsaved stands in the way of
+  std::function<void(Sandbox&)> afterFrame;  ///< run when the frame is drawn: it may open another document
+  std::string toOpen;                        ///< chosen in a menu or dialog
+  int savedEdits = 0;                        ///< Session::editCount() when the document was opened or saved
   std::vector<Notice> notices;
   PlotHistory plots;
   std::string screenshotPath;  ///< written at the end of the frame
+  Recorder recorder;
 
+  int windowWidth = 0, windowHeight = 0;  ///< pixels
   int frameNumber = 0;
   int settling = 1;  ///< frames to draw yet: the first, and panels take some to come to rest after input
   double time = 0.0;
@@ -168,6 +192,10 @@ void chooseSolver(Sandbox& sandbox, const std::string& name);
 // marks.cpp: what lights up, and what is written over the picture
 void glowLimits(Sandbox& sandbox);
 void drawMarks(Sandbox& sandbox);
+
+void toggleRecording(Sandbox& sandbox);  // shell.cpp
+/// "gelenk-0001.png" and so on: the first one that is not there.
+std::string nextFileName(const std::string& ending);
 
 // shell.cpp: menu bar, inspector, strip, status line, dialogs
 Layout layOut(const Sandbox::State& state, int width, int height);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "apps/document/model.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -23,12 +26,27 @@ void place(const Layout::Rect& rect) {
 }
 
 void openDialog(Sandbox::State& s, Sandbox::State::Dialog dialog) {
+  using Dialog = Sandbox::State::Dialog;
   s.dialog = dialog;
-  const std::string start = dialog == Sandbox::State::Dialog::SaveScene
-                                ? (s.scenePath.empty() ? "scene.json" : s.scenePath)
-                                : std::string();
-  std::snprintf(s.path, sizeof s.path, "%s", start.c_str());
+  const std::filesystem::path scene(s.scenePath);
+  const std::string beside = scene.parent_path().string();
+  if (dialog == Dialog::SaveScene)
+    s.browser.begin(FileBrowser::Purpose::Save, beside.empty() ? s.preferences.folder : beside,
+                    scene.empty() ? "scene.json" : scene.filename().string());
+  if (dialog == Dialog::OpenFile) s.browser.begin(FileBrowser::Purpose::Open, s.preferences.folder, "");
 }
+
+}  // namespace
+
+void toggleRecording(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (s.recorder.isRunning())
+    sandbox.stopRecording();
+  else
+    sandbox.startRecording(nextFileName(".mp4"));
+}
+
+namespace {
 
 void fileMenu(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
@@ -41,9 +59,16 @@ void fileMenu(Sandbox& sandbox) {
       sandbox.saveSceneTo(s.scenePath);
   }
   if (ImGui::MenuItem("Save scene as…", "Ctrl+Shift+S")) openDialog(s, Sandbox::State::Dialog::SaveScene);
-  if (ImGui::MenuItem("Screenshot", "F12")) s.screenshotPath = "gelenk.png";
+  if (!s.preferences.recent.empty() && ImGui::BeginMenu("Open recent")) {
+    for (const std::string& path : s.preferences.recent)
+      if (ImGui::MenuItem(path.c_str())) s.toOpen = path;
+    ImGui::EndMenu();
+  }
+  if (ImGui::MenuItem("Screenshot", "F12")) s.screenshotPath = nextFileName(".png");
+  if (ImGui::MenuItem(s.recorder.isRunning() ? "Stop recording" : "Record a film", "Ctrl+R"))
+    toggleRecording(sandbox);
   ImGui::Separator();
-  if (ImGui::MenuItem("Quit", "Ctrl+Q")) s.closing = true;
+  if (ImGui::MenuItem("Quit", "Ctrl+Q")) sandbox.requestClose();
   ImGui::EndMenu();
 }
 
@@ -80,6 +105,7 @@ void viewMenu(Sandbox& sandbox) {
   ImGui::Separator();
   ImGui::MenuItem("Inspector", nullptr, &s.inspectorOpen);
   ImGui::MenuItem("Plots", nullptr, &s.stripOpen);
+  ImGui::MenuItem("Presentation", "F5", &s.presenting);
   ImGui::Separator();
   if (ImGui::MenuItem("Light theme", nullptr, s.theme() == Theme::Light)) s.theme() = Theme::Light;
   if (ImGui::MenuItem("Dark theme", nullptr, s.theme() == Theme::Dark)) s.theme() = Theme::Dark;
@@ -90,7 +116,7 @@ void modelMenu(Sandbox& sandbox) {
   if (!ImGui::BeginMenu("Model")) return;
   for (const std::string& name : builtInModels())
     if (ImGui::MenuItem(name.c_str(), nullptr, sandbox.state().session->document().model.nameOrFile == name))
-      sandbox.open(name);
+      sandbox.state().toOpen = name;
   ImGui::EndMenu();
 }
 
@@ -107,6 +133,7 @@ void menuBar(Sandbox& sandbox) {
   modelMenu(sandbox);
   for (const auto& panel : s.panels) panel->drawMenu(sandbox);
   if (ImGui::BeginMenu("Help")) {
+    if (ImGui::MenuItem("Find an action…", "Ctrl+K")) s.palette.open();
     if (ImGui::MenuItem("Mouse and keys", "H or ?")) s.helpOpen = true;
     ImGui::EndMenu();
   }
@@ -154,15 +181,100 @@ void tabs(Sandbox& sandbox, const char* id, std::string& current, Has has, Draw 
   ImGui::PopID();
 }
 
+/// The inspector's tabs under each other at the window's edge: all in sight at every width.
+Panel* rail(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  Panel* front = nullptr;
+  for (const auto& panel : s.panels)
+    if (panel->hasInspector() && (!front || panel->name() == s.inspectorTab)) front = panel.get();
+  if (!front) return nullptr;
+  s.inspectorTab = front->name();
+  place(s.layout.rail);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {4 * s.scale, 8 * s.scale});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 3 * s.scale});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 7 * s.scale});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelSunken);
+  ImGui::Begin("##rail", nullptr, fixedWindow);
+  ImGui::PushFont(s.gui.fonts().small);
+  for (const auto& panel : s.panels) {
+    if (!panel->hasInspector()) continue;
+    const std::string name = panel->name();
+    const bool inFront = name == s.inspectorTab;
+    ImGui::PushStyleColor(ImGuiCol_Button, inFront ? s.colours().panel : ImVec4(0, 0, 0, 0));
+    ImGui::PushStyleColor(ImGuiCol_Text, inFront ? s.colours().accent : s.colours().textDim);
+    if (ImGui::Button(name.c_str(), {ImGui::GetContentRegionAvail().x, 0})) s.inspectorTab = name;
+    ImGui::PopStyleColor(2);
+  }
+  ImGui::PopFont();
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(3);
+  return front;
+}
+
 void inspector(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (s.layout.inspector.width <= 0) return;
+  if (s.presenting) {
+    place(s.layout.inspector);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {28 * s.scale, 24 * s.scale});
+    ImGui::Begin("##presentation", nullptr, fixedWindow);
+    bool drawn = false;
+    for (const auto& panel : s.panels) drawn = drawn || panel->drawPresentation(sandbox);
+    ImGui::End();
+    ImGui::PopStyleVar();
+    if (!drawn) {
+      s.presenting = false;
+      sandbox.say("Open an example of the lecture first: its derivation is what F5 shows large");
+    }
+    return;
+  }
+  Panel* front = rail(sandbox);
+  if (!front) return;
   place(s.layout.inspector);
   ImGui::Begin("##inspector", nullptr, fixedWindow);
-  tabs(
-      sandbox, "##inspector tabs", s.inspectorTab, [](const Panel& p) { return p.hasInspector(); },
-      [&](Panel& p) { p.drawInspector(sandbox); });
+  ImGui::BeginChild(front->name().c_str(), {0, 0}, false, ImGuiWindowFlags_None);
+  ImGui::PushItemWidth(-1.0f);
+  front->drawInspector(sandbox);
+  ImGui::PopItemWidth();
+  ImGui::EndChild();
   ImGui::End();
+}
+
+/// The edges of inspector and strip can be dragged; a double click gives them their own size again.
+void splitters(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  const float grip = 6 * s.scale;
+  const auto edge = [&](const char* id, const Layout::Rect& rect, bool vertical, double& size, double now) {
+    place(rect);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+    ImGui::Begin(id, nullptr, fixedWindow | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollbar);
+    ImGui::InvisibleButton("##grip", {rect.width, rect.height});
+    if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
+      ImGui::SetMouseCursor(vertical ? ImGuiMouseCursor_ResizeEW : ImGuiMouseCursor_ResizeNS);
+      const ImVec4 colour = s.colours().accent;
+      ImGui::GetWindowDrawList()->AddRectFilled(
+          {rect.x + (vertical ? 0.4f * rect.width : 0), rect.y + (vertical ? 0 : 0.4f * rect.height)},
+          {rect.x + (vertical ? 0.6f : 1.0f) * rect.width, rect.y + (vertical ? 1.0f : 0.6f) * rect.height},
+          colour32(colour));
+    }
+    if (ImGui::IsItemActive()) {
+      const ImVec2 moved = ImGui::GetIO().MouseDelta;
+      if (moved.x != 0.0f || moved.y != 0.0f)
+        size = std::max(1.0, (now - (vertical ? moved.x : moved.y)) / s.scale);
+    }
+    if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) size = 0.0;
+    ImGui::End();
+    ImGui::PopStyleVar(2);
+  };
+  const Layout::Rect &inspector = s.layout.inspector, &strip = s.layout.strip;
+  if (inspector.width > 0)
+    edge("##edge of inspector", {inspector.x - 0.5f * grip, inspector.y, grip, inspector.height}, true,
+         s.preferences.inspector, inspector.width + s.layout.rail.width);
+  if (strip.height > 0)
+    edge("##edge of strip", {strip.x, strip.y - 0.5f * grip, strip.width, grip}, false, s.preferences.strip,
+         strip.height);
 }
 
 void strip(Sandbox& sandbox) {
@@ -216,6 +328,7 @@ void statusLine(Sandbox& sandbox) {
   std::string renderer = sandbox.renderer();
   if (const auto at = renderer.find(" ("); at != std::string::npos) renderer.resize(at);
   facts = std::string(solverEntry(s.session->solver()).title) + " · " + facts + " · " + renderer;
+  if (s.recorder.isRunning()) facts = fmt::format("● {:.0f} s · {}", s.recorder.seconds(), facts);
   const float width = ImGui::CalcTextSize(facts.c_str()).x;
   const float x = ImGui::GetWindowWidth() - width - 12 * s.scale;
   const std::string help = hint(s);
@@ -267,7 +380,9 @@ void help(Sandbox& sandbox) {
       {"Space", "play"},
       {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
       {"Ctrl+S, Ctrl+O", "save and open; files can be dropped"},
-      {"F12", "screenshot"}};
+      {"F5", "presentation: the derivation in large type"},
+      {"Ctrl+K", "find any action, model, example or solver"},
+      {"F12, Ctrl+R", "screenshot; record a film, and stop"}};
   if (ImGui::BeginTable("##keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const auto& [key, what] : rows) {
       ImGui::TableNextRow();
@@ -287,12 +402,43 @@ void help(Sandbox& sandbox) {
   ImGui::PopStyleVar(2);
 }
 
+/// Save, leave or stay.
+void askUnsaved(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  using Dialog = Sandbox::State::Dialog;
+  ImGui::TextUnformatted("Poses, goals or other edits of this scene are not saved.");
+  ImGui::Dummy({0, 4 * s.scale});
+  const auto goOn = [&] {
+    s.dialog = Dialog::None;
+    s.savedEdits = s.session->editCount();
+    if (const auto next = std::exchange(s.next, nullptr)) s.afterFrame = next;
+  };
+  if (ImGui::Button("Save…", {110 * s.scale, 0})) {
+    if (s.scenePath.empty()) {
+      openDialog(s, Dialog::SaveScene);
+      ImGui::CloseCurrentPopup();
+      return;
+    }
+    if (sandbox.saveSceneTo(s.scenePath)) goOn();
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Do not save", {120 * s.scale, 0})) goOn();
+  ImGui::SameLine();
+  if (ImGui::Button("Cancel", {96 * s.scale, 0}) || ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) {
+    s.dialog = Dialog::None;
+    s.next = nullptr;
+  }
+  if (s.dialog == Dialog::None) ImGui::CloseCurrentPopup();
+}
+
 void dialogs(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   using Dialog = Sandbox::State::Dialog;
   if (s.dialog == Dialog::None) return;
   const bool saving = s.dialog == Dialog::SaveScene;
-  const char* title = saving ? "Save scene" : "Open a model or a scene";
+  const char* title = saving                        ? "Save scene"
+                      : s.dialog == Dialog::Unsaved ? "Unsaved changes"
+                                                    : "Open a model or a scene";
   if (!ImGui::IsPopupOpen(title)) {
     openDialog(s, s.dialog);
     ImGui::OpenPopup(title);
@@ -307,18 +453,24 @@ void dialogs(Sandbox& sandbox) {
   ImGui::PushFont(s.gui.fonts().medium);
   ImGui::TextUnformatted(title);
   ImGui::PopFont();
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  ImGui::SetNextItemWidth(420 * s.scale);
-  bool done = ImGui::InputText("##path", s.path, sizeof s.path, ImGuiInputTextFlags_EnterReturnsTrue);
-  ImGui::TextColored(s.colours().textDim, "%s",
-                     saving ? "Path of a .json file." : "Path of a file, or the name of a built-in model.");
-  done |= ImGui::Button(saving ? "Save" : "Open", {96 * s.scale, 0});
+  if (s.dialog == Dialog::Unsaved) {
+    askUnsaved(sandbox);
+    ImGui::EndPopup();
+    return;
+  }
+  const std::optional<std::string> chosen = s.browser.draw(sandbox);
   ImGui::SameLine();
   const bool cancelled = ImGui::Button("Cancel", {96 * s.scale, 0}) || ImGui::IsKeyPressed(GLFW_KEY_ESCAPE);
-  if (done && s.path[0] != '\0' && (saving ? sandbox.saveSceneTo(s.path) : sandbox.open(s.path))) {
+  s.preferences.folder = s.browser.folder();
+  if (chosen && saving && sandbox.saveSceneTo(*chosen)) {
     s.dialog = Dialog::None;
+    if (const auto next = std::exchange(s.next, nullptr)) s.afterFrame = next;
+  } else if (chosen && !saving) {
+    s.dialog = Dialog::None;
+    s.toOpen = *chosen;
   } else if (cancelled) {
     s.dialog = Dialog::None;
+    s.next = nullptr;
   }
   if (s.dialog == Dialog::None) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
@@ -328,14 +480,39 @@ void dialogs(Sandbox& sandbox) {
 
 Layout layOut(const Sandbox::State& s, int width, int height) {
   const float scale = s.scale, w = static_cast<float>(width), h = static_cast<float>(height);
+  if (s.options.bare)
+    return {.view = {0, 0, w, h}, .inspector = {}, .rail = {}, .strip = {}, .statusLine = {}};
   const float menu = ImGui::GetIO().Fonts->Fonts.empty()
                          ? 24 * scale
                          : s.gui.fonts().regular->FontSize + 2 * ImGui::GetStyle().FramePadding.y;
   const float status = s.gui.fonts().small->FontSize + 10 * scale;
-  const float inspector = s.inspectorOpen ? std::min(std::round(320 * scale), std::floor(0.55f * w)) : 0.0f;
-  const float strip = s.stripOpen && h > 560 * scale ? std::round(198 * scale) : 0.0f;
+  if (s.presenting) {
+    const float half = std::round(0.5f * w);
+    return {.view = {0, 0, w - half, h},
+            .inspector = {w - half, 0, half, h},
+            .rail = {},
+            .strip = {},
+            .statusLine = {}};
+  }
+  // By themselves they grow with the window; what a person chose stays within what leaves a view.
+  const auto sized = [&](double chosen, float own, float least, float most) {
+    return std::round(
+        std::clamp(chosen > 0.0 ? static_cast<float>(chosen) * scale : own, least, std::max(least, most)));
+  };
+  const float inspector =
+      s.inspectorOpen
+          ? std::min(sized(s.preferences.inspector, std::clamp(0.25f * w, 364 * scale, 460 * scale),
+                           250 * scale, 0.6f * w),
+                     std::floor(0.6f * w))
+          : 0.0f;
+  const float strip =
+      s.stripOpen && h > 560 * scale
+          ? sized(s.preferences.strip, std::clamp(0.245f * h, 198 * scale, 320 * scale), 90 * scale, 0.6f * h)
+          : 0.0f;
+  const float railWidth = inspector > 0 ? std::round(62 * scale) : 0.0f;
   Layout layout;
-  layout.inspector = {w - inspector, menu, inspector, h - menu - status};
+  layout.inspector = {w - inspector, menu, inspector - railWidth, h - menu - status};
+  layout.rail = {w - railWidth, menu, railWidth, h - menu - status};
   layout.strip = {0, h - status - strip, w - inspector, strip};
   layout.statusLine = {0, h - status, w, status};
   layout.view = {0, menu, w - inspector, h - menu - status - strip};
@@ -343,12 +520,22 @@ Layout layOut(const Sandbox::State& s, int width, int height) {
 }
 
 void drawShell(Sandbox& sandbox) {
-  menuBar(sandbox);
+  Sandbox::State& s = sandbox.state();
+  if (s.options.bare) return;
+  if (!s.presenting) menuBar(sandbox);
   inspector(sandbox);
   strip(sandbox);
-  statusLine(sandbox);
+  if (!s.presenting) {
+    statusLine(sandbox);
+    splitters(sandbox);
+  }
   help(sandbox);
+  s.palette.draw(sandbox);
   dialogs(sandbox);
+  if (!s.toOpen.empty()) {
+    const std::string name = std::exchange(s.toOpen, {});
+    s.afterFrame = [name](Sandbox& box) { box.requestOpen(name); };
+  }
 }
 
 void heading(const Sandbox::State& state, const char* words) {

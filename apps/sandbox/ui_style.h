@@ -22,7 +22,7 @@ struct Palette {
 const Palette& palette(Theme theme);
 
 struct Fonts {
-  ImFont *regular = nullptr, *medium = nullptr, *small = nullptr, *large = nullptr;
+  ImFont *regular = nullptr, *medium = nullptr, *small = nullptr, *large = nullptr, *title = nullptr;
 };
 
 /// Spacing, rounding and colours of Dear ImGui; all sizes times scale.

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "apps/sandbox/gizmo.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/rotation.h"
 
@@ -62,8 +63,28 @@ void beginDrag(Sandbox::State& s, const Hover& hover) {
   s.plots.worst.clear();
 }
 
+/// Turns the goal with the mouse about the ring's axis; where the ring is seen from the side, along it.
+void turnRing(Sandbox::State& s) {
+  const int axis = s.gesture.part->axis;
+  const auto angle = angleAbout(s, s.session->reached(*s.session->dragged()), axis, s.mouse);
+  double turn = 0.0;
+  if (angle && s.gesture.lastAngle) {
+    turn = std::remainder(*angle - *s.gesture.lastAngle, 2.0 * M_PI);
+  } else if (!angle) {
+    const Eigen::Matrix3d view = s.camera().axes();
+    const Vector3d along = Vector3d::Unit(axis).cross(view.col(2));  // how the near side moves
+    const Vector2d moved = s.mouse - s.gesture.last;
+    turn = radiansPerPixel * (moved.x() * along.dot(view.col(0)) - moved.y() * along.dot(view.col(1)));
+  }
+  s.gesture.lastAngle = angle;
+  if (turn == 0.0) return;
+  s.gesture.angle += turn;
+  s.session->rotateDrag(expRotation(Vector3d(turn * Vector3d::Unit(axis))));
+}
+
 void continueDrag(Sandbox::State& s) {
   const Vector2d moved = s.mouse - s.gesture.last;
+  if (s.gesture.part && s.gesture.part->kind == GizmoPart::Kind::Ring) return turnRing(s);
   if (s.turning()) {
     if (moved.norm() > 0.0) {
       const Eigen::Matrix3d axes = s.camera().axes();
@@ -109,6 +130,16 @@ void press(Sandbox& sandbox, int button) {
     s.gesture.kind = tool->pressed(sandbox, s.mouse) ? Gesture::Kind::Tool : Gesture::Kind::Orbit;
     s.gesture.tool = tool;
   } else {
+    if (const auto gizmo = gizmoOf(s))
+      if (const auto part = gizmoPartAt(s, *gizmo, s.mouse)) {
+        beginDrag(s, {.kind = Hover::Kind::Goal, .goal = gizmo->goal});
+        s.gesture.part = part;
+        if (part->kind == GizmoPart::Kind::Arrow)
+          s.gesture.lock = static_cast<DragConstraint>(static_cast<int>(DragConstraint::AxisX) + part->axis);
+        else
+          s.gesture.lastAngle = angleAbout(s, gizmo->at, part->axis, s.mouse);
+        return;
+      }
     s.gesture.pressed = hoverAt(sandbox, s.mouse);
     switch (s.gesture.pressed.kind) {
       case Hover::Kind::Nothing: s.gesture.kind = Gesture::Kind::Orbit; break;
@@ -185,12 +216,6 @@ void guarded(Sandbox& sandbox, void (Session::*edit)()) {
   }
 }
 
-std::string nextScreenshotName() {
-  for (int n = 1;; ++n)
-    if (const std::string name = fmt::format("gelenk-{:04}.png", n); !std::filesystem::exists(name))
-      return name;
-}
-
 void pinUnderMouse(Sandbox::State& s) {
   if (s.session->dragged())
     s.session->togglePin(*s.session->dragged());
@@ -222,7 +247,9 @@ bool controlKey(Sandbox& sandbox, int key) {
         sandbox.saveSceneTo(s.scenePath);
       return true;
     case GLFW_KEY_O: s.dialog = Sandbox::State::Dialog::OpenFile; return true;
-    case GLFW_KEY_Q: s.closing = true; return true;
+    case GLFW_KEY_Q: sandbox.requestClose(); return true;
+    case GLFW_KEY_K: s.palette.open(); return true;
+    case GLFW_KEY_R: toggleRecording(sandbox); return true;
     default: return false;
   }
 }
@@ -257,7 +284,8 @@ bool plainKey(Sandbox& sandbox, int key) {
     case GLFW_KEY_KP_5: s.camera().orthographic = !s.camera().orthographic; return true;
     case GLFW_KEY_H:
     case GLFW_KEY_SLASH: s.helpOpen = !s.helpOpen; return true;
-    case GLFW_KEY_F12: s.screenshotPath = nextScreenshotName(); return true;
+    case GLFW_KEY_F5: s.presenting = !s.presenting; return true;
+    case GLFW_KEY_F12: s.screenshotPath = nextFileName(".png"); return true;
     case GLFW_KEY_ESCAPE:
       if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {  // a list or a menu
         ImGui::ClosePopupToLevel(0, true);
@@ -267,7 +295,7 @@ bool plainKey(Sandbox& sandbox, int key) {
         s.session->cancelDrag();
         s.gesture = {};
       }
-      s.helpOpen = false;
+      s.helpOpen = s.presenting = false;
       return true;
     default: return false;
   }
@@ -297,6 +325,12 @@ void trackModifiers(Sandbox::State& s, const InputEvent& event) {
 }
 
 }  // namespace
+
+std::string nextFileName(const std::string& ending) {
+  for (int n = 1;; ++n)
+    if (std::string name = fmt::format("gelenk-{:04}{}", n, ending); !std::filesystem::exists(name))
+      return name;
+}
 
 std::optional<GoalId> handleAt(const Sandbox::State& s, const Vector2d& pixel) {
   if (!s.show().handles || (s.shownFrames && !s.handlesOnShown)) return std::nullopt;
@@ -342,7 +376,7 @@ void frameEverything(Sandbox& sandbox, bool glide) {
 void handleViewInput(Sandbox& sandbox, const Input& input) {
   Sandbox::State& s = sandbox.state();
   const ImGuiIO& io = ImGui::GetIO();
-  const bool typing = io.WantTextInput || s.dialog != Sandbox::State::Dialog::None;
+  const bool typing = io.WantTextInput || s.dialog != Sandbox::State::Dialog::None || s.palette.isOpen();
   for (const InputEvent& event : input.events) {
     switch (event.kind) {
       case InputEvent::Kind::MouseMove:
@@ -364,7 +398,7 @@ void handleViewInput(Sandbox& sandbox, const Input& input) {
         trackModifiers(s, event);
         if (event.down && !typing) pressKey(sandbox, event.code);
         break;
-      case InputEvent::Kind::Drop: sandbox.open(event.path); break;
+      case InputEvent::Kind::Drop: sandbox.requestOpen(event.path); break;
       case InputEvent::Kind::Character: break;
     }
   }
@@ -372,7 +406,8 @@ void handleViewInput(Sandbox& sandbox, const Input& input) {
     continueDrag(s);  // modifiers may have changed
   const bool free = s.gesture.kind == Gesture::Kind::None && !toolOf(sandbox) &&
                     s.layout.view.contains(s.mouse.x(), s.mouse.y()) && !io.WantCaptureMouse;
-  s.hover = free ? hoverAt(sandbox, s.mouse) : Hover{};
+  const auto gizmo = free ? gizmoOf(s) : std::nullopt;
+  s.hover = free && !(gizmo && gizmoPartAt(s, *gizmo, s.mouse)) ? hoverAt(sandbox, s.mouse) : Hover{};
 }
 
 }  // namespace gelenk

@@ -98,6 +98,12 @@ Window::~Window() {
 
 bool Window::shouldClose() const { return glfwWindowShouldClose(window_); }
 
+bool Window::takeCloseRequest() {
+  const bool asked = shouldClose();
+  glfwSetWindowShouldClose(window_, GLFW_FALSE);
+  return asked;
+}
+
 Input Window::poll(double scale) {
   glfwPollEvents();
   Input input{.scale = scale, .events = queue_.take()};

@@ -19,6 +19,8 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   bool shouldClose() const;
+  /// Whether its close button was pressed since the last call.
+  bool takeCloseRequest();
   /// Collects events; returns what the next frame sees. scale 0: the monitor's.
   Input poll(double scale);
   /// Sleeps until something happens, or for so many seconds (infinity: as long as it takes).

@@ -330,12 +330,41 @@ class Reader {
     masses_.centre.back() = origin(link.inertial).translation();
   }
 
+  /// The colour of a material, written here or once for the whole robot. What is no colour is passed over:
+  /// it changes nothing but the picture.
+  std::optional<Eigen::Vector4d> colourOf(const TiXmlElement* visual) {
+    const TiXmlElement* material = visual->FirstChildElement("material");
+    if (!material) return std::nullopt;
+    const char* name = material->Attribute("name");
+    if (!material->FirstChildElement("color") && name)
+      for (const TiXmlElement* e = document_.RootElement()->FirstChildElement("material"); e;
+           e = e->NextSiblingElement("material"))
+        if (e->Attribute("name") && std::string_view(e->Attribute("name")) == name) material = e;
+    const TiXmlElement* colour = material->FirstChildElement("color");
+    if (!colour) return std::nullopt;
+    const char* text = colour->Attribute("rgba");
+    const auto words = splitWords(text ? text : "");
+    Eigen::Vector4d rgba(0.0, 0.0, 0.0, 1.0);
+    bool good = words.size() == 3 || words.size() == 4;
+    for (std::size_t k = 0; good && k < words.size(); ++k) {
+      const auto value = parseNumber(words[k]);
+      good = value.has_value();
+      if (good) rgba[static_cast<Eigen::Index>(k)] = std::clamp(*value, 0.0, 1.0);
+    }
+    if (good) return rgba;
+    tell(robot_.notes, "material-colour",
+         "a material's colour is no three or four numbers from 0 to 1: passed over, line " +
+             std::to_string(colour->Row()));
+    return std::nullopt;
+  }
+
   void addVisuals(const Link& link, int joint) {
     for (const TiXmlElement* visual : link.visuals) {
       UrdfVisual result{.joint = joint,
                         .jointFromVisual = origin(visual),
                         .collision = visual->ValueStr() == "collision",
                         .line = visual->Row()};
+      result.colour = colourOf(visual);
       const TiXmlElement* geometry = child(visual, "geometry");
       if (const TiXmlElement* mesh = geometry->FirstChildElement("mesh")) {
         result.fileName = attribute(mesh, "filename");

@@ -59,6 +59,8 @@ class SkinnedMeshGl {
   /// One colour a vertex, linear light in [0, 1]: weights of a joint, an error, a volume. Grey until set.
   /// Throws std::invalid_argument on another length.
   void setColours(const std::vector<Eigen::Vector3f>& colours);
+  /// One texture coordinate a vertex, attribute 12; (0, 0) until set. Throws likewise.
+  void setCoordinates(const std::vector<Eigen::Vector2f>& coordinates);
   /// Replaces positions and normals by vertices that were deformed on the CPU, in world coordinates: draw
   /// with unposed(). Throws std::invalid_argument on another length.
   void setShape(const SkinnedVertices& deformed);
@@ -71,6 +73,8 @@ class SkinnedMeshGl {
   /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array
   /// bound. layered: the program has LAYERS defined.
   void drawTriangles(bool layered = false) const;
+  /// So many of them from one on.
+  void drawTriangles(int first, int count, bool layered) const;
   /// Every vertex once, as a point.
   void drawPoints(bool layered = false) const;
 
@@ -81,7 +85,7 @@ class SkinnedMeshGl {
   void attachShape(const GlBuffer& influences) const;
 
   GlVertexArray triangleArray_, layeredArray_;
-  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, sculpture_;
+  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, sculpture_, coordinates_;
   std::vector<FfdLattice> displacements_;  ///< that sculpture_ holds
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };

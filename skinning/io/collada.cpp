@@ -1,10 +1,13 @@
 #include "skinning/io/collada.h"
 
+#include <algorithm>
+
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 
 #ifdef GELENK_ASSIMP
 #include <assimp/config.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -18,12 +21,12 @@ namespace gelenk {
 namespace {
 
 void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldFromParent,
-             const std::string& path, Mesh& mesh) {
+             const std::string& path, Mesh& mesh, MeshLook* look) {
   const aiMatrix4x4 worldFromNode = worldFromParent * node.mTransformation;
   const bool mirrored = worldFromNode.Determinant() < 0.0f;
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
-    const int base = static_cast<int>(mesh.positions.size());
+    const int base = static_cast<int>(mesh.positions.size()), first = static_cast<int>(mesh.triangles.size());
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
       const aiVector3D p = worldFromNode * part.mVertices[v];
       mesh.positions.emplace_back(p.x, p.y, p.z);
@@ -38,16 +41,34 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldF
       if (mirrored) std::swap(triangle[1], triangle[2]);
       mesh.triangles.push_back(triangle);
     }
+    if (look)
+      look->parts.push_back({.name = part.mName.C_Str(),
+                             .firstTriangle = first,
+                             .triangleCount = static_cast<int>(mesh.triangles.size()) - first,
+                             .material = static_cast<int>(part.mMaterialIndex)});
   }
   for (unsigned k = 0; k < node.mNumChildren; ++k)
-    addNode(scene, *node.mChildren[k], worldFromNode, path, mesh);
+    addNode(scene, *node.mChildren[k], worldFromNode, path, mesh, look);
+}
+
+/// Diffuse colours; textures are passed over.
+Material materialOf(const aiMaterial& source) {
+  Material material{.gloss = 0.2f};
+  aiString name;
+  if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
+  aiColor3D diffuse(0.75f, 0.76f, 0.78f);
+  source.Get(AI_MATKEY_COLOR_DIFFUSE, diffuse);
+  const auto within = [](float value) { return value > 0.0f ? std::min(value, 1.0f) : 0.0f; };
+  material.colour.head<3>() =
+      linearFromSrgb(Eigen::Vector3f(within(diffuse.r), within(diffuse.g), within(diffuse.b)));
+  return material;
 }
 
 }  // namespace
 
 bool readsCollada() { return true; }
 
-Mesh readCollada(const std::string& path) {
+Mesh readCollada(const std::string& path, MeshLook* look) {
   const std::string text = readFile(path);  // the system's reason where it cannot be opened
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -55,7 +76,10 @@ Mesh readCollada(const std::string& path) {
       text.data(), text.size(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices, "dae");
   if (!scene || !scene->mRootNode) throw ParseError(path, 0, "Collada", importer.GetErrorString());
   Mesh mesh;
-  addNode(*scene, *scene->mRootNode, aiMatrix4x4(), path, mesh);
+  if (look)
+    for (unsigned m = 0; m < scene->mNumMaterials; ++m)
+      look->materials.push_back(materialOf(*scene->mMaterials[m]));
+  addNode(*scene, *scene->mRootNode, aiMatrix4x4(), path, mesh, look);
   if (mesh.triangles.empty()) throw ParseError(path, 0, "at least one triangle", "none");
   return mesh;
 }
@@ -64,7 +88,7 @@ Mesh readCollada(const std::string& path) {
 
 bool readsCollada() { return false; }
 
-Mesh readCollada(const std::string& path) {
+Mesh readCollada(const std::string& path, MeshLook*) {
   throw ParseError(path, 0, "STL or OBJ",
                    "Collada, which this build does not read (it was made without Assimp)");
 }

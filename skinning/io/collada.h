@@ -3,6 +3,7 @@
 #include <string>
 
 #include "skinning/mesh.h"
+#include "skinning/mesh_look.h"
 
 namespace gelenk {
 
@@ -13,6 +14,6 @@ bool readsCollada();
 /// Its up axis is passed over, as ROS' programs do: the coordinates are the link's. Materials are passed
 /// over. Throws ParseError: what the library finds wrong, no triangle, a coordinate that is not finite, or
 /// always where the build has no Assimp.
-Mesh readCollada(const std::string& path);
+Mesh readCollada(const std::string& path, MeshLook* look = nullptr);
 
 }  // namespace gelenk

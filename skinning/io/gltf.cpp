@@ -32,8 +32,12 @@ using Eigen::Vector3d;
   throw ParseError(file, 0, expected, found);
 }
 
-bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
-               void*) {
+/// A picture that cannot be decoded is left empty: it changes nothing but colours, and a note tells.
+bool decodeImage(tinygltf::Image* image, int index, std::string*, std::string* warning, int width, int height,
+                 const unsigned char* bytes, int size, void* user) {
+  std::string error;
+  if (!tinygltf::LoadImageData(image, index, &error, warning, width, height, bytes, size, user))
+    image->image.clear();
   return true;
 }
 
@@ -66,7 +70,7 @@ void refuseRequiredExtensions(std::string_view bytes, bool binary, const std::st
 
 tinygltf::Model load(std::string_view bytes, const std::string& file, const std::string& folder) {
   tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(skipImage, nullptr);
+  loader.SetImageLoader(decodeImage, nullptr);
   tinygltf::Model model;
   std::string error, warning;
   const bool binary = bytes.substr(0, 4) == "glTF";
@@ -464,7 +468,9 @@ class Reader {
            "vertices have more than four weights; at most " +
                exactNumber(std::round(1000.0 * loss.max) / 10.0) + " % of the weight is lost",
            loss.verticesOverFour);
+    const auto vertices = mesh.positions.size();
     result_.skin = bindSkin(std::move(mesh), restFrames_, std::move(influences));
+    readMaterials(vertices);
     if (direct) result_.skin->jointFromRestWorld = bind;
   }
 
@@ -579,6 +585,8 @@ class Reader {
     for (std::size_t v = base; v < mesh.positions.size(); ++v)
       if (!mesh.positions[v].allFinite()) fail(file_, "finite positions", "an overflow");
     weights.insert(weights.end(), own.begin(), own.end());
+    const int firstTriangle = static_cast<int>(mesh.triangles.size());
+    readPaint(primitive, base, count);
     std::vector<double> indices;
     if (primitive.indices >= 0) {
       indices = numbers(model_, primitive.indices, 1, "indices of triangles", file_);
@@ -603,6 +611,96 @@ class Reader {
       if (mode == TINYGLTF_MODE_TRIANGLES || !flat)
         mesh.triangles.push_back(triangle);  // strips turn by these
     }
+    look_.parts.push_back({.name = node.name.empty() ? model_.meshes[node.mesh].name : node.name,
+                           .firstTriangle = firstTriangle,
+                           .triangleCount = static_cast<int>(mesh.triangles.size()) - firstTriangle,
+                           .material = materialIndex(primitive)});
+  }
+
+  /// Materials of the file in its order, then one for what has none.
+  int materialIndex(const tinygltf::Primitive& primitive) const {
+    const int count = static_cast<int>(model_.materials.size());
+    return primitive.material >= 0 && primitive.material < count ? primitive.material : count;
+  }
+
+  /// Texture coordinates and colours of one part's vertices.
+  void readPaint(const tinygltf::Primitive& primitive, std::size_t base, std::size_t count) {
+    const auto accessor = [&](const std::string& name) {
+      const auto at = primitive.attributes.find(name);
+      return at == primitive.attributes.end() ? -1 : at->second;
+    };
+    int set = 0;
+    if (const int m = materialIndex(primitive); m < static_cast<int>(model_.materials.size()))
+      set = model_.materials[m].pbrMetallicRoughness.baseColorTexture.texCoord;
+    if (const int at = accessor("TEXCOORD_" + std::to_string(set)); at >= 0) {
+      const auto values = numbers(model_, at, 2, "texture coordinates", file_);
+      if (values.size() != 2 * count) fail(file_, "one texture coordinate a vertex", "another count");
+      look_.coordinates.resize(base + count, Eigen::Vector2f::Zero());
+      for (std::size_t v = 0; v < count; ++v)
+        look_.coordinates[base + v] = {static_cast<float>(values[2 * v]),
+                                       static_cast<float>(values[2 * v + 1])};
+    }
+    if (const int at = accessor("COLOR_0"); at >= 0 && at < static_cast<int>(model_.accessors.size())) {
+      const int components = model_.accessors[at].type == TINYGLTF_TYPE_VEC4 ? 4 : 3;
+      const auto values = numbers(model_, at, components, "vertex colours", file_);
+      if (values.size() != components * count) fail(file_, "one colour a vertex", "another count");
+      look_.colours.resize(base + count, Eigen::Vector3f::Ones());
+      for (std::size_t v = 0; v < count; ++v)
+        for (int k = 0; k < 3; ++k)
+          look_.colours[base + v][k] = std::clamp(
+              static_cast<float>(values[components * v + static_cast<std::size_t>(k)]), 0.0f, 1.0f);
+    }
+  }
+
+  void readMaterials(std::size_t vertices) {
+    if (!look_.coordinates.empty()) look_.coordinates.resize(vertices, Eigen::Vector2f::Zero());
+    if (!look_.colours.empty()) look_.colours.resize(vertices, Eigen::Vector3f::Ones());
+    std::vector<int> textureOfImage(model_.images.size(), -1);
+    for (const tinygltf::Material& source : model_.materials) {
+      Material material{.name = source.name, .doubleSided = source.doubleSided};
+      const auto& factor = source.pbrMetallicRoughness.baseColorFactor;
+      for (int k = 0; k < 4 && factor.size() == 4; ++k)
+        material.colour[k] = std::clamp(static_cast<float>(factor[k]), 0.0f, 1.0f);
+      if (source.alphaMode == "MASK") material.cutOff = static_cast<float>(source.alphaCutoff);
+      if (source.alphaMode == "BLEND") material.cutOff = 0.3f;  // solid where it is mostly there
+      if (source.alphaMode == "OPAQUE") material.colour.w() = 1.0f;
+      material.gloss =
+          static_cast<float>(std::clamp(0.4 * (1.0 - source.pbrMetallicRoughness.roughnessFactor), 0.0, 1.0));
+      const int t = source.pbrMetallicRoughness.baseColorTexture.index;
+      const int image =
+          t >= 0 && t < static_cast<int>(model_.textures.size()) ? model_.textures[t].source : -1;
+      if (image >= 0 && image < static_cast<int>(model_.images.size()) && look_.coordinates.size() > 0)
+        material.texture = textureOf(model_.images[image], textureOfImage[image]);
+      look_.materials.push_back(std::move(material));
+    }
+    look_.materials.push_back({.name = "none"});
+    result_.look = std::make_shared<const MeshLook>(std::move(look_));
+  }
+
+  /// Index among the look's textures, -1 where the picture could not be read.
+  int textureOf(const tinygltf::Image& image, int& known) {
+    if (known >= 0) return known;
+    const int bytes = image.bits / 8;
+    const auto pixels = static_cast<std::size_t>(std::max(0, image.width)) * std::max(0, image.height);
+    if (pixels == 0 || bytes < 1 || image.component < 1 ||
+        image.image.size() < pixels * bytes * image.component) {
+      tell(result_.notes, "texture-missing",
+           "textures that could not be read: their surfaces have one colour");
+      return -1;
+    }
+    Texture texture{
+        .width = image.width, .height = image.height, .rgba = std::vector<std::uint8_t>(4 * pixels)};
+    for (std::size_t p = 0; p < pixels; ++p)
+      for (int k = 0; k < 4; ++k) {
+        const bool grey = image.component < 3;
+        const int from = k == 3 ? image.component - 1 : grey ? 0 : k;
+        const bool opaque = k == 3 && image.component % 2 == 1;
+        texture.rgba[4 * p + k] =
+            opaque ? 255 : image.image[(p * image.component + from) * bytes + (bytes - 1)];
+      }
+    known = static_cast<int>(look_.textures.size());
+    look_.textures.push_back(std::make_shared<const Texture>(std::move(texture)));
+    return known;
   }
 
   /// Which places in the list of indices make each triangle, counter-clockwise all of them.
@@ -750,6 +848,7 @@ class Reader {
   const std::string& file_;
   const GltfOptions& options_;
   GltfModel result_;
+  MeshLook look_;
   std::vector<bool> turns_, moves_;
   std::vector<int> order_, parents_,
       jointOfNode_;               ///< order_: node of each joint, -1 for the joint above all roots

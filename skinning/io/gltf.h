@@ -7,6 +7,7 @@
 
 #include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
+#include "skinning/mesh_look.h"
 #include "skinning/skin.h"
 
 namespace gelenk {
@@ -22,6 +23,7 @@ struct GltfClip {
 struct GltfModel {
   Skeleton skeleton;  ///< the zero configuration is the file's own pose
   std::optional<Skin> skin = {};
+  std::shared_ptr<const MeshLook> look = {};  ///< of the skin: a part a mesh and material
   std::vector<GltfClip> clips = {};
   std::vector<Note> notes = {};
 };
@@ -34,10 +36,11 @@ struct GltfOptions {
 
 /// Animations whose keys are evenly spaced and linear keep the rate of their keys; all others are sampled
 /// (LINEAR, STEP and CUBICSPLINE as in appendix C) at the rate of the options, which a note tells. Triangles,
-/// strips and fans are read; points, lines, textures, cameras and morph targets are passed over. A body whose
-/// bind pose is the file's own pose moved as a whole stands as in the scene; other bind poses are kept.
-/// Unequal scales, mirrors and shear are kept in rigid parts and in bones that nothing turns below. Vertices
-/// without weights are held by the skin's first joint.
+/// strips and fans are read, with base colour (factor, texture, vertex colours), alpha cut-out and sides of
+/// their materials; points, lines, cameras and morph targets are passed over. A body whose bind pose is the
+/// file's own pose moved as a whole stands as in the scene; other bind poses are kept. Unequal scales,
+/// mirrors and shear are kept in rigid parts and in bones that nothing turns below. Vertices without weights
+/// are held by the skin's first joint.
 ///
 /// Throws ParseError (line 0): what the library finds wrong, a required extension that is not read, indices
 /// and sizes that do not fit, cycles of nodes, unequal scales above nodes that turn, no node.

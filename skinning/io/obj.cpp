@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <span>
 
 #include "kinematics/io/parse_error.h"
@@ -137,6 +138,65 @@ Mesh parseObj(std::string_view text, const std::string& file, std::vector<Note>*
 
 Mesh readObj(const std::string& path, std::vector<Note>* notes) {
   return parseObj(readFile(path), path, notes);
+}
+
+namespace {
+
+/// newmtl, Kd and d of a file; others are passed over. false: it cannot be read.
+bool readMaterials(const std::string& path, MeshLook& look) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  const std::string text = readFile(path);
+  for (const std::string_view line : splitLines(text)) {
+    const Words words = splitWords(line.substr(0, line.find('#')));
+    if (words.size() > 1 && words[0] == "newmtl") look.materials.push_back({.name = std::string(words[1])});
+    if (words.size() == 4 && words[0] == "Kd" && !look.materials.empty()) {
+      Eigen::Vector3f rgb = Eigen::Vector3f::Ones();
+      for (int k = 0; k < 3; ++k)
+        rgb[k] = std::clamp(static_cast<float>(parseNumber(words[k + 1]).value_or(1.0)), 0.0f, 1.0f);
+      look.materials.back().colour.head<3>() = linearFromSrgb(rgb);
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<MeshLook> readObjLook(const std::string& path, const Mesh& mesh) {
+  const std::string whole = readFile(path);
+  MeshLook look;
+  look.materials.push_back({.name = "none"});
+  bool found = false;
+  int material = 0, first = 0, next = 0;
+  const auto endPart = [&] {
+    if (next > first)
+      look.parts.push_back({.name = look.materials[material].name,
+                            .firstTriangle = first,
+                            .triangleCount = next - first,
+                            .material = material});
+    first = next;
+  };
+  const auto lines = splitLines(plainText(whole, path));
+  std::string joined;
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    const std::string_view line = continuedLine(lines, n, joined);
+    const Words words = splitWords(line.substr(0, line.find('#')));
+    if (words.size() < 2) continue;
+    if (words[0] == "mtllib") {
+      for (std::size_t k = 1; k < words.size(); ++k)
+        found |=
+            readMaterials((std::filesystem::path(path).parent_path() / std::string(words[k])).string(), look);
+    } else if (words[0] == "usemtl") {
+      endPart();
+      const auto named = std::ranges::find(look.materials, words[1], &Material::name);
+      material = named == look.materials.end() ? 0 : static_cast<int>(named - look.materials.begin());
+    } else if (words[0] == "f") {
+      next += static_cast<int>(words.size()) - 3;  // a polygon of n corners gives n - 2 triangles
+    }
+  }
+  endPart();
+  if (!found || next != static_cast<int>(mesh.triangles.size())) return std::nullopt;
+  return look;
 }
 
 std::string formatObj(const Mesh& mesh) {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "kinematics/io/note.h"
 #include "skinning/mesh.h"
+#include "skinning/mesh_look.h"
 
 namespace gelenk {
 
@@ -24,6 +26,11 @@ namespace gelenk {
 Mesh readObj(const std::string& path, std::vector<Note>* notes = nullptr);
 /// The same from text; file names it in messages.
 Mesh parseObj(std::string_view text, const std::string& file, std::vector<Note>* notes = nullptr);
+
+/// Colours of an OBJ that was read as this mesh: diffuse colours (Kd) of the .mtl files that it names, by its
+/// usemtl lines. Textures are passed over; the vertices stay those of the file, one place for all corners.
+/// nullopt where it names no file that is there.
+std::optional<MeshLook> readObjLook(const std::string& path, const Mesh& mesh);
 
 /// Vertices in the shortest notation that reads back as the same bits, then triangles. Normals are not
 /// written.

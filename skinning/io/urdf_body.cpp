@@ -99,7 +99,7 @@ Mesh sphere(double radius) {
 }
 
 /// nullopt where the mesh is missing.
-std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath) {
+std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath, MeshLook& look) {
   switch (visual.shape) {
     case UrdfVisual::Shape::Box: return box(visual.size);
     case UrdfVisual::Shape::Cylinder:
@@ -111,8 +111,10 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
   if (!path) return std::nullopt;
   const std::string name = lowerCase(*path);
   Mesh mesh = name.ends_with(".stl")   ? readStl(*path)
-              : name.ends_with(".dae") ? readCollada(*path)
+              : name.ends_with(".dae") ? readCollada(*path, &look)
                                        : readObj(*path);
+  if (name.ends_with(".obj"))
+    if (auto colours = readObjLook(*path, mesh)) look = *std::move(colours);
   for (Vector3d& p : mesh.positions) p = p.cwiseProduct(visual.size);
   if (visual.size.prod() < 0.0)  // mirrored: keep the outside outside
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
@@ -126,19 +128,41 @@ UrdfModel openUrdf(const std::string& path) {
   UrdfRobot robot = readUrdf(path);
   UrdfModel model{.skeleton = robot.skeleton,
                   .skin = {},
+                  .name = robot.name,
                   .masses = robot.masses,
                   .mimics = robot.mimics,
                   .notes = robot.notes};
   const Frames rest = restFrames(robot.skeleton);
   Mesh whole;
   std::vector<Influences> influences;
-  const auto add = [&](const UrdfVisual& visual, const Mesh& body) {
+  MeshLook look;
+  const auto paint = [&](const UrdfVisual& visual, MeshLook own, int first, int count) {
+    if (visual.colour || own.materials.empty()) {
+      Material material{.name = "link", .gloss = 0.25f};
+      const Eigen::Vector4d rgba = visual.colour.value_or(Eigen::Vector4d(0.78, 0.79, 0.80, 1.0));
+      material.colour << linearFromSrgb(Eigen::Vector3f(rgba.head<3>().cast<float>())),
+          static_cast<float>(rgba.w());
+      own = {.materials = {material}, .parts = {{.triangleCount = count}}};
+    }
+    const int materials = static_cast<int>(look.materials.size());
+    look.materials.insert(look.materials.end(), own.materials.begin(), own.materials.end());
+    for (MeshLook::Part part : own.parts) {
+      part.name = robot.skeleton.joint(visual.joint).name;
+      part.firstTriangle += first;
+      part.material += materials;
+      look.parts.push_back(std::move(part));
+    }
+  };
+  const auto add = [&](const UrdfVisual& visual, const Mesh& body, MeshLook own) {
+    paint(visual, std::move(own), static_cast<int>(whole.triangles.size()),
+          static_cast<int>(body.triangles.size()));
     const int base = static_cast<int>(whole.positions.size());
     const Eigen::Isometry3d worldFromVisual = rest[visual.joint] * visual.jointFromVisual;
     for (const Vector3d& p : body.positions) whole.positions.push_back(worldFromVisual * p);
     for (const auto& [a, b, c] : body.triangles) whole.triangles.push_back({base + a, base + b, base + c});
     influences.resize(whole.positions.size(), Influences{{visual.joint, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}});
   };
+  std::vector<std::string> replaced, leftOut;
   for (int joint = 0; joint < robot.skeleton.jointCount(); ++joint) {
     std::vector<std::string> missing;
     bool drawn = false, substituted = false;
@@ -147,8 +171,9 @@ UrdfModel openUrdf(const std::string& path) {
         break;  // only for links whose visual meshes are all missing
       for (const UrdfVisual& visual : robot.visuals) {
         if (visual.joint != joint || visual.collision != collision) continue;
-        if (const auto body = bodyOf(visual, path)) {
-          add(visual, *body);
+        MeshLook own;
+        if (const auto body = bodyOf(visual, path, own)) {
+          add(visual, *body, std::move(own));
           drawn = true;
           substituted = substituted || collision;
         } else if (!collision) {
@@ -156,12 +181,22 @@ UrdfModel openUrdf(const std::string& path) {
         }
       }
     }
-    for (const std::string& file : missing)
-      tell(model.notes, substituted ? "mesh-replaced" : "mesh-missing",
-           "mesh '" + file + "' was not found as STL, OBJ or Collada" +
-               (substituted ? ": drawn with its collision geometry" : " and is left out"));
+    auto& list = substituted ? replaced : leftOut;
+    list.insert(list.end(), missing.begin(), missing.end());
   }
-  if (!whole.triangles.empty()) model.skin = bindSkin(std::move(whole), rest, std::move(influences));
+  // One line each, however many meshes a robot has.
+  if (!replaced.empty())
+    tell(model.notes, "mesh-replaced",
+         "meshes that were not found as STL, OBJ or Collada, drawn with their collision geometry: " +
+             listed(replaced),
+         static_cast<int>(replaced.size()));
+  if (!leftOut.empty())
+    tell(model.notes, "mesh-missing",
+         "meshes that were not found as STL, OBJ or Collada, left out: " + listed(leftOut),
+         static_cast<int>(leftOut.size()));
+  if (whole.triangles.empty()) return model;
+  model.skin = bindSkin(std::move(whole), rest, std::move(influences));
+  model.look = std::make_shared<const MeshLook>(std::move(look));
   return model;
 }
 

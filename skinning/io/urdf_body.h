@@ -4,6 +4,7 @@
 #include <string>
 
 #include "kinematics/io/urdf.h"
+#include "skinning/mesh_look.h"
 #include "skinning/skin.h"
 
 namespace gelenk {
@@ -12,6 +13,8 @@ namespace gelenk {
 struct UrdfModel {
   Skeleton skeleton;
   std::optional<Skin> skin = {};
+  std::string name = {};                      ///< the robot's own
+  std::shared_ptr<const MeshLook> look = {};  ///< of the skin: colours of the URDF, else those of its meshes
   std::optional<Masses> masses = {};
   std::vector<UrdfMimic> mimics = {};
   std::vector<Note> notes = {};

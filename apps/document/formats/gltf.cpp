@@ -34,6 +34,7 @@ void read(const std::string& path, const Companions& files, const ImportOptions&
   GltfModel gltf = readGltf(path, {.framesPerSecond = options.sampleAt});
   result.model.skeleton = std::move(gltf.skeleton);
   result.model.skin = std::move(gltf.skin);
+  result.model.look = std::move(gltf.look);
   result.model.notes = std::move(gltf.notes);
   result.clips = std::move(gltf.clips);
   chooseClip(path, files.clip, result);

@@ -30,6 +30,13 @@ bool saysItsUnit(const std::string& path) {
   return kind && (fileFormat(*kind).saysItsUnit || fileFormat(*kind).alwaysMetres);
 }
 
+/// Colours of an OBJ's .mtl; null where there are none.
+std::shared_ptr<const MeshLook> lookOf(const std::string& path, const Mesh& mesh) {
+  if (fileKind(path) != FileKind::ObjMesh) return nullptr;
+  auto look = readObjLook(path, mesh);
+  return look ? std::make_shared<const MeshLook>(*std::move(look)) : nullptr;
+}
+
 void tellWeightLoss(std::vector<Note>& notes, const WeightLoss& loss, std::size_t vertices) {
   const std::string text = fmt::format(
       "four largest weights kept, bones that turn about one joint counted together: {:.2f} % of "
@@ -79,6 +86,7 @@ Model openBody(const std::string& objPath, const std::string& skeletonPath,
   WeightLoss loss;
   auto influences = fourLargest(weights, model.skeleton.jointCount(), &loss);
   tellWeightLoss(model.notes, loss, mesh.positions.size());
+  model.look = lookOf(objPath, mesh);
   model.skin = bindSkin(std::move(mesh), rest, std::move(influences));
   return model;
 }
@@ -124,6 +132,7 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
   WeightLoss loss;
   auto influences = fourLargest(transferWeights(bones, mesh.positions, fitted, transferred),
                                 transferred.skeleton.jointCount(), &loss);
+  result.model.look = lookOf(objPath, mesh);
   result.model.skin = bindSkin(std::move(mesh), transferred.bindFrames, std::move(influences));
   auto& notes = result.model.notes;
   tellWeightLoss(notes, loss, result.model.skin->mesh.positions.size());

@@ -12,6 +12,8 @@ void readUrdf(const std::string& path, const Companions&, const ImportOptions&, 
   Model& model = result.model;
   model.skeleton = std::move(urdf.skeleton);
   model.skin = std::move(urdf.skin);
+  model.look = std::move(urdf.look);
+  if (!urdf.name.empty()) model.name = urdf.name;
   if (urdf.masses) model.masses = std::make_shared<const Masses>(*std::move(urdf.masses));
   model.mimics = std::move(urdf.mimics);
   model.notes = std::move(urdf.notes);

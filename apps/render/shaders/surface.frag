@@ -17,6 +17,10 @@ out vec4 colour;
 
 uniform vec4 tint;           // sRGB, straight alpha
 uniform float vertexColourShare;   // 1: the vertex colour instead of the tint
+in vec2 textureCoordinate;
+uniform sampler2D picture;         // of the part that is drawn
+uniform vec4 materialColour;       // linear, times picture and vertex colour
+uniform vec3 materialLook;         // x: share of the picture, y: nothing is drawn below this alpha, z: gloss
 uniform float seeThrough;    // 1: x-ray or ghost, more opaque towards the outline
 uniform sampler2DShadow shadowMap;
 
@@ -37,7 +41,9 @@ void main() {
   if (facing < 0.0 && !gl_FrontFacing) { n = -n; facing = -facing; }  // the inside of an open surface
   facing = clamp(facing, 0.0, 1.0);
 
-  vec3 albedo = mix(linearFromSrgb(tint.rgb), surfaceColour, vertexColourShare);
+  vec4 texel = mix(vec4(1.0), texture(picture, textureCoordinate), materialLook.x);
+  if (materialColour.a * texel.a < materialLook.y) discard;
+  vec3 albedo = mix(linearFromSrgb(tint.rgb), surfaceColour, vertexColourShare) * materialColour.rgb * texel.rgb;
 #ifdef WIREFRAME
   float width = 0.6 * towardsViewer.w;
   float nearest = min(edgeDistance.x, min(edgeDistance.y, edgeDistance.z));
@@ -60,6 +66,11 @@ void main() {
   float away = 1.0 - facing;
   float rim = away * away * away * (0.35 + 0.65 * sky);
   vec3 shaded = albedo * light + 0.055 * sheen * keyLight.rgb + rim * rimLight.rgb;
+
+  vec3 mirrored = reflect(-v, n);
+  vec3 around = mix(bounceLight.rgb, skyLight.rgb, 0.5 + 0.5 * dot(mirrored, up.xyz));
+  float grazing = pow(1.0 - facing, 5.0);
+  shaded += materialLook.z * (0.7 * pow(max(dot(n, halfway), 0.0), 70.0) * key * keyLight.rgb + (0.10 + 0.45 * grazing) * around);
 
   float below = step(heightOverGround(worldPosition), 0.0) * step(0.0, heightOverGround(eye.xyz)) * step(0.5, pictureSize.z);
   shaded = mix(shaded, groundColour.rgb, 0.7 * below);

@@ -1,0 +1,182 @@
+#include "apps/sandbox/file_browser.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+
+#include "apps/document/model_files.h"
+#include "apps/document/scene_file.h"
+#include "apps/sandbox/sandbox_state.h"
+
+namespace gelenk {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::vector<std::string> split(const std::string& words) {
+  std::vector<std::string> parts;
+  std::size_t from = 0;
+  while ((from = words.find_first_not_of(' ', from)) != std::string::npos) {
+    const std::size_t to = std::min(words.find(' ', from), words.size());
+    parts.push_back(words.substr(from, to - from));
+    from = to;
+  }
+  return parts;
+}
+
+struct Filter {
+  const char* title;
+  const char* endings;  ///< empty: everything that opens
+};
+constexpr std::array filters{Filter{"Everything that opens", ""}, Filter{"Scenes (.json)", ".json"},
+                             Filter{"Bodies and characters", ".obj .glb .gltf .nurbs"},
+                             Filter{"Robots", ".urdf .dh"},
+                             Filter{"Motions and skeletons", ".bvh .amc .asf .skel .skeleton .figure .pose"}};
+
+}  // namespace
+
+std::string openableEndings() {
+  std::string all = ".json " + knownExtensions();
+  std::erase(all, ',');
+  return all;
+}
+
+std::vector<BrowserEntry> folderEntries(const std::string& folder, const std::string& endings) {
+  std::vector<BrowserEntry> entries;
+  const std::vector<std::string> wanted = split(endings.empty() ? openableEndings() : endings);
+  std::error_code error;
+  for (auto it = fs::directory_iterator(folder, fs::directory_options::skip_permission_denied, error);
+       !error && it != fs::directory_iterator(); it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.empty() || name[0] == '.') continue;
+    std::error_code ignored;
+    if (it->is_directory(ignored))
+      entries.push_back({name, true});
+    else if (std::ranges::any_of(wanted, [&](const std::string& e) { return lower(name).ends_with(e); }))
+      entries.push_back({name, false});
+  }
+  std::ranges::sort(entries, [](const BrowserEntry& a, const BrowserEntry& b) {
+    return a.isFolder != b.isFolder ? a.isFolder : lower(a.name) < lower(b.name);
+  });
+  return entries;
+}
+
+void FileBrowser::begin(Purpose purpose, const std::string& folder, const std::string& name) {
+  purpose_ = purpose;
+  std::snprintf(name_, sizeof name_, "%s", name.c_str());
+  filter_ = 0;
+  focus_ = true;
+  std::error_code error;
+  enter(folder.empty() || !fs::is_directory(folder, error) ? fs::current_path(error).string() : folder);
+}
+
+void FileBrowser::enter(const std::string& folder) {
+  folder_ = fs::path(folder).lexically_normal().string();
+  if (folder_.size() > 1 && folder_.back() == '/') folder_.pop_back();
+  selected_.clear();
+  entries_ = folderEntries(folder_, purpose_ == Purpose::Save ? ".json" : filters[filter_].endings);
+}
+
+void FileBrowser::places(Sandbox& sandbox, float height, std::optional<std::string>& chosen) {
+  Sandbox::State& s = sandbox.state();
+  ImGui::BeginChild("places", {190 * s.scale, height});
+  heading(s, "PLACES");
+  std::error_code error;
+  const auto place = [&](const char* name, const std::string& folder) {
+    if (!folder.empty() && ImGui::Selectable(name, folder == folder_)) enter(folder);
+  };
+  place("Home", std::getenv("HOME") ? std::getenv("HOME") : "");
+  place("Here", fs::current_path(error).string());
+  if (purpose_ == Purpose::Open) {
+    if (!s.preferences.recent.empty()) heading(s, "RECENT");
+    for (const std::string& path : s.preferences.recent) {
+      ImGui::PushID(path.c_str());
+      if (ImGui::Selectable(fs::path(path).filename().string().c_str())) chosen = path;
+      tooltip(path.c_str());
+      ImGui::PopID();
+    }
+    heading(s, "BUILT IN");
+    for (const std::string& name : builtInModels())
+      if (ImGui::Selectable(name.c_str())) chosen = name;
+  }
+  ImGui::EndChild();
+}
+
+void FileBrowser::list(Sandbox& sandbox, float height, std::optional<std::string>& chosen) {
+  Sandbox::State& s = sandbox.state();
+  ImGui::BeginChild("list", {430 * s.scale, height}, true);
+  const fs::path folder(folder_);
+  std::string into;
+  if (folder.has_parent_path() && folder != folder.root_path() && ImGui::Selectable("‹ one folder up"))
+    into = folder.parent_path().string();
+  for (const BrowserEntry& entry : entries_) {
+    ImGui::PushID(entry.name.c_str());
+    if (entry.isFolder) {
+      ImGui::PushStyleColor(ImGuiCol_Text, s.colours().accent);
+      if (ImGui::Selectable((entry.name + " /").c_str())) into = (folder / entry.name).string();
+      ImGui::PopStyleColor();
+    } else if (ImGui::Selectable(entry.name.c_str(), entry.name == selected_,
+                                 ImGuiSelectableFlags_AllowDoubleClick)) {
+      selected_ = entry.name;
+      std::snprintf(name_, sizeof name_, "%s", entry.name.c_str());
+      if (ImGui::IsMouseDoubleClicked(0)) chosen = (folder / entry.name).string();
+    }
+    ImGui::PopID();
+  }
+  if (entries_.empty()) ImGui::TextColored(s.colours().textDim, "Nothing here that opens.");
+  ImGui::EndChild();
+  if (!into.empty()) enter(into);
+}
+
+std::optional<std::string> FileBrowser::draw(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  std::optional<std::string> chosen;
+  const float height = std::min(330 * s.scale, 0.6f * s.layout.view.height);
+  ImGui::PushFont(s.gui.fonts().small);
+  ImGui::TextColored(s.colours().textDim, "%s", folder_.c_str());
+  ImGui::PopFont();
+  places(sandbox, height, chosen);
+  ImGui::SameLine();
+  list(sandbox, height, chosen);
+  if (std::exchange(focus_, false)) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth((purpose_ == Purpose::Open ? 400 : 628) * s.scale);
+  const bool entered = ImGui::InputText("##path", name_, sizeof name_, ImGuiInputTextFlags_EnterReturnsTrue);
+  if (purpose_ == Purpose::Open) {
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(220 * s.scale);
+    if (ImGui::BeginCombo("##filter", filters[filter_].title)) {
+      for (int i = 0; i < static_cast<int>(filters.size()); ++i)
+        if (ImGui::Selectable(filters[i].title, i == filter_)) filter_ = i, enter(std::string(folder_));
+      ImGui::EndCombo();
+    }
+  }
+  ImGui::PushFont(s.gui.fonts().small);
+  ImGui::TextColored(s.colours().textDim, "%s",
+                     purpose_ == Purpose::Save ? "A name in this folder, or a whole path; .json is added."
+                                               : "A file, a folder, or the name of a built-in model.");
+  ImGui::PopFont();
+  const bool confirmed =
+      ImGui::Button(purpose_ == Purpose::Save ? "Save" : "Open", {96 * s.scale, 0}) || entered;
+  if (confirmed && name_[0] != '\0') {
+    std::error_code error;
+    const fs::path typed(name_), inFolder = typed.is_absolute() ? typed : fs::path(folder_) / typed;
+    if (fs::is_directory(inFolder, error)) {
+      enter(inFolder.string());
+      name_[0] = '\0';
+    } else if (purpose_ == Purpose::Save || fs::exists(inFolder, error)) {
+      chosen = inFolder.string();
+    } else {
+      chosen = name_;  // relative to where the program runs, or a built-in model
+    }
+  }
+  return chosen;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,203 @@
+#include "apps/sandbox/mathematics.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+namespace gelenk {
+namespace {
+
+using Place = MathRun::Place;
+
+struct Sign {
+  std::string_view plain, set;
+};
+constexpr std::array greek{Sign{"alpha", "α"},  Sign{"beta", "β"},    Sign{"gamma", "γ"}, Sign{"delta", "δ"},
+                           Sign{"Delta", "Δ"},  Sign{"epsilon", "ε"}, Sign{"theta", "θ"}, Sign{"kappa", "κ"},
+                           Sign{"lambda", "λ"}, Sign{"mu", "μ"},      Sign{"xi", "ξ"},    Sign{"pi", "π"},
+                           Sign{"rho", "ρ"},    Sign{"sigma", "σ"},   Sign{"Sigma", "Σ"}, Sign{"tau", "τ"},
+                           Sign{"phi", "φ"},    Sign{"psi", "ψ"},     Sign{"omega", "ω"}, Sign{"Omega", "Ω"}};
+constexpr std::array signs{Sign{"<=", "≤"}, Sign{">=", "≥"}, Sign{"!=", "≠"},
+                           Sign{"->", "→"}, Sign{"+-", "±"}, Sign{" * ", " · "}};
+
+bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)); }
+bool isWord(char c) { return std::isalnum(static_cast<unsigned char>(c)); }
+
+/// The letter for a name that stands alone, else the name.
+std::string spelled(const std::string& word) {
+  for (const auto& [plain, set] : greek)
+    if (word == plain) return std::string(set);
+  return word;
+}
+
+/// Greek letters and signs of a piece without scripts.
+std::string withSigns(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    if (isLetter(text[i]) && (i == 0 || !isWord(text[i - 1]))) {
+      std::size_t to = i;
+      while (to < text.size() && isLetter(text[to])) ++to;
+      out += spelled(text.substr(i, to - i));
+      i = to;
+      continue;
+    }
+    const auto sign = std::ranges::find_if(
+        signs, [&](const Sign& s) { return text.compare(i, s.plain.size(), s.plain) == 0; });
+    if (sign != signs.end()) {
+      out += sign->set;
+      i += sign->plain.size();
+    } else {
+      out += text[i++];
+    }
+  }
+  return out;
+}
+
+/// Where the bracket at `open` closes; npos: nowhere.
+std::size_t closing(const std::string& text, std::size_t open) {
+  int depth = 0;
+  for (std::size_t i = open; i < text.size(); ++i) {
+    if (text[i] == '(') ++depth;
+    if (text[i] == ')' && --depth == 0) return i;
+  }
+  return std::string::npos;
+}
+
+/// What is raised or lowered after a ^ or _ at `at`; empty: nothing, the sign itself is meant. to: behind it.
+std::string script(const std::string& text, std::size_t at, std::size_t& to) {
+  std::size_t from = at + 1;
+  if (from < text.size() && text[from] == '(') {
+    const std::size_t end = closing(text, from);
+    if (end == std::string::npos) return {};
+    to = end + 1;
+    return text.substr(from + 1, end - from - 1);
+  }
+  std::size_t end = from;
+  if (end < text.size() && (text[end] == '-' || text[end] == '+')) ++end;
+  while (end < text.size() && (isWord(text[end]) || text[end] == '\'')) ++end;
+  if (end == from || (end == from + 1 && text[from] == '-')) return {};
+  to = end;
+  return text.substr(from, end - from);
+}
+
+constexpr float scriptSize = 0.72f, raised = -0.28f, lowered = 0.36f;  // shares of the size
+
+float widthOf(ImFont* font, float size, const std::string& text) {
+  return font->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;
+}
+
+/// Lays the runs out; calls place(run, x, y, size) and returns the whole width.
+template <class Place_>
+float layOut(ImFont* font, float size, const std::vector<MathRun>& runs, Place_&& place) {
+  float x = 0.0f, scriptsFrom = 0.0f;
+  bool afterScript = false;
+  Place before = Place::Line;
+  for (const MathRun& run : runs) {
+    const bool isScript = run.place != Place::Line;
+    const float own = isScript ? scriptSize * size : size, width = widthOf(font, own, run.text);
+    float at = x;
+    if (isScript && afterScript && run.place != before) at = scriptsFrom;  // above each other
+    if (isScript && !(afterScript && run.place != before)) scriptsFrom = x;
+    const float y = run.place == Place::Super ? raised * size + (size - own) * 0.35f
+                    : run.place == Place::Sub ? lowered * size
+                                              : 0.0f;
+    place(run, at, y, own, width);
+    x = std::max(x, at + width + (isScript ? 0.04f * size : 0.0f));
+    afterScript = isScript;
+    before = run.place;
+  }
+  return x;
+}
+
+}  // namespace
+
+std::vector<MathRun> setMathematics(const std::string& plain) {
+  std::vector<MathRun> runs;
+  std::string line;
+  const auto endLine = [&] {
+    if (!line.empty()) runs.push_back({.text = withSigns(line)});
+    line.clear();
+  };
+  for (std::size_t i = 0; i < plain.size();) {
+    const bool standsOnSomething = i > 0 && plain[i - 1] != ' ';
+    if ((plain[i] == '^' || plain[i] == '_') && standsOnSomething) {
+      std::size_t to = i;
+      const std::string part = script(plain, i, to);
+      if (!part.empty()) {
+        endLine();
+        std::string set = withSigns(part);
+        runs.push_back({.text = set, .place = plain[i] == '^' ? Place::Super : Place::Sub});
+        i = to;
+        continue;
+      }
+    }
+    if (plain.compare(i, 5, "sqrt(") == 0 && (i == 0 || !isWord(plain[i - 1])))
+      if (const std::size_t end = closing(plain, i + 4); end != std::string::npos) {
+        line += "√";
+        endLine();
+        for (MathRun run : setMathematics(plain.substr(i + 5, end - i - 5))) {
+          run.overline = true;
+          runs.push_back(std::move(run));
+        }
+        i = end + 1;
+        continue;
+      }
+    line += plain[i++];
+  }
+  endLine();
+  return runs;
+}
+
+ImVec2 mathSize(ImFont* font, float size, const std::string& plain) {
+  const float width =
+      layOut(font, size, setMathematics(plain), [](const MathRun&, float, float, float, float) {});
+  return {width, size};
+}
+
+float drawMathematics(ImDrawList& draw, ImFont* font, float size, ImVec2 at, ImU32 colour,
+                      const std::string& plain) {
+  return layOut(font, size, setMathematics(plain),
+                [&](const MathRun& run, float x, float y, float own, float width) {
+                  draw.AddText(font, own, {at.x + x, at.y + y}, colour, run.text.c_str());
+                  if (run.overline)
+                    draw.AddLine({at.x + x, at.y - 0.04f * size}, {at.x + x + width, at.y - 0.04f * size},
+                                 colour, std::max(1.0f, 0.06f * size));
+                });
+}
+
+void mathItem(const std::string& plain) {
+  ImFont* font = ImGui::GetFont();
+  const float size = ImGui::GetFontSize();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  drawMathematics(*ImGui::GetWindowDrawList(), font, size, at, ImGui::GetColorU32(ImGuiCol_Text), plain);
+  ImGui::Dummy({mathSize(font, size, plain).x, ImGui::GetTextLineHeight()});
+}
+
+void tickItem(bool good, const ImVec4& colour) {
+  const float h = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImU32 ink = ImGui::GetColorU32(colour);
+  const float width = std::max(1.5f, 0.13f * h);
+  if (good) {
+    const ImVec2 points[] = {{at.x + 0.08f * h, at.y + 0.55f * h},
+                             {at.x + 0.32f * h, at.y + 0.80f * h},
+                             {at.x + 0.78f * h, at.y + 0.22f * h}};
+    draw.AddPolyline(points, 3, ink, 0, width);
+  } else {
+    draw.AddLine({at.x + 0.14f * h, at.y + 0.24f * h}, {at.x + 0.70f * h, at.y + 0.80f * h}, ink, width);
+    draw.AddLine({at.x + 0.70f * h, at.y + 0.24f * h}, {at.x + 0.14f * h, at.y + 0.80f * h}, ink, width);
+  }
+  ImGui::Dummy({0.9f * h, h});
+}
+
+void drawBrackets(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float width) {
+  const float foot = 4.0f * width;
+  const ImVec2 left[] = {{low.x + foot, low.y}, {low.x, low.y}, {low.x, high.y}, {low.x + foot, high.y}};
+  const ImVec2 right[] = {{high.x - foot, low.y}, {high.x, low.y}, {high.x, high.y}, {high.x - foot, high.y}};
+  draw.AddPolyline(left, 4, colour, 0, width);
+  draw.AddPolyline(right, 4, colour, 0, width);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,186 @@
+#include "apps/sandbox/palette.h"
+
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "apps/lecture/example.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "kinematics/notation/robots.h"
+
+namespace gelenk {
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string titleOf(const std::string& model) {
+  for (const Robot& robot : robots())
+    if (robot.name == model) return fmt::format("Open robot {} ({})", robot.title, model);
+  return "Open model " + model;
+}
+
+}  // namespace
+
+bool matches(const std::string& query, const std::string& text) {
+  const std::string whole = lower(text), words = lower(query);
+  std::size_t from = 0;
+  while ((from = words.find_first_not_of(' ', from)) != std::string::npos) {
+    const std::size_t to = std::min(words.find(' ', from), words.size());
+    if (whole.find(words.substr(from, to - from)) == std::string::npos) return false;
+    from = to;
+  }
+  return true;
+}
+
+std::vector<Action> actionsOf(Sandbox& sandbox) {
+  std::vector<Action> all;
+  const auto add = [&](std::string name, std::string key, std::function<void(Sandbox&)> run) {
+    all.push_back({std::move(name), std::move(key), std::move(run)});
+  };
+  using Dialog = Sandbox::State::Dialog;
+  add("Open a file", "Ctrl+O", [](Sandbox& s) { s.state().dialog = Dialog::OpenFile; });
+  add("Save scene", "Ctrl+S", [](Sandbox& s) {
+    if (s.state().scenePath.empty())
+      s.state().dialog = Dialog::SaveScene;
+    else
+      s.saveSceneTo(s.state().scenePath);
+  });
+  add("Save scene as", "Ctrl+Shift+S", [](Sandbox& s) { s.state().dialog = Dialog::SaveScene; });
+  add("Screenshot", "F12", [](Sandbox& s) { s.state().screenshotPath = nextFileName(".png"); });
+  add("Record a film, or stop", "Ctrl+R", [](Sandbox& s) { toggleRecording(s); });
+  add("Quit", "Ctrl+Q", [](Sandbox& s) { s.requestClose(); });
+  add("Undo", "Ctrl+Z", [](Sandbox& s) { undoOrRedo(s, false); });
+  add("Redo", "Ctrl+Shift+Z", [](Sandbox& s) { undoOrRedo(s, true); });
+  add("Rest pose", "R", [](Sandbox& s) { s.session().resetPose(); });
+  add("Mirror pose and goals", "M", [](Sandbox& s) { s.session().mirrorPose(); });
+  add("Free all pins", "", [](Sandbox& s) { s.session().freePins(); });
+  add("Let every goal go", "", [](Sandbox& s) { s.session().removeAllGoals(); });
+  add("Balance on or off", "", [](Sandbox& s) { s.session().setBalance(!s.session().balance()); });
+  add("Frame everything", "Home", [](Sandbox& s) { frameEverything(s, true); });
+  const auto look = [&](const char* name, const char* key, StandardView view) {
+    add(std::string("View: ") + name, key, [view](Sandbox& s) {
+      s.state().cameraMove = {s.camera(), lookFrom(s.camera(), view), s.time()};
+    });
+  };
+  look("front", "1", StandardView::Front);
+  look("side", "3", StandardView::Side);
+  look("top", "7", StandardView::Top);
+  look("three quarters", "", StandardView::ThreeQuarter);
+  add("View: orthographic or perspective", "5",
+      [](Sandbox& s) { s.camera().orthographic = !s.camera().orthographic; });
+  add("Light theme", "", [](Sandbox& s) { s.state().theme() = Theme::Light; });
+  add("Dark theme", "", [](Sandbox& s) { s.state().theme() = Theme::Dark; });
+  add("Inspector on or off", "", [](Sandbox& s) { s.state().inspectorOpen = !s.state().inspectorOpen; });
+  add("Plots on or off", "", [](Sandbox& s) { s.state().stripOpen = !s.state().stripOpen; });
+  add("Presentation: the derivation in large type", "F5",
+      [](Sandbox& s) { s.state().presenting = !s.state().presenting; });
+  add("Play or pause", "Space", [](Sandbox& s) { s.setPlaying(!s.playing()); });
+  add("Mouse and keys (help)", "H", [](Sandbox& s) { s.state().helpOpen = true; });
+  for (const ViewOptionName& option : viewOptionNames()) {
+    std::string name(option.name);
+    std::ranges::replace(name, '_', ' ');
+    add("Show or hide " + name, "",
+        [which = option.option](Sandbox& s) { s.options().*which = !(s.options().*which); });
+  }
+  for (const auto& panel : sandbox.state().panels) {
+    const std::string name = panel->name();
+    if (panel->hasInspector()) add("Tab " + name, "", [name](Sandbox& s) { s.showInspector(name); });
+    if (panel->hasBottomStrip()) add("Strip " + name, "", [name](Sandbox& s) { s.showBottomStrip(name); });
+  }
+  for (const std::string& name : frameSolverNames()) {
+    const SolverEntry& entry = solverEntry(name);
+    add(fmt::format("Solver {} ({})", entry.title, name), "", [name](Sandbox& s) { chooseSolver(s, name); });
+  }
+  for (const std::string& name : builtInModels())
+    add(titleOf(name), "", [name](Sandbox& s) { s.requestOpen(name); });
+  for (const LectureTopic& topic : lectureTopics())
+    add(fmt::format("Lecture {} {}", topic.section, topic.title), "",
+        [id = topic.id](Sandbox& s) { s.requestOpen("lecture:" + id); });
+  for (const GoalType* type : goalTypes())
+    add(fmt::format("Add a goal: {}", type->title), "", [kind = type->kind](Sandbox& s) {
+      const int joint = s.session().selectedJoint().value_or(
+          s.session().goals().empty() ? 0 : s.session().goals().front().goal.joint);
+      const Edits before = s.session().edits();
+      s.state().selectedGoal = s.session().addGoalOf(kind, joint, 0);
+      s.session().rememberAs(before);
+    });
+  for (const std::string& path : sandbox.state().preferences.recent)
+    add("Open recent " + path, "", [path](Sandbox& s) { s.requestOpen(path); });
+  return all;
+}
+
+void CommandPalette::open() {
+  open_ = focus_ = true;
+  chosen_ = 0;
+  query_[0] = '\0';
+  actions_.clear();
+}
+
+void CommandPalette::draw(Sandbox& sandbox) {
+  if (!open_) return;
+  Sandbox::State& s = sandbox.state();
+  if (actions_.empty()) actions_ = actionsOf(sandbox);
+  const Layout::Rect& view = s.layout.view;
+  const float width = std::min(560 * s.scale, view.width - 24 * s.scale);
+  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 30 * s.scale}, ImGuiCond_Always,
+                          {0.5f, 0.0f});
+  ImGui::SetNextWindowSize({width, 0});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 9 * s.scale);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelRaised);
+  ImGui::Begin("##palette", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoSavedSettings);
+  if (std::exchange(focus_, false)) {
+    ImGui::SetWindowFocus();
+    ImGui::SetKeyboardFocusHere();
+  }
+  ImGui::SetNextItemWidth(-1);
+  const std::string before = query_;
+  const bool entered = ImGui::InputTextWithHint("##query", "What do you want to do?", query_, sizeof query_,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  if (before != query_) chosen_ = 0;
+  std::vector<const Action*> found;
+  for (const Action& action : actions_)
+    if (matches(query_, action.name)) found.push_back(&action);
+  const int count = static_cast<int>(found.size());
+  if (ImGui::IsKeyPressed(GLFW_KEY_DOWN)) ++chosen_;
+  if (ImGui::IsKeyPressed(GLFW_KEY_UP)) --chosen_;
+  chosen_ = count > 0 ? std::clamp(chosen_, 0, count - 1) : 0;
+  const Action* run = entered && count > 0 ? found[chosen_] : nullptr;
+  ImGui::BeginChild("##found", {0, 300 * s.scale});
+  for (int i = 0; i < count; ++i) {
+    ImGui::PushID(i);
+    if (ImGui::Selectable(found[i]->name.c_str(), i == chosen_)) run = found[i];
+    if (i == chosen_ && (ImGui::IsKeyPressed(GLFW_KEY_DOWN) || ImGui::IsKeyPressed(GLFW_KEY_UP)))
+      ImGui::SetScrollHereY();
+    if (!found[i]->key.empty()) {
+      const float keyWidth = ImGui::CalcTextSize(found[i]->key.c_str()).x;
+      ImGui::SameLine(ImGui::GetContentRegionMax().x - keyWidth - 4 * s.scale);
+      ImGui::TextColored(s.colours().textDim, "%s", found[i]->key.c_str());
+    }
+    ImGui::PopID();
+  }
+  if (count == 0) ImGui::TextColored(s.colours().textDim, "Nothing of that name.");
+  ImGui::EndChild();
+  const bool left = ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows) &&
+                    !ImGui::IsWindowAppearing();
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(2);
+  if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE) || left || run) open_ = false;
+  if (!run) return;
+  try {
+    const std::function<void(Sandbox&)> act = run->run;  // opening a model may end the list
+    act(sandbox);
+  } catch (const std::exception& error) {
+    sandbox.say(error.what(), true);
+  }
+}
+
+}  // namespace gelenk

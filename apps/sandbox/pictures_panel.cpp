@@ -1,0 +1,132 @@
+// Pictures that explain an arm: what is shown, and what can be taken from them.
+#include <fmt/format.h>
+
+#include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "kinematics/io/text_file.h"
+
+namespace gelenk {
+namespace {
+
+class PicturesPanel final : public Panel {
+ public:
+  std::string name() const override { return "Pictures"; }
+  bool hasInspector() const override { return true; }
+
+  void drawInspector(Sandbox& sandbox) override {
+    Sandbox::State& s = sandbox.state();
+    ViewOptions& show = s.show();
+    const TeachingPictures& teaching = s.view->teaching();
+    heading(s, "OF THE EFFECTOR");
+    ImGui::Checkbox("Velocity ellipsoid", &show.velocityEllipsoid);
+    tooltip(
+        "Where the effector gets to with |dq/dt| = 1: half axes are the singular values of J (Yoshikawa "
+        "1985), "
+        "drawn for a fifth of a second. Flat at a singularity.");
+    ImGui::Checkbox("Force ellipsoid", &show.forceEllipsoid);
+    tooltip(
+        "Forces that joint torques of |tau| = 1 hold: half axes are 1 over the singular values. Long where "
+        "the "
+        "velocity ellipsoid is short.");
+    ImGui::Checkbox("Reachable set", &show.reachable);
+    tooltip(
+        "5,000 random poses within the joints' limits; bright where the arm moves well in all directions.");
+    heading(s, "OTHER POSES OF THE SAME EFFECTOR");
+    ImGui::Checkbox("All solutions", &show.solutions);
+    tooltip("Every other solution within the limits, from the complete set (docs/solutions.md).");
+    if (show.solutions) {
+      ImGui::TextColored(s.colours().textDim, "%zu beside this one", teaching.solutions().size());
+      for (std::size_t i = 0; i < teaching.solutions().size(); ++i) {
+        if (i % 6 != 0) ImGui::SameLine();
+        if (ImGui::Button(fmt::format("{}", i + 1).c_str(), {38 * s.scale, 0}))
+          take(sandbox, teaching.solutions()[i]);
+        tooltip("Takes this pose.");
+      }
+    }
+    ImGui::Checkbox("Self-motion", &show.nullSpace);
+    tooltip("How a seven-joint arm moves while its tool stands still; the slider goes along.");
+    if (show.nullSpace && !teaching.selfMotion().empty()) {
+      int at = teaching.selfMotionAt();
+      const int last = static_cast<int>(teaching.selfMotion().size()) - 1;
+      if (ImGui::SliderInt("##along", &at, 0, last, "")) {
+        const Pose pose = teaching.selfMotion()[std::clamp(at, 0, last)];
+        s.session->setPose(pose);
+      }
+      if (ImGui::IsItemActivated()) s.session->remember();
+    }
+    heading(s, "OF THE SOLVER");
+    ImGui::Checkbox("Convergence map", &show.convergence);
+    tooltip(
+        "The present solver from the present pose to a grid of targets: bright, few iterations; dark, many; "
+        "grey, "
+        "not reached within 60; reddish, reached with the last joint bent the other way. One attempt, "
+        "without "
+        "restarts. Coarse while you drag, fine at rest.");
+    if (show.convergence && teaching.map().cells > 0) {
+      colourBar(s);
+      ImGui::Text("%d iterations", teaching.map().mostIterations);
+      ImGui::SameLine();
+      ImGui::TextColored(s.colours().textDim, "to 0; %.1f %% reached%s",
+                         100.0 * teaching.map().reachedShare(), teaching.isWorking() ? " so far" : "");
+      if (ImGui::Button("Write as .csv")) write(sandbox, nextFileName(".csv"));
+      tooltip("A line a cell: target (metres), iterations, reached, other branch.");
+    }
+    for (const std::string& reason : teaching.reasons())
+      ImGui::TextColored(s.colours().warning, "%s",
+                         brokenAtBlanks(reason, ImGui::GetContentRegionAvail().x).c_str());
+  }
+
+  /// "solution N" and "along N" take a pose, "write FILE" the map.
+  void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
+    const TeachingPictures& teaching = sandbox.state().view->teaching();
+    const auto nth = [&](const std::vector<Eigen::VectorXd>& poses, int first) {
+      const auto n = parseInteger(words[1]);
+      if (!n || *n < first || *n >= first + static_cast<int>(poses.size()))
+        throw std::invalid_argument(fmt::format("expected a number from {} to {}, found '{}'", first,
+                                                first + static_cast<int>(poses.size()) - 1, words[1]));
+      take(sandbox, poses[*n - first]);
+    };
+    if (words.size() == 2 && words[0] == "solution")
+      nth(teaching.solutions(), 1);
+    else if (words.size() == 2 && words[0] == "along")
+      nth(teaching.selfMotion(), 0);
+    else if (words.size() == 2 && words[0] == "write")
+      write(sandbox, words[1]);
+    else
+      throw std::invalid_argument("Pictures takes 'solution N', 'along N' and 'write FILE'");
+  }
+
+ private:
+  using Pose = Eigen::VectorXd;  // the poses may be computed anew while one is taken
+
+  static void take(Sandbox& sandbox, const Eigen::VectorXd& pose) {
+    const Pose copy = pose;
+    sandbox.session().remember();
+    sandbox.session().setPose(copy);
+  }
+
+  static void write(Sandbox& sandbox, const std::string& path) {
+    const ConvergenceMap& map = sandbox.state().view->teaching().map();
+    std::string text = "x,y,z,iterations,reached,other_branch\n";
+    for (int y = 0; y < map.cells; ++y)
+      for (int x = 0; x < map.cells; ++x) {
+        const ConvergenceMap::Cell& cell = map.rows[static_cast<std::size_t>(y) * map.cells + x];
+        if (!cell.solved) continue;
+        const Eigen::Vector3d p = map.corner + (x + 0.5) / map.cells * map.u + (y + 0.5) / map.cells * map.v;
+        text += fmt::format("{:.6g},{:.6g},{:.6g},{},{},{}\n", p.x(), p.y(), p.z(), cell.iterations,
+                            cell.reached ? 1 : 0, cell.otherBranch ? 1 : 0);
+      }
+    try {
+      writeFile(path, text);
+      sandbox.say("Wrote " + path);
+    } catch (const std::exception& error) {
+      sandbox.say(error.what(), true);
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> makePicturesPanel() { return std::make_unique<PicturesPanel>(); }
+
+}  // namespace gelenk

@@ -1,0 +1,235 @@
+// The frame around the picture: palette, browser, gizmo, splitters, unsaved changes, presentation, films.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/lecture/example.h"
+#include "apps/sandbox/gizmo.h"
+#include "apps/sandbox/palette.h"
+#include "apps/sandbox/replay.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/view_picture.h"
+#include "kinematics/io/text_file.h"
+#include "kinematics/notation/mannequin.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+#include "tests/places.h"
+#include "tests/sandbox/program.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+namespace fs = std::filesystem;
+
+struct Stage {
+  OffscreenContext context;
+  GlDebugLog log;
+  fs::path folder;
+  Sandbox sandbox;
+  ViewPicture target;
+  InputQueue queue;
+  int width = 1000, height = 700;
+
+  explicit Stage(const std::string& model, bool asks = false)
+      : folder(fs::temp_directory_path() / ("gelenk_shell_" + std::to_string(getpid()))),
+        sandbox({.model = model,
+                 .width = 1000,
+                 .height = 700,
+                 .preferences = (folder / "preferences.json").string(),
+                 .asks = asks}) {
+    fs::create_directories(folder);
+    target.resize(width, height);
+  }
+  ~Stage() { fs::remove_all(folder); }
+  void play(const std::string& script, int more = 2) {
+    Replay replay = Replay::parse("test", script);
+    const int length = replay.length() + more;
+    for (int i = 0; i < length; ++i) {
+      replay.play(i, sandbox, queue);
+      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+      sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
+    }
+  }
+  Sandbox::State& state() { return sandbox.state(); }
+};
+
+std::string at(const Vector2d& pixel) { return std::to_string(pixel.x()) + " " + std::to_string(pixel.y()); }
+
+TEST(CommandPalette, FindsEveryModelSolverExampleTabAndThingToShow) {
+  Stage stage("planar");
+  const std::vector<Action> actions = actionsOf(stage.sandbox);
+  const auto finds = [&](const std::string& query) {
+    return std::ranges::any_of(actions, [&](const Action& action) { return matches(query, action.name); });
+  };
+  for (const std::string& name : builtInModels()) EXPECT_TRUE(finds("open " + name)) << name;
+  for (const std::string& name : frameSolverNames()) EXPECT_TRUE(finds("solver " + name)) << name;
+  for (const LectureTopic& topic : lectureTopics())
+    EXPECT_TRUE(finds("lecture " + topic.title)) << topic.title;
+  for (const auto& panel : stage.state().panels)
+    if (panel->hasInspector()) EXPECT_TRUE(finds("tab " + panel->name()));
+  for (std::string word : {"ground", "convergence", "velocity ellipsoid", "undo", "mirror", "screenshot"})
+    EXPECT_TRUE(finds(word)) << word;
+  EXPECT_FALSE(finds("no such thing"));
+}
+
+TEST(CommandPalette, AFewLettersAndEnterOpenARobot) {
+  Stage stage("planar");
+  stage.play("0 keydown ctrl\n1 key k\n3 keyup ctrl\n5 text robot scara\n8 key enter\n", 4);
+  EXPECT_EQ(stage.sandbox.session().model().name, "scara");
+  EXPECT_FALSE(stage.state().palette.isOpen());
+}
+
+TEST(FileBrowser, ListsFoldersFirstAndOnlyWhatOpens) {
+  Stage stage("planar");
+  fs::create_directories(stage.folder / "Bodies");
+  fs::create_directories(stage.folder / ".hidden");
+  for (const char* name : {"b.OBJ", "a.json", "readme.md", "walk.bvh"})
+    writeFile((stage.folder / name).string(), "");
+  const auto names = [&](const std::string& endings) {
+    std::string all;
+    for (const BrowserEntry& entry : folderEntries(stage.folder.string(), endings))
+      all += (all.empty() ? "" : " ") + entry.name + (entry.isFolder ? "/" : "");
+    return all;
+  };
+  EXPECT_EQ(names(""), "Bodies/ a.json b.OBJ walk.bvh");
+  EXPECT_EQ(names(".bvh"), "Bodies/ walk.bvh");
+  EXPECT_TRUE(folderEntries((stage.folder / "missing").string(), "").empty());
+}
+
+TEST(Preferences, RecentFilesAndSizesAreRememberedAndDamageIsNothing) {
+  Stage stage("planar");
+  const std::string scene = (stage.folder / "scene.json").string();
+  stage.play("", 2);
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(scene));
+  stage.state().preferences.inspector = 400;
+  stage.play("", 2);
+  const Preferences read = readPreferences((stage.folder / "preferences.json").string());
+  EXPECT_EQ(read.inspector, 400);
+  ASSERT_EQ(read.recent.size(), 1u);
+  EXPECT_EQ(fs::path(read.recent[0]).filename(), "scene.json");
+  writeFile((stage.folder / "preferences.json").string(), "{\"recent\": 3");
+  EXPECT_EQ(readPreferences((stage.folder / "preferences.json").string()), Preferences{});
+}
+
+TEST(Splitters, TheInspectorsEdgeIsDragged) {
+  Stage stage("planar");
+  stage.play("", 2);
+  const Layout before = stage.state().layout;
+  const double x = before.inspector.x, y = before.inspector.y + 0.5 * before.inspector.height;
+  stage.play("0 move " + at({x, y}) + "\n2 press left\n3 shift-by -60 0 4\n8 release left\n", 3);
+  EXPECT_NEAR(stage.state().layout.inspector.x, before.inspector.x - 60, 3);
+  EXPECT_NEAR(stage.state().layout.view.width, before.view.width - 60, 3);
+}
+
+TEST(Layout, EveryTabIsInSightAtEveryWidthAndTheStripGrows) {
+  Stage stage("planar");
+  for (const auto& [width, height] : {std::pair{640, 480}, {1280, 800}, {1920, 1080}, {2560, 1600}}) {
+    const Layout layout = layOut(stage.state(), width, height);
+    EXPECT_GT(layout.view.width, 0.38 * width);
+    EXPECT_LE(layout.inspector.x + layout.inspector.width, layout.rail.x + 1);
+    EXPECT_LE(layout.rail.x + layout.rail.width, width);
+  }
+  EXPECT_GT(layOut(stage.state(), 1920, 1080).strip.height,
+            layOut(stage.state(), 1280, 800).strip.height + 20);
+}
+
+TEST(Unsaved, ChangesAreAskedAboutBeforeTheyAreLost) {
+  Stage stage("figure", true);
+  stage.play("", 2);
+  stage.sandbox.requestOpen("planar");  // nothing was changed
+  EXPECT_EQ(stage.sandbox.session().model().name, "planar");
+  stage.sandbox.requestOpen("panda");
+  EXPECT_EQ(stage.sandbox.session().model().name, "panda");
+  const std::string tool = stage.sandbox.session().goals().front().goal.name;
+  stage.play("0 drag " + tool + " 20 -20 6\n", 8);
+  stage.sandbox.requestOpen("planar");
+  stage.play("", 3);
+  EXPECT_EQ(stage.sandbox.session().model().name, "panda");
+  EXPECT_EQ(stage.state().dialog, Sandbox::State::Dialog::Unsaved);
+  stage.play("0 key escape\n", 3);
+  EXPECT_EQ(stage.state().dialog, Sandbox::State::Dialog::None);
+  EXPECT_EQ(stage.sandbox.session().model().name, "panda");
+  stage.sandbox.requestClose();
+  EXPECT_FALSE(stage.sandbox.wantsToClose());
+  stage.play("0 key escape\n", 3);
+  ASSERT_TRUE(stage.sandbox.saveSceneTo((stage.folder / "s.json").string()));
+  stage.sandbox.requestClose();
+  EXPECT_TRUE(stage.sandbox.wantsToClose());
+}
+
+TEST(Gizmo, AnArrowMovesAlongItsAxisAndARingTurnsAboutIt) {
+  Stage stage("panda");
+  stage.play("", 2);
+  Session& session = stage.sandbox.session();
+  const GoalId tool = session.goals().front().id;
+  stage.play("0 drag " + session.goals().front().goal.name + " 4 -4 4\n", 20);
+  const auto place = gizmoOf(stage.state());
+  ASSERT_TRUE(place);
+  const Vector3d before = session.goal(tool).goal.target;
+  const Vector2d along = stage.state().toWindow(place->at + 0.8 * place->size * Vector3d::UnitZ()).pixel;
+  stage.play("0 move " + at(along) + "\n1 press left\n3 shift-by 10 -30 6\n12 release left\n", 20);
+  const Vector3d moved = session.goal(tool).goal.target - before;
+  EXPECT_GT(moved.z(), 0.01);
+  EXPECT_LT(moved.head<2>().norm(), 1e-9);
+
+  // A point of the ring about z that no arrow and no other ring comes near.
+  const auto now = gizmoOf(stage.state());
+  ASSERT_TRUE(now);
+  std::optional<Vector2d> grip;
+  for (int i = 0; i < 64 && !grip; ++i) {
+    const double t = 2.0 * M_PI * i / 64;
+    const Vector2d p =
+        stage.state().toWindow(now->at + 0.72 * now->size * Vector3d(std::cos(t), std::sin(t), 0.0)).pixel;
+    if (gizmoPartAt(stage.state(), *now, p) == GizmoPart{GizmoPart::Kind::Ring, 2}) grip = p;
+  }
+  ASSERT_TRUE(grip);
+  const Eigen::Matrix3d R = session.frames()[session.goal(tool).goal.joint].linear();
+  stage.play("0 move " + at(*grip) + "\n1 press left\n3 shift-by 25 4 6\n", 4);
+  ASSERT_TRUE(session.dragged());
+  const Eigen::AngleAxisd turned(session.goal(tool).goal.orientation * Eigen::Quaterniond(R).conjugate());
+  EXPECT_GT(turned.angle(), 0.05);
+  EXPECT_GT(std::abs(turned.axis().z()), 0.999);
+  stage.play("0 release left\n", 2);
+}
+
+TEST(Presentation, OneKeyGivesHalfTheWindowToTheDerivation) {
+  Stage stage("lecture:newton-square");
+  stage.play("0 key f5\n", 3);
+  EXPECT_TRUE(stage.state().presenting);
+  EXPECT_EQ(stage.state().layout.view.width, 500);
+  EXPECT_EQ(stage.state().layout.inspector.height, 700);
+  stage.play("0 key f5\n", 3);
+  EXPECT_FALSE(stage.state().presenting);
+  EXPECT_TRUE(stage.log.messages().empty()) << stage.log.messages().front();
+  Stage plain("planar");
+  plain.play("0 key f5\n", 3);
+  EXPECT_FALSE(plain.state().presenting);  // nothing to present, and it says so
+}
+
+TEST(Recording, ADragBecomesAFilmAsLongAsItWas) {
+  if (!testing::hasCommand("ffmpeg") || !testing::hasCommand("ffprobe"))
+    GTEST_SKIP() << "ffmpeg is not installed";
+  Stage stage("planar");
+  for (const char* name : {"film.mp4", "film.gif"}) {
+    const std::string path = (stage.folder / name).string();
+    stage.play("", 1);
+    ASSERT_TRUE(stage.sandbox.startRecording(path));
+    stage.play("0 drag end-effector -30 -40 20\n", 12);
+    const double seconds = stage.state().recorder.seconds();
+    ASSERT_TRUE(stage.sandbox.stopRecording());
+    EXPECT_NEAR(seconds, 33.0 / 60.0, 0.1);
+    const auto probe =
+        testing::runProgram({"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_frames",
+                             "-show_entries", "stream=width,height,nb_read_frames", "-of", "csv=p=0", path});
+    EXPECT_EQ(probe.output.substr(0, 9), "1000,700,") << probe.output;
+    EXPECT_NEAR(std::stod(probe.output.substr(9)), seconds * Recorder::framesPerSecond, 1.5) << probe.output;
+  }
+  EXPECT_FALSE(stage.sandbox.startRecording("/no/such/folder/film.mp4"));
+}
+
+}  // namespace
+}  // namespace gelenk

@@ -1,0 +1,159 @@
+// Pictures that explain an arm, against what they claim.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/render/scene_view.h"
+#include "apps/sandbox/replay.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/view_picture.h"
+#include "kinematics/forward_kinematics.h"
+#include "kinematics/jacobian.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/render_target.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+Session sessionOf(const std::string& name, std::initializer_list<const char*> shown) {
+  auto model = std::make_shared<const Model>(openModel(name));
+  Session session(model, ModelReference{.nameOrFile = name});
+  for (const char* option : shown) session.view().show.*viewOption(option) = true;
+  return session;
+}
+
+struct Drawn {
+  TeachingPictures pictures;
+  Overlay inScene, onTop;
+  std::vector<Ghost> ghosts;
+  void draw(const Session& session, bool whole = true) {
+    inScene.clear(), onTop.clear(), ghosts.clear();
+    pictures.add(session, session.frames(),
+                 {.size = 1.0, .colours = &markColours(Theme::Light), .selected = {}, .whole = whole},
+                 inScene, onTop, ghosts);
+  }
+};
+
+TEST(TeachingPictures, EveryOtherSolutionPutsTheToolInTheSamePlace) {
+  for (const char* name : {"ur5", "puma560"}) {
+    const Session session = sessionOf(name, {"solutions"});
+    Drawn drawn;
+    drawn.draw(session);
+    EXPECT_GE(drawn.pictures.solutions().size(), 3u) << name;
+    EXPECT_EQ(drawn.ghosts.size(), drawn.pictures.solutions().size());
+    const int tool = session.goals().front().goal.joint;
+    for (const VectorXd& q : drawn.pictures.solutions()) {
+      const Frames frames = forwardKinematics(session.skeleton(), q);
+      EXPECT_LT((frames[tool].matrix() - session.frames()[tool].matrix()).cwiseAbs().maxCoeff(), 1e-8)
+          << name;
+      EXPECT_GT((q - session.q()).norm(), 1e-3);
+    }
+  }
+}
+
+TEST(TeachingPictures, TheSelfMotionLeavesTheToolWhereItIs) {
+  Session session = sessionOf("panda", {"null_space"});
+  Drawn drawn;
+  drawn.draw(session);
+  ASSERT_GT(drawn.pictures.selfMotion().size(), 20u);
+  const int tool = session.goals().front().goal.joint;
+  double farthest = 0.0;
+  for (const VectorXd& q : drawn.pictures.selfMotion()) {
+    const Frames frames = forwardKinematics(session.skeleton(), q);
+    EXPECT_LT((frames[tool].matrix() - session.frames()[tool].matrix()).cwiseAbs().maxCoeff(), 1e-6);
+    farthest = std::max(farthest, (q - session.q()).norm());
+  }
+  EXPECT_GT(farthest, 0.5);
+  // Along it nothing changes but where the arm stands on it.
+  const std::size_t count = drawn.pictures.selfMotion().size();
+  const int at = static_cast<int>(count) / 3;
+  session.setPose(VectorXd(drawn.pictures.selfMotion()[at]));
+  drawn.draw(session);
+  EXPECT_EQ(drawn.pictures.selfMotion().size(), count);
+  EXPECT_NEAR(drawn.pictures.selfMotionAt(), at, 1);
+}
+
+TEST(TeachingPictures, TheVelocityEllipsoidIsWhereUnitJointSpeedsLead) {
+  const Session session = sessionOf("panda", {"velocity_ellipsoid"});
+  Drawn drawn;
+  drawn.draw(session);
+  const SceneGoal& goal = session.goals().front();
+  const Vector3d centre = session.reached(goal.id);
+  const Eigen::Matrix3Xd J = pointJacobian(session.skeleton(), session.q(), session.frames(), goal.goal.joint,
+                                           goal.goal.pointInJoint);
+  const Eigen::Matrix3d inverse = (J * J.transpose()).inverse();
+  ASSERT_FALSE(drawn.onTop.lines.empty());
+  int onSurface = 0;
+  for (const Overlay::Line& line : drawn.onTop.lines) {
+    const Vector3d p = (Eigen::Map<const Eigen::Vector3f>(line.a.position).cast<double>() - centre) / 0.2;
+    const double level = p.dot(inverse * p);  // 1 on {J dq : |dq| = 1}
+    EXPECT_LT(level, 1.0 + 1e-3);
+    onSurface += std::abs(level - 1.0) < 1e-3;
+  }
+  EXPECT_GT(onSurface, 150);
+}
+
+TEST(TeachingPictures, TheConvergenceMapAgreesWithWhatCanBeReached) {
+  Session session = sessionOf("planar", {"convergence"});
+  session.setSolver("exact-hessian");
+  Drawn drawn;
+  drawn.draw(session);
+  const ConvergenceMap& map = drawn.pictures.map();
+  ASSERT_EQ(map.rows.size(), static_cast<std::size_t>(map.cells * map.cells));
+  EXPECT_FALSE(drawn.pictures.isWorking());
+  // Two equal links about the origin: all within l1 + l2 can be reached, nothing beyond.
+  double reach = 0.0;
+  for (int j = 1; j < session.skeleton().jointCount(); ++j)
+    reach += session.skeleton().joint(j).parentFromZero.translation().norm();
+  const Vector3d base = map.corner + 0.5 * (map.u + map.v);
+  int within = 0, reachedWithin = 0;
+  for (int y = 0; y < map.cells; ++y)
+    for (int x = 0; x < map.cells; ++x) {
+      const Vector3d p = map.corner + (x + 0.5) / map.cells * map.u + (y + 0.5) / map.cells * map.v;
+      const double distance = (p - base).head<2>().norm();
+      const ConvergenceMap::Cell& cell = map.rows[y * map.cells + x];
+      EXPECT_TRUE(cell.solved);
+      if (distance > 1.01 * reach) EXPECT_FALSE(cell.reached) << p.transpose();
+      if (distance < 0.95 * reach && distance > 0.1 * reach) ++within, reachedWithin += cell.reached;
+    }
+  EXPECT_GT(reachedWithin, 0.9 * within);
+}
+
+TEST(TeachingPictures, TheMapIsCoarseFirstAndTheSameInTheEnd) {
+  const Session session = sessionOf("planar", {"convergence"});
+  Drawn once, bit;
+  once.draw(session);
+  int frames = 0;
+  do bit.draw(session, false);
+  while (bit.pictures.isWorking() && ++frames < 200);
+  EXPECT_GT(frames, 5);
+  EXPECT_EQ(once.inScene.fills.size(), bit.inScene.fills.size());
+  for (std::size_t i = 0; i < once.pictures.map().rows.size(); ++i)
+    EXPECT_EQ(once.pictures.map().rows[i].iterations, bit.pictures.map().rows[i].iterations);
+}
+
+TEST(TeachingPictures, WhatCannotBeDrawnSaysWhy) {
+  const Session session = sessionOf("figure", {"solutions", "null_space", "convergence"});
+  Drawn drawn;
+  drawn.draw(session);
+  EXPECT_EQ(drawn.pictures.reasons().size(), 3u);
+  EXPECT_TRUE(drawn.ghosts.empty());
+}
+
+TEST(TeachingPictures, ReachStaysWithinTheArmsLength) {
+  const Session session = sessionOf("ur5", {"reachable"});
+  Drawn drawn;
+  drawn.draw(session);
+  EXPECT_EQ(drawn.inScene.points.size(), 5000u);
+  double length = 0.0;
+  for (int j = 0; j < session.skeleton().jointCount(); ++j)
+    length += session.skeleton().joint(j).parentFromZero.translation().norm();
+  for (const Overlay::Point& point : drawn.inScene.points)
+    EXPECT_LT(Eigen::Map<const Eigen::Vector3f>(point.at.position).norm(), length + 1e-5);
+}
+
+}  // namespace
+}  // namespace gelenk
