@@ -241,7 +241,9 @@ class Studio {
     if (request_.smoothing > 0) return request_.smoothing;
     GLint most = 0;
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
-    const int wanted = endsWith(request_.output, ".mp4") || !isSoftwareRenderer() ? 2 : 3;
+    const int wanted =
+        endsWith(request_.output, ".mp4") || endsWith(request_.output, ".gif") || !isSoftwareRenderer() ? 2
+                                                                                                        : 3;
     return std::clamp(most / std::max(viewport_.width, viewport_.height), 1, wanted);
   }
 
@@ -296,12 +298,30 @@ void renderMuscleSheet(const Request& request) {
   fmt::print("{}: {}, {}, {}\n", request.output, model.name, limb.name, glRenderer());
 }
 
-void render(const Request& request) {
-  const bool video = endsWith(request.output, ".mp4");
+void renderReplay(const Request& request, const std::function<void(const FilmOrder&)>& film) {
+  if (!film) throw std::invalid_argument("--replay: this program has no sandbox to play it");
+  const Viewport viewport = parseSize(request);
+  film({.input = request.input,
+        .files = request.files,
+        .replay = request.replay,
+        .output = request.output,
+        .width = viewport.width,
+        .height = viewport.height,
+        .scale = request.scale,
+        .theme = request.theme == "dark" ? Theme::Dark : Theme::Light,
+        .themeIsWanted = !request.theme.empty()});
+  fmt::print("{}: {} x {}, {}, {}\n", request.output, viewport.width, viewport.height, request.input,
+             request.replay);
+}
+
+void render(const Request& request, const std::function<void(const FilmOrder&)>& film) {
+  const bool video = endsWith(request.output, ".mp4") || endsWith(request.output, ".gif");
   if (!request.muscleSheet.empty()) return renderMuscleSheet(request);
-  if (!video && !endsWith(request.output, ".png"))
-    throw std::invalid_argument("--output: expected a name ending in .png or .mp4, found '" + request.output +
-                                "'");
+  if (!video && (!endsWith(request.output, ".png") || !request.replay.empty()))
+    throw std::invalid_argument(fmt::format("--output: expected a name ending in {}, found '{}'",
+                                            request.replay.empty() ? ".png, .mp4 or .gif" : ".mp4 or .gif",
+                                            request.output));
+  if (!request.replay.empty()) return renderReplay(request, film);
   Studio studio(request);
   if (video)
     writeTurntable(studio, request);
@@ -313,7 +333,7 @@ void render(const Request& request) {
 
 }  // namespace
 
-void addRenderCommand(Command& app) {
+void addRenderCommand(Command& app, std::function<void(const FilmOrder&)> film) {
   const auto request = std::make_shared<Request>();
   Command command =
       app.command("render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
@@ -375,7 +395,10 @@ void addRenderCommand(Command& app) {
   command.option("--seconds", request->seconds, "Video: length of one turn").positive().showDefault();
   command.option("--frames", request->frames, "Video: number of frames instead of --seconds").positive();
   command.option("--fps", request->framesPerSecond, "Video: frames a second").range(1, 240).showDefault();
-  command.run([request] { render(*request); });
+  command.option(
+      "--replay", request->replay,
+      "Film this replay (docs/sandbox.md): the view alone, 30 pictures a second; needs .mp4 or .gif");
+  command.run([request, film] { render(*request, film); });
 }
 
 }  // namespace gelenk

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "solvers/problem/goal_type.h"
+
 namespace gelenk {
 namespace {
 

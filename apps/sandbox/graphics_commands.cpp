@@ -1,13 +1,14 @@
 #include "apps/commands/commands.h"
+#include "apps/render/render_command.h"
+#include "apps/sandbox/film.h"
 
 namespace gelenk {
 
-void addRenderCommand(Command& app);
 void addSandboxCommand(Command& app);
 
 void addGraphicsCommands(Command& app) {
   addSandboxCommand(app);
-  addRenderCommand(app);
+  addRenderCommand(app, filmReplay);
 }
 
 }  // namespace gelenk

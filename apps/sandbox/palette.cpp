@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include "apps/lecture/example.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/notation/robots.h"
+#include "solvers/problem/goal_type.h"
+#include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
 namespace {

@@ -8,6 +8,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
+#include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
 namespace {

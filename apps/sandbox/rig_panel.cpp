@@ -1,6 +1,7 @@
 // A surface without a skeleton that is dropped on the window is offered one.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <filesystem>

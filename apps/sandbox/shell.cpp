@@ -11,6 +11,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/forward_kinematics.h"
 #include "skinning/gpu/offscreen_context.h"
+#include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
 namespace {

@@ -48,6 +48,50 @@ struct Stage {
 
 std::string at(const Vector2d& pixel) { return std::to_string(pixel.x()) + " " + std::to_string(pixel.y()); }
 
+/// 3: a lecture example's ground, shadow and solver stayed for what was opened next.
+TEST(Review, WhatALectureExampleShowsEndsWithIt) {
+  Stage stage("planar");
+  for (const char* topic : {"planar-fk", "two-link", "rotations", "newton-square"}) {
+    ASSERT_TRUE(stage.sandbox.open(std::string("lecture:") + topic));
+    stage.play("", 2);
+    ASSERT_TRUE(stage.sandbox.open("panda"));
+    stage.play("", 1);
+    EXPECT_TRUE(stage.sandbox.options().ground) << topic;
+    EXPECT_TRUE(stage.sandbox.options().shadow) << topic;
+    EXPECT_EQ(stage.sandbox.session().solver(), "drag") << topic;
+  }
+}
+
+/// 7: with a low eye a strip without ground stood at the bottom; from below there was none.
+TEST(Review, TheGroundReachesTheBottomAndIsSeenFromBelow) {
+  Stage stage("panda");
+  stage.play("", 1);
+  Sandbox::State& s = stage.sandbox.state();
+  const auto rows = [&](double height, double elevation, bool ground) {
+    s.show().ground = ground;
+    s.show().handles = false;
+    Camera& camera = stage.sandbox.camera();
+    camera.elevation = elevation;
+    camera.distance = 3.0;
+    camera.target = Vector3d(0, 0, s.view->groundHeight() + height) -
+                    camera.distance * std::sin(elevation) * Vector3d::UnitZ();
+    stage.play("", 1);
+    return readPixels(s.picture.framebuffer(), s.viewport().width, s.viewport().height);
+  };
+  const auto differing = [&](const auto& a, const auto& b, int lines) {  // of the lowest lines of the view
+    int count = 0;
+    const std::size_t first = a.size() - 4u * s.viewport().width * lines;
+    for (std::size_t p = first; p < a.size(); p += 4)
+      count += a[p] != b[p] || a[p + 1] != b[p + 1] || a[p + 2] != b[p + 2];
+    return count;
+  };
+  for (const double height : {0.02, 0.1, 0.5})
+    EXPECT_GT(differing(rows(height, 0.02, true), rows(height, 0.02, false), 4),
+              0.95 * 4 * s.viewport().width)
+        << height;
+  EXPECT_GT(differing(rows(-0.5, -0.3, true), rows(-0.5, -0.3, false), s.viewport().height), 2000);
+}
+
 /// 9: the lattice took the click that was meant for the hand's handle.
 TEST(Review, AHandleWinsOverTheLattice) {
   Stage stage("figure");

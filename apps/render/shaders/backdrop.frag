@@ -17,14 +17,15 @@ void main() {
   vec3 background = mix(backgroundBottom.rgb, backgroundTop.rgb, t * t * (3.0 - 2.0 * t));
   colour = vec4(background, 1.0);
 #ifdef GROUND
-  vec3 a = nearEnd.xyz / nearEnd.w, b = farEnd.xyz / farEnd.w;
+  // From the eye itself: where it is low, the near plane's lower part lies under the ground already.
+  vec3 a = eye.w > 0.5 ? nearEnd.xyz / nearEnd.w : eye.xyz, b = farEnd.xyz / farEnd.w;
   float ha = heightOverGround(a), hb = heightOverGround(b);
   float s = ha / (ha - hb);
   vec3 position = a + s * (b - a);
   vec2 ground = groundCoordinates(position);
   float distance = length(ground - groundPatch.xy) / groundY.w;
   float fade = clamp(1.0 - distance, 0.0, 1.0);
-  fade = fade * fade * (3.0 - 2.0 * fade) * step(0.0, s) * step(0.0, ha);
+  fade = fade * fade * (3.0 - 2.0 * fade) * step(0.0, s);  // from below it is seen too
 
   vec3 shade = mix(background, groundColour.rgb, groundColour.a * fade);
   vec2 inPatch = (ground - groundPatch.xy) / groundPatch.z;

@@ -17,7 +17,11 @@ out vec4 colour;
 
 uniform vec4 tint;           // sRGB, straight alpha
 uniform float vertexColourShare;   // 1: the vertex colour instead of the tint
+#ifdef WIREFRAME
+const vec2 textureCoordinate = vec2(0.0);
+#else
 in vec2 textureCoordinate;
+#endif
 uniform sampler2D picture;         // of the part that is drawn
 uniform vec4 materialColour;       // linear, times picture and vertex colour
 uniform vec3 materialLook;         // x: share of the picture, y: nothing is drawn below this alpha, z: gloss
