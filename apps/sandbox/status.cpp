@@ -56,6 +56,12 @@ std::string Sandbox::status() const {
               {"width", s.layout.view.width},
               {"height", s.layout.view.height}}},
             {"mouse", {s.mouse.x(), s.mouse.y()}}};
+  tree["example"] = document().lecture.topic;
+  tree["recording"] = s.recorder.isRunning();
+  json shown = json::array();
+  for (const auto& [option, name] : viewOptionNames())
+    if (s.session->document().view.show.*option) shown.push_back(name);
+  tree["shown"] = shown;
   for (const auto& panel : s.panels)
     if (const std::string text = panel->status(); !text.empty())
       tree["panels"][panel->name()] = json::parse(text);

@@ -4,6 +4,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -37,9 +38,9 @@ class RealWindow : public ::testing::Test {
     ASSERT_TRUE(parseInteger(number)) << "Xvfb did not start";
     display_ = "DISPLAY=:" + number;
     program_ = std::make_unique<Program>(
-        std::vector<std::string>{testing::programFile(), "sandbox", "figure", "--status", statusPath(),
-                                 "--size", "900x640", "--scale", "1"},
-        std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1"});
+        std::vector<std::string>{"env", "-C", folder_.string(), testing::programFile(), "sandbox", "figure",
+                                 "--status", statusPath(), "--size", "900x640", "--scale", "1"},
+        std::vector<std::string>{display_, "LIBGL_ALWAYS_SOFTWARE=1", "XDG_CONFIG_HOME=" + folder_.string()});
     waitFor([](const json& s) { return s["frame"] >= 2; });
   }
   void TearDown() override {
@@ -149,6 +150,80 @@ TEST_F(RealWindow, AShortTapOfAKeyIsNotLost) {
   mouse({"key", "Tab"});
   const json status = waitFor([&](const json& s) { return s["solver"] != before; });
   EXPECT_NE(status["solver"], before);
+}
+
+/// The hour in short, with a real mouse and real keys: everything is found through the command palette.
+TEST_F(RealWindow, ALectureHourRunsFromStartToEnd) {
+  const auto find = [&](const std::string& words) {
+    mouse({"key", "ctrl+k"});
+    nextFrames(3);
+    mouse({"type", "--delay", "30", words});
+    nextFrames(3);
+    mouse({"key", "Return"});
+    nextFrames(2);
+  };
+  const auto dragGoal = [&](const json& at, double dx, double dy) {
+    const double x = at["pixel"][0], y = at["pixel"][1];
+    moveTo(x, y);
+    waitFor([&](const json& s) { return std::lround(s["mouse"][0].get<double>()) == std::lround(x); });
+    mouse({"mousedown", "1"});
+    waitFor([](const json& s) { return !s["dragging"].is_null(); });
+    for (int i = 1; i <= 6; ++i) {
+      moveTo(x + dx * i / 6, y + dy * i / 6);
+      nextFrames(1);
+    }
+    const json status = nextFrames(8);
+    mouse({"mouseup", "1"});
+    waitFor([](const json& s) { return s["dragging"].is_null(); });
+    return goal(status, at["name"]);
+  };
+  moveTo(300, 200);
+
+  find("lecture analytic two links");
+  json status = waitFor([](const json& s) { return s["example"] == "two-link"; });
+  EXPECT_LT(dragGoal(goal(status, "end-effector"), -40, -30)["error"].get<double>(), 1e-6);
+
+  find("lecture newton n = m");
+  status = waitFor([](const json& s) { return s["example"] == "newton-square"; });
+  mouse({"key", "F5"});  // for the room, and back
+  waitFor([](const json& s) { return s["view"]["width"] == 450; });
+  mouse({"key", "F5"});
+  waitFor([](const json& s) { return s["view"]["width"] != 450; });
+
+  find("show convergence");
+  waitFor([](const json& s) { return std::ranges::count(s["shown"], json("convergence")) == 1; });
+  nextFrames(6);
+
+  find("robot scara");
+  status = waitFor([](const json& s) { return s["model"] == "scara"; });
+  find("show velocity ellipsoid");
+  waitFor([](const json& s) { return std::ranges::count(s["shown"], json("velocity_ellipsoid")) == 1; });
+  EXPECT_LT(dragGoal(goal(nextFrames(1), "tool"), 30, 20)["error"].get<double>(), 2e-3);
+
+  find("open model figure");
+  status = waitFor([](const json& s) { return s["model"] == "figure"; });
+  const bool films = hasCommand("ffmpeg");
+  if (films) {
+    mouse({"key", "ctrl+r"});
+    waitFor([](const json& s) { return s["recording"] == true; });
+  }
+  dragGoal(goal(nextFrames(2), "hand_r"), -20, -60);
+  mouse({"key", "p"});  // under the mouse
+  status = waitFor([](const json& s) { return goal(s, "hand_r")["state"] == "pinned"; });
+  find("tab muscles");
+  dragGoal(goal(nextFrames(2), "hand_l"), 20, -40);
+  status = nextFrames(2);
+  EXPECT_LT(goal(status, "hand_r")["error"].get<double>(), 3e-4);
+  EXPECT_LT(goal(status, "foot_l")["error"].get<double>(), 3e-4);
+  if (films) {
+    mouse({"key", "ctrl+r"});
+    waitFor([](const json& s) { return s["recording"] == false; });
+    EXPECT_GT(std::filesystem::file_size(folder_ / "gelenk-0001.mp4"), 1000u);
+  }
+
+  find("lecture hierarchical leg");
+  waitFor([](const json& s) { return s["example"] == "leg"; });
+  nextFrames(10);
 }
 
 /// Ticks of processor time that the process has taken so far, its own and the system's for it.
