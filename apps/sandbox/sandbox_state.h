@@ -177,7 +177,7 @@ struct Sandbox::State {
     p.pixel += Eigen::Vector2d(layout.view.x, layout.view.y);
     return p;
   }
-  const Palette& colours() const { return palette(theme()); }
+  const Palette& colours() const { return gelenk::palette(theme()); }
 };
 
 // viewport.cpp: mouse and keys over the view
