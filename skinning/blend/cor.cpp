@@ -86,6 +86,7 @@ const SkinMethod corMethod{.kind = SkinMethodKind::Cor,
                            .reference = "Le and Hodgins 2016",
                            .prepare = blend::prepare,
                            .blend = blend::blendAll,
+                           .shader = "SKIN_COR",
                            .bytesAVertex = 12};
 
 }  // namespace gelenk

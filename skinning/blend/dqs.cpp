@@ -77,6 +77,7 @@ const SkinMethod dqsMethod{.kind = SkinMethodKind::Dqs,
                            .name = "dqs",
                            .title = "Dual quaternions",
                            .reference = "Kavan, Collins, Zara and O'Sullivan 2008",
-                           .blend = blend::blendAll};
+                           .blend = blend::blendAll,
+                           .shader = "SKIN_DQS"};
 
 }  // namespace gelenk

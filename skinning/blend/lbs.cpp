@@ -61,6 +61,7 @@ const SkinMethod lbsMethod{.kind = SkinMethodKind::Lbs,
                            .name = "lbs",
                            .title = "Linear blending",
                            .reference = "Magnenat-Thalmann, Laperriere and Thalmann 1988; Lewis et al. 2000",
-                           .blend = blend::blendAll};
+                           .blend = blend::blendAll,
+                           .shader = "SKIN_LBS"};
 
 }  // namespace gelenk

@@ -75,9 +75,9 @@ struct SkinMethod {
   /// Positions and unit normals of all vertices (world, metres), in double precision: the reference for the
   /// shader. out has the right sizes.
   void (*blend)(const PreparedSkin&, const PosedBones&, SkinNormals, SkinnedVertices& out) = nullptr;
-  bool inShader = true;  ///< false: on the processor only, for comparisons
-  bool twists = true;    ///< its twist can be spread along bones
-  int bytesAVertex = 0;  ///< beyond linear blending's, normals apart; floats
+  std::string_view shader = {};  ///< word of its part of the vertex shader; empty: on the processor only
+  bool twists = true;            ///< its twist can be spread along bones
+  int bytesAVertex = 0;          ///< beyond linear blending's, normals apart; floats
 };
 const SkinMethod& skinMethod(SkinMethodKind kind);
 std::span<const SkinMethod* const> skinMethods();

@@ -56,7 +56,10 @@ Skin smoothWeights(Skin skin, double length) {
         if (skin.influences[v].joints[k] == joint && skin.influences[v].weights[k] > 0.0)
           w[of[v]] = skin.influences[v].weights[k];
     if (w.isZero(0.0)) continue;
-    for (int step = 0; step < 2; ++step) w = factor.solve(areas.cwiseProduct(w));
+    for (int step = 0; step < 2; ++step) {
+      const Eigen::VectorXd heat = areas.cwiseProduct(w);  // not an expression of w, into which is solved
+      w = factor.solve(heat);
+    }
     for (int v = 0; v < n; ++v)
       if (w[v] > 1e-5) rows[v].emplace_back(joint, w[v]);
   }
