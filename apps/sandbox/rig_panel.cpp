@@ -11,6 +11,7 @@
 #include "apps/document/model_files.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/word_stream.h"
 #include "skinning/io/gltf.h"
 #include "skinning/io/skin_cache.h"
