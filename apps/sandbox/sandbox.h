@@ -28,6 +28,7 @@ struct SandboxOptions {
   std::string preferences = {};  ///< file of what the window remembers (preferences.h); empty: nothing
   bool bare = false;             ///< the view alone, without menus and panels: for films
   bool asks = false;             ///< before unsaved changes are lost: a person sits before it
+  std::function<void()> chooseFiles = {};  ///< asks for files to open; empty: the sandbox's own dialog
 };
 
 /// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.

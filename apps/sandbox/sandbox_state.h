@@ -198,6 +198,7 @@ void toggleRecording(Sandbox& sandbox);  // shell.cpp
 std::string nextFileName(const std::string& ending);
 
 // shell.cpp: menu bar, inspector, strip, status line, dialogs
+void askForFiles(Sandbox::State& state);
 Layout layOut(const Sandbox::State& state, int width, int height);
 void drawShell(Sandbox& sandbox);
 

@@ -246,7 +246,7 @@ bool controlKey(Sandbox& sandbox, int key) {
       else
         sandbox.saveSceneTo(s.scenePath);
       return true;
-    case GLFW_KEY_O: s.dialog = Sandbox::State::Dialog::OpenFile; return true;
+    case GLFW_KEY_O: askForFiles(s); return true;
     case GLFW_KEY_Q: sandbox.requestClose(); return true;
     case GLFW_KEY_K: s.palette.open(); return true;
     case GLFW_KEY_R: toggleRecording(sandbox); return true;
