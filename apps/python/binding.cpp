@@ -18,11 +18,17 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-SharedModel::SharedModel(Model model)
-    : model_(std::make_shared<const Model>(std::move(model))), pose_(model_->skeleton.rest()) {}
+SharedModel::SharedModel(Model model, std::optional<ModelReference> reference)
+    : model_(std::make_shared<const Model>(std::move(model))),
+      pose_(model_->skeleton.rest()),
+      reference_(std::move(reference)) {}
 
-SharedModel::SharedModel(std::shared_ptr<const Model> model, VectorXd pose, std::vector<Goal> goals)
-    : model_(std::move(model)), pose_(std::move(pose)), goals_(std::move(goals)) {}
+SharedModel::SharedModel(std::shared_ptr<const Model> model, VectorXd pose, std::vector<Goal> goals,
+                         ModelReference reference)
+    : model_(std::move(model)),
+      pose_(std::move(pose)),
+      goals_(std::move(goals)),
+      reference_(std::move(reference)) {}
 
 std::shared_ptr<const IkSolver> SharedModel::solver(const std::string& text) const {
   const std::lock_guard lock(mutex_);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/document/model.h"
+#include "apps/document/model_reference.h"
 #include "kinematics/forward_kinematics.h"
 #include "solvers/problem/ik_solver.h"
 
@@ -25,14 +26,17 @@ namespace py = pybind11;
 /// A model and what belongs to it: constant, so that threads may share it.
 class SharedModel {
  public:
-  explicit SharedModel(Model model);
-  SharedModel(std::shared_ptr<const Model> model, Eigen::VectorXd pose, std::vector<Goal> goals);
+  explicit SharedModel(Model model, std::optional<ModelReference> reference = {});
+  SharedModel(std::shared_ptr<const Model> model, Eigen::VectorXd pose, std::vector<Goal> goals,
+              ModelReference reference);
 
   const Model& model() const { return *model_; }
   std::shared_ptr<const Model> shared() const { return model_; }
   const Skeleton& skeleton() const { return model_->skeleton; }
   const Eigen::VectorXd& pose() const { return pose_; }      ///< nq: the scene's own, else the rest pose
   const std::vector<Goal>& goals() const { return goals_; }  ///< a scene's
+  /// What another process opens to have the same model; none where it was made here.
+  const std::optional<ModelReference>& reference() const { return reference_; }
 
   /// The solver of a choice's text, prepared for this skeleton once. Throws std::invalid_argument.
   std::shared_ptr<const IkSolver> solver(const std::string& text) const;
@@ -41,6 +45,7 @@ class SharedModel {
   std::shared_ptr<const Model> model_;
   Eigen::VectorXd pose_;
   std::vector<Goal> goals_;
+  std::optional<ModelReference> reference_;
   mutable std::mutex mutex_;
   mutable std::map<std::string, std::shared_ptr<const IkSolver>, std::less<>> solvers_;
   mutable int changes_ = 0;  ///< of the catalogue when they were made

@@ -4,6 +4,7 @@
 #include "apps/lecture/example.h"
 #include "apps/python/binding.h"
 #include "kinematics/io/dh_text.h"
+#include "kinematics/io/text_file.h"
 #include "kinematics/notation/dh_table.h"
 #include "kinematics/notation/euler.h"
 #include "kinematics/notation/planar_chain.h"
@@ -29,6 +30,14 @@ PlanarChain planarChain(py::handle lengths, py::handle base) {
     throw std::invalid_argument("lengths: one or more, none below 0");
   return {.base = base.is_none() ? Vector2d(0, 0) : pointInPlane(base, "base"),
           .lengths = {l.begin(), l.end()}};
+}
+
+/// "planar:X,Y:L1,L2,...", numbers exact.
+std::string described(const PlanarChain& chain) {
+  std::string text = "planar:" + exactNumber(chain.base.x()) + "," + exactNumber(chain.base.y()) + ":";
+  for (std::size_t i = 0; i < chain.lengths.size(); ++i)
+    text += (i ? "," : "") + exactNumber(chain.lengths[i]);
+  return text;
 }
 
 VectorXd anglesOf(const PlanarChain& chain, py::handle phi) {
@@ -202,7 +211,10 @@ void addMathematics(py::module_& m) {
           "phi"_a, "(2, n): column i is X - P_i turned by +90 degrees (10.1.4).")
       .def("frames", &planarFrames, "phi"_a, "(n + 1, 3, 3): K_1 ... K_n and the frame at X (10.1.1).")
       .def(
-          "model", [](const PlanarChain& c) { return std::make_shared<SharedModel>(planarModel(c)); },
+          "model",
+          [](const PlanarChain& c) {
+            return std::make_shared<SharedModel>(planarModel(c), ModelReference{.nameOrFile = described(c)});
+          },
           "The same chain as a Model in the x-y plane; q = phi.");
   m.def("two_link", &twoLink, "l1"_a, "l2"_a, "target"_a, "base"_a = py::none(),
         "All solutions of two links in the plane (lecture 10.1.3): a dict with phi (k, 2) in radians, k = 2\n"
@@ -255,7 +267,10 @@ void addMathematics(py::module_& m) {
           [](const DhTable& t, const std::string& c) { return toConvention(t, conventionOf(c)); },
           "convention"_a, "The same motion in the other convention.")
       .def("text", &formatDhTable, "As docs/formats/dh.md describes it; parse() gives the same values back.")
-      .def("model", [](const DhTable& t) { return std::make_shared<SharedModel>(dhModel(t)); })
+      .def("model",
+           [](const DhTable& t) {
+             return std::make_shared<SharedModel>(dhModel(t), ModelReference{.nameOrFile = dhDescription(t)});
+           })
       .def("__repr__", [](const DhTable& t) {
         return fmt::format("<gelenk.DhTable '{}': {} rows, {}>", t.name, t.rows.size(),
                            toString(t.convention));

@@ -31,7 +31,7 @@ ModelPtr builtIn(const std::string& name) {
     throw std::invalid_argument(
         fmt::format("no model is called '{}'; there are: {}. Files are opened by gelenk.load", name,
                     listed(names, static_cast<int>(names.size()))));
-  return std::make_shared<SharedModel>(openModel(name));
+  return std::make_shared<SharedModel>(openModel(name), ModelReference{.nameOrFile = name});
 }
 
 ModelPtr load(const py::object& path, const py::object& skeleton, const py::object& weights,
@@ -64,13 +64,16 @@ ModelPtr load(const py::object& path, const py::object& skeleton, const py::obje
     Opened opened = openDocument(reference, Body::AsItComes);
     VectorXd pose = opened.document.edits.q;
     std::vector<Goal> goals = Session(opened.model, opened.document).problem().goals;
-    return std::make_shared<SharedModel>(opened.model, std::move(pose), std::move(goals));
+    return std::make_shared<SharedModel>(opened.model, std::move(pose), std::move(goals), reference);
   }
   if (!std::filesystem::exists(reference.nameOrFile))
     throw std::invalid_argument("'" + reference.nameOrFile +
                                 "' is no file; built-in models are opened by gelenk.model");
   Model model = importFiles(reference.nameOrFile, reference.files, options).model;
-  return std::make_shared<SharedModel>(body ? withBody(std::move(model)) : std::move(model));
+  // What files do not say no other process can be told by their names alone.
+  const bool asFilesSay = !options.metresPerUnit && !fps && !sampleAt && !zUp;
+  return std::make_shared<SharedModel>(body ? withBody(std::move(model)) : std::move(model),
+                                       asFilesSay ? std::optional(reference) : std::nullopt);
 }
 
 py::array fk(const SharedModel& model, py::handle value) {
@@ -445,6 +448,15 @@ void addModel(py::module_& m) {
                                         forwardKinematics(m.skeleton(), configuration(m.skeleton(), q))));
           },
           "q"_a, "(3,) metres, world.")
+      .def_property_readonly(
+          "_scene",
+          [](const SharedModel& m) -> py::object {
+            if (!m.reference()) return py::none();
+            if (isScene(m.reference()->nameOrFile)) return py::str(m.reference()->nameOrFile);
+            const Model shown = withBody(m.model());
+            return py::str(formatScene(newDocument(shown, *m.reference()), shown));
+          },
+          "The text of a scene, or the file of one.")
       .def("__repr__", [](const SharedModel& m) {
         return fmt::format("<gelenk.Model '{}': {} joints, nq {}, nv {}{}{}>", m.model().name,
                            m.skeleton().jointCount(), m.skeleton().nq(), m.skeleton().nv(),
