@@ -457,6 +457,7 @@ void addModel(py::module_& m) {
             return py::str(formatScene(newDocument(shown, *m.reference()), shown));
           },
           "The text of a scene, or the file of one.")
+      .def_property_readonly("_planar", [](const SharedModel& m) { return m.model().planar; })
       .def("__repr__", [](const SharedModel& m) {
         return fmt::format("<gelenk.Model '{}': {} joints, nq {}, nv {}{}{}>", m.model().name,
                            m.skeleton().jointCount(), m.skeleton().nq(), m.skeleton().nv(),
