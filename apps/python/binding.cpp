@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "apps/commands/solve_batch.h"
 #include "apps/document/configuration_input.h"
@@ -160,7 +159,7 @@ std::vector<Vector3d> points(py::handle value, const char* what) {
   if (array.ndim() != 2 || array.shape(1) != 3) wrongShape(what, "(n, 3)", array);
   demandFinite(array.data(), array.size(), what);
   std::vector<Vector3d> out(array.shape(0));
-  std::memcpy(out.data(), array.data(), sizeof(double) * array.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = Vector3d::Map(array.data() + 3 * i);
   return out;
 }
 

@@ -67,7 +67,8 @@ py::dict compare(const ModelPtr& model, const std::vector<std::string>& solvers,
                  int maxIterations, std::optional<int> restarts, const std::vector<std::string>& effectors,
                  const std::string& goal, const std::string& folder, bool report,
                  const py::object& progress) {
-  ComparisonPlan plan{.sets = sets, .problems = problems, .seed = seed, .tolerance = tolerance};
+  ComparisonPlan plan{
+      .sets = sets, .solvers = {}, .problems = problems, .seed = seed, .tolerance = tolerance};
   plan.budget.maxIterations = maxIterations;
   plan.budget.seed = seed;
   if (restarts) {

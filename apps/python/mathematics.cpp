@@ -56,7 +56,7 @@ py::array planarFrames(const PlanarChain& chain, py::handle phi) {
   py::array_t<double> out({static_cast<py::ssize_t>(frames.size()), py::ssize_t{3}, py::ssize_t{3}});
   double* to = out.mutable_data();
   for (const Eigen::Isometry2d& frame : frames) {
-    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(to) = frame.matrix();
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor>::Map(to) = frame.matrix();
     to += 9;
   }
   return out;

@@ -39,7 +39,8 @@ ModelPtr load(const py::object& path, const py::object& skeleton, const py::obje
               const py::object& figure, const py::object& clip, const py::object& unit,
               std::optional<double> fps, std::optional<double> sampleAt, bool zUp, bool body) {
   const auto text = [](const py::object& value) {
-    return value.is_none() ? std::string() : py::str(py::module_::import("os").attr("fspath")(value));
+    return value.is_none() ? std::string()
+                           : std::string(py::str(py::module_::import("os").attr("fspath")(value)));
   };
   ModelReference reference{.nameOrFile = text(path)};
   reference.files = {.skeleton = text(skeleton),
@@ -91,7 +92,7 @@ py::array fk(const SharedModel& model, py::handle value) {
     q = all.q.col(i);
     forwardKinematics(skeleton, q, frames);
     for (const Eigen::Isometry3d& frame : frames) {
-      Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(to) = frame.matrix();
+      Eigen::Matrix<double, 4, 4, Eigen::RowMajor>::Map(to) = frame.matrix();
       to += 16;
     }
   }

@@ -126,7 +126,8 @@ class PythonSolver final : public IkSolver {
     const py::object out = method_->call(shared, **method_->values);
     const VectorXd q =
         vectorOf(out, problem.skeleton->nq(), ("what the solver '" + method_->name + "' returns").c_str());
-    IkReport report{.q = q, .counters = shared->at().counters(), .seconds = shared->at().seconds()};
+    IkReport report{
+        .q = q, .counters = shared->at().counters(), .seconds = shared->at().seconds(), .trace = {}};
     shared->at().moveTo(q);
     report.residual = shared->at().residual().norm();
     report.why = judge(problem, q).solved ? Stop::Converged : Stop::Stalled;
@@ -209,9 +210,9 @@ std::vector<OwnSolver::OwnParameter> parametersFrom(const py::dict& parameters) 
     std::string name = py::str(key);
     if (name.ends_with('_')) name.pop_back();
     std::replace(name.begin(), name.end(), '_', '-');
-    const Array v = numbers(
-        py::isinstance<py::tuple>(value) ? py::object(py::list(value)) : py::object(py::make_tuple(value)),
-        name.c_str());
+    const Array v = numbers(py::isinstance<py::tuple>(value) ? py::reinterpret_borrow<py::object>(value)
+                                                             : py::object(py::make_tuple(value)),
+                            name.c_str());
     if (v.ndim() != 1 || (v.size() != 1 && v.size() != 3))
       throw std::invalid_argument(name + ": a default, or (default, lower, upper)");
     out.push_back({.name = name,
@@ -241,8 +242,12 @@ void addOwnSolver(const std::string& kind, const std::string& name, const py::fu
       if (p.name == "largest-step" && largest == values.end()) out->largestStep = p.value;
     return MethodPtr(out);
   };
-  OwnSolver solver{
-      .name = name, .title = title, .reference = "own", .parameters = table, .stochastic = stochastic};
+  OwnSolver solver{.name = name,
+                   .title = title,
+                   .reference = "own",
+                   .parameters = table,
+                   .make = {},
+                   .stochastic = stochastic};
   if (kind == "step_rule")
     solver.make = [method](const ParameterValues& values) -> std::unique_ptr<IkSolver> {
       return std::make_unique<StepSolver<PythonRule>>(method(values));
@@ -262,7 +267,7 @@ py::tuple evaluate(const SharedModel& model, const py::object& goals, const py::
   const IkProblem problem{
       .skeleton = &model.skeleton(), .start = model.pose(), .goals = goalsFrom(model, goals, joint, masses)};
   CountedEvaluator at(problem);
-  at.moveTo(configuration(model.skeleton(), q));
+  at.moveTo(vectorOf(q, model.skeleton().nq(), "q"));
   return py::make_tuple(toArray(at.residual()), matrixArray(at.jacobian()));
 }
 

@@ -62,9 +62,9 @@ std::shared_ptr<const Masses> massesOf(const SharedModel& model, bool rods) {
 
 /// What solve() gives: the report, and what the judge says of it.
 struct Result {
-  IkReport report;
-  Judgement verdict;
-  std::string solver, unsupported;
+  IkReport report = {};
+  Judgement verdict = {};
+  std::string solver = {}, unsupported = {};
   int nq = 0;
 
   bool solved() const { return verdict.solved && report.why != Stop::Unsupported; }
@@ -478,7 +478,7 @@ py::dict judged(const ModelPtr& model, const py::object& goals, const py::object
                           .orientationTolerance = tolerance};
   const Judgement verdict = judge(problem, vectorOf(q, model->skeleton().nq(), "q"));
   Result out{.verdict = verdict};
-  return py::dict("solved"_a = verdict.solved, "goal_errors"_a = errorsOf(out),
+  return py::dict("solved"_a = verdict.solved, "finite"_a = verdict.finite, "goal_errors"_a = errorsOf(out),
                   "limit_violation"_a = verdict.limitViolation);
 }
 
@@ -521,7 +521,8 @@ void addSolve(py::module_& m) {
       "pose has no solution), jumps (pose, turn, reason), length, largest_step, unreachable.");
   m.def("judge", &judged, "model"_a, "goals"_a, "q"_a, py::kw_only(), "joint"_a = py::none(),
         "tolerance"_a = 1e-6, "rod_masses"_a = false,
-        "What is true of q, whoever proposed it: a dict of solved, goal_errors (goals, 2), limit_violation.");
+        "What is true of q, whoever proposed it: a dict of solved, finite (and quaternions\n"
+        "of length 1), goal_errors (goals, 2), limit_violation.");
   m.def("solvers", &solverTable,
         "Every solver there is: dicts of name, title, reference, stochastic, parameters.");
   m.def("solver_text", &solverText, "solver"_a, "The one text for a solver and its parameters.");

@@ -33,7 +33,7 @@ Eigen::Vector3d point(const Json& value, const char* what) {
   if (!value.is_array() || value.size() != 3 || !value[0].is_number() || !value[1].is_number() ||
       !value[2].is_number())
     throw std::invalid_argument(fmt::format("{} must be three numbers, found {}", what, value.dump()));
-  return {value[0], value[1], value[2]};
+  return Eigen::Vector3d(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
 }
 
 }  // namespace
@@ -138,16 +138,20 @@ class RemoteSolver final : public IkSolver {
                               {"goals", goals},
                               {"tolerance", problem.positionTolerance},
                               {"max_iterations", budget.maxIterations}});
-    IkReport report{.q = problem.start, .why = Stop::Failure};
+    IkReport report;  // a failure, unless an answer comes
+    report.q = problem.start;
     if (answer.contains("q") && answer["q"].is_array() &&
         static_cast<int>(answer["q"].size()) == problem.skeleton->nq() &&
         std::all_of(answer["q"].begin(), answer["q"].end(), [](const Json& v) { return v.is_number(); })) {
-      const std::vector<double> q = answer["q"];
+      const auto q = answer["q"].get<std::vector<double>>();
       report.q = Eigen::VectorXd::Map(q.data(), static_cast<Eigen::Index>(q.size()));
       report.why = judge(problem, report.q).solved ? Stop::Converged : Stop::Stalled;
       report.counters.iterations = answer.value("iterations", 0);
     }
-    if (!report.q.allFinite()) report = {.q = problem.start, .why = Stop::Failure};
+    if (!report.q.allFinite()) {
+      report = {};
+      report.q = problem.start;
+    }
     CountedEvaluator at(problem);
     at.moveTo(report.q);
     report.residual = at.residual().norm();
@@ -166,13 +170,13 @@ Json set(Sandbox& sandbox, const Json& request) {
   Session& session = sandbox.session();
   if (request.contains("solver")) session.setSolver(request["solver"].get<std::string>());
   if (request.contains("theme")) {
-    const std::string theme = request["theme"];
+    const auto theme = request["theme"].get<std::string>();
     if (theme != "dark" && theme != "light")
       throw std::invalid_argument("a theme is light or dark, not '" + theme + "'");
     session.theme() = theme == "dark" ? Theme::Dark : Theme::Light;
   }
   if (request.contains("q")) {
-    const std::vector<double> q = request["q"];
+    const auto q = request["q"].get<std::vector<double>>();
     session.remember();
     session.setPose(Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
   }
@@ -184,7 +188,7 @@ Json set(Sandbox& sandbox, const Json& request) {
             goalFromText(wanted["goal"].get<std::string>(), session.skeleton(), session.model().masses));
         continue;
       }
-      const std::string name = wanted.at("name");
+      const auto name = wanted.at("name").get<std::string>();
       std::optional<GoalId> goal = session.findGoal(name);
       if (!goal) goal = session.addJointGoal(session.skeleton().jointIndex(name));
       if (wanted.contains("target")) session.setTarget(*goal, point(wanted["target"], "a target"));
@@ -258,7 +262,7 @@ void Remote::answer(Sandbox& sandbox, const std::string& line) {
     if (!request.is_object() || request.value("gelenk", 0) != version)
       throw std::invalid_argument(fmt::format("messages are objects with \"gelenk\": {}", version));
     id = request.value("id", Json());
-    const std::string what = request.at("do");
+    const auto what = request.at("do").get<std::string>();
     reply = Json::object();
     if (what == "get") {
       reply = get(sandbox);

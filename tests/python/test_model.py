@@ -105,7 +105,7 @@ def test_every_format_loads(inputs, root, tmp_path):
 
 def test_a_file_that_does_not_parse_says_where(tmp_path):
     bad = tmp_path / "bad.dh"
-    bad.write_text("convention modified\nrow nonsense\n")
+    bad.write_text("dh modified\nrow nonsense\n")
     with pytest.raises(gelenk.ParseError, match="bad.dh:2") as error:
         gelenk.load(bad)
     assert error.value.line == 2 and error.value.expected and error.value.found

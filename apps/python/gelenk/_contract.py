@@ -61,7 +61,7 @@ def _problems(model, rng, count):
 def check(solver, problems=30, seed=1, **parameters):
     """Holds a solver of the catalogue to the rules of all of them, on that many problems of each of seven models: a Contract.
 
-    Answers are finite and within limits; the residual reported is the one recomputed; 'converged' is said where the judge
+    Answers are finite, with quaternions of length 1, and within limits; the residual reported is the one recomputed; 'converged' is said where the judge
     says so, and only there; the same seed gives the same bits; tracing changes nothing; joints off the goal's path keep
     every bit; no goals are met at once; every parameter changes something.
     """
@@ -89,8 +89,10 @@ def check(solver, problems=30, seed=1, **parameters):
             found.solved += result.solved
             q = result.q
             if not np.isfinite(q).all():
-                fault("answers are finite", where, q)
+                fault("answers are finite, quaternions of length 1", where, q)
                 continue
+            if not _gelenk.judge(model, goal, q)["finite"]:
+                fault("answers are finite, quaternions of length 1", where, q)
             if result.limit_violation > 1e-9:
                 fault("answers are within limits", where, f"{result.limit_violation:.3g} outside")
             r, _ = _gelenk.evaluate(model, goal, q)

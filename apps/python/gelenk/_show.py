@@ -163,7 +163,7 @@ class View:
 
     @property
     def solver(self):
-        """Text of the solver that follows the goals."""
+        """Name of the solver that follows the goals; setting it takes parameters in brackets too, dls[lambda=0.1]."""
         return self._now()["solver"]
 
     @solver.setter
