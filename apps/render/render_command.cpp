@@ -298,6 +298,15 @@ void renderMuscleSheet(const Request& request) {
   fmt::print("{}: {}, {}, {}\n", request.output, model.name, limb.name, glRenderer());
 }
 
+/// By the name's ending: PNG, or the pixels as they are for programs that read them (PPM, P6).
+void writePicture(const std::string& path, const Image& image) {
+  if (!endsWith(path, ".ppm")) return writePng(path, image);
+  std::string text = fmt::format("P6\n{} {}\n255\n", image.width, image.height);
+  for (std::size_t i = 0; i < image.pixels.size(); i += 4)
+    text.append(reinterpret_cast<const char*>(&image.pixels[i]), 3);
+  writeFile(path, text);
+}
+
 void renderReplay(const Request& request, const std::function<void(const FilmOrder&)>& film) {
   if (!film) throw std::invalid_argument("--replay: this program has no sandbox to play it");
   const Viewport viewport = parseSize(request);
@@ -317,16 +326,17 @@ void renderReplay(const Request& request, const std::function<void(const FilmOrd
 void render(const Request& request, const std::function<void(const FilmOrder&)>& film) {
   const bool video = endsWith(request.output, ".mp4") || endsWith(request.output, ".gif");
   if (!request.muscleSheet.empty()) return renderMuscleSheet(request);
-  if (!video && (!endsWith(request.output, ".png") || !request.replay.empty()))
-    throw std::invalid_argument(fmt::format("--output: expected a name ending in {}, found '{}'",
-                                            request.replay.empty() ? ".png, .mp4 or .gif" : ".mp4 or .gif",
-                                            request.output));
+  const bool still = endsWith(request.output, ".png") || endsWith(request.output, ".ppm");
+  if (!video && (!still || !request.replay.empty()))
+    throw std::invalid_argument(
+        fmt::format("--output: expected a name ending in {}, found '{}'",
+                    request.replay.empty() ? ".png, .ppm, .mp4 or .gif" : ".mp4 or .gif", request.output));
   if (!request.replay.empty()) return renderReplay(request, film);
   Studio studio(request);
   if (video)
     writeTurntable(studio, request);
   else
-    writePng(request.output, studio.picture());
+    writePicture(request.output, studio.picture());
   fmt::print("{}: {} x {}, {}, {}\n", request.output, studio.viewport().width, studio.viewport().height,
              studio.model().name, glRenderer());
 }
@@ -335,8 +345,8 @@ void render(const Request& request, const std::function<void(const FilmOrder&)>&
 
 void addRenderCommand(Command& app, std::function<void(const FilmOrder&)> film) {
   const auto request = std::make_shared<Request>();
-  Command command =
-      app.command("render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
+  Command command = app.command(
+      "render", "Draw a model or a scene into a picture (.png, .ppm) or a turntable video (.mp4)");
   command.option("input", request->input, "Built-in model, model file or scene (.json)").required();
   command.option("-o,--output", request->output, "Picture or video to write").required();
   command.option("--skeleton", request->files.skeleton, "Skeleton file that goes with an OBJ");
