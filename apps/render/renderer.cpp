@@ -443,11 +443,15 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
     });
   };
   if (!translucent) return drawAll();
+  // Behind a solid body in the same place: what two poses share is drawn once.
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.0f, 8.0f);
   // Depth first, so that only the nearest layer of a translucent body is seen.
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   drawAll();
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   drawAll();
+  glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
 void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {

@@ -368,7 +368,9 @@ void TeachingPictures::convergence(const Session& session, const Frames& frames,
       cell.reached = !verdict.goals.empty() && verdict.goals.front().position < session.reachedWithin();
       cell.iterations = report.counters.iterations;
       cell.otherBranch = bendOf(report.q) * bendOf(session.q()) < 0.0;
-      if (cell.reached) map_.mostIterations = std::max(map_.mostIterations, cell.iterations);
+      if (!cell.reached) continue;
+      map_.mostIterations = std::max(map_.mostIterations, cell.iterations);
+      map_.fewestIterations = std::min(map_.fewestIterations, cell.iterations);
     }
   }
   working_ = mapStride_ >= finest;
@@ -381,7 +383,8 @@ void TeachingPictures::convergence(const Session& session, const Frames& frames,
     for (int x = 0; x < cells; x += stride) {
       const ConvergenceMap::Cell& cell = map_.rows[y * cells + x];
       if (!cell.solved) continue;
-      const float t = static_cast<float>(std::log1p(cell.iterations) / std::log1p(map_.mostIterations));
+      const double least = std::log1p(map_.fewestIterations), most = std::log1p(map_.mostIterations);
+      const auto t = static_cast<float>((std::log1p(cell.iterations) - least) / std::max(most - least, 1e-9));
       Colour colour =
           cell.reached ? viridis(1.0f - 0.92f * std::clamp(t, 0.0f, 1.0f)) : Colour{0.5f, 0.5f, 0.52f};
       if (cell.reached && cell.otherBranch)

@@ -24,9 +24,9 @@ struct ConvergenceMap {
     bool otherBranch = false;  ///< the last bend of the path is of the other sign than at the start
     int iterations = 0;
   };
-  std::vector<Cell> rows;       ///< cells * cells, v outer
-  int mostIterations = 1;       ///< among those that reached
-  double reachedShare() const;  ///< of the cells looked at
+  std::vector<Cell> rows;                              ///< cells * cells, v outer
+  int fewestIterations = 1 << 30, mostIterations = 1;  ///< among those that reached
+  double reachedShare() const;                         ///< of the cells looked at
 };
 
 /// Pictures that explain an arm: ellipsoids of velocity and force, the set that can be reached, other

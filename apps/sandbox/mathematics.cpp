@@ -81,7 +81,7 @@ std::string script(const std::string& text, std::size_t at, std::size_t& to) {
   return text.substr(from, end - from);
 }
 
-constexpr float scriptSize = 0.72f, raised = -0.28f, lowered = 0.36f;  // shares of the size
+constexpr float scriptSize = 0.72f, raised = -0.20f, lowered = 0.36f;  // shares of the size
 
 float widthOf(ImFont* font, float size, const std::string& text) {
   return font->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;

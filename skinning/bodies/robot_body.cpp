@@ -172,7 +172,7 @@ RobotBody robotBody(const Skeleton& skeleton, const RobotFigures& figures) {
 
   // Links: shells, parted by a ring where they turn about themselves.
   for (std::size_t k = 0; k + 1 < places.size(); ++k) {
-    const Place &a = places[k], &b = places[k + 1];
+    Place a = places[k], b = places[k + 1];
     const Vector3d way = (b.at - a.at).normalized();
     const double span = (b.at - a.at).norm(), r0 = radiusAt(a.along), r1 = radiusAt(b.along);
     const bool lastLink = k + 2 == places.size();
@@ -187,6 +187,9 @@ RobotBody robotBody(const Skeleton& skeleton, const RobotFigures& figures) {
       lower = a.last - 1;
       rolls = true;
     }
+    // Round ends stay above the ground and behind the flange.
+    if (k == 0) a.at += std::min(ra, 0.5 * span) * way;
+    if (lastLink) b.at -= std::min(rb, 0.5 * span) * way;
     const bool isShort = span < 1.2 * (ra + rb);
     if (!rolls || isShort) {
       shop.rod(rolls ? upper : lower, Shell, a.at, b.at, ra, rb);
