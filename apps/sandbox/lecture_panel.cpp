@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "apps/sandbox/builtin_panels.h"
@@ -72,8 +73,8 @@ void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box) {
 
 void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen) {
   ImFont* font = chosen ? chosen : sandbox.state().gui.fonts().small;
-  const float cell = 0.47f * font->FontSize;  // about the mean width of a character
   ImGui::PushFont(font);
+  const float cell = 0.47f * ImGui::GetFontSize();  // about the mean width of a character
   std::size_t from = 0;
   while (from < text.size()) {
     const std::size_t end = std::min(text.find('\n', from), text.size());
@@ -176,7 +177,14 @@ class LecturePanel final : public Panel {
     ImGui::TextColored(sandbox.state().colours().textDim, "%s", topic_->section.c_str());
     ImGui::Dummy({0, 6 * sandbox.scale()});
     ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
-    columnText(sandbox, derivation_, sandbox.state().gui.fonts().large);
+    // As large as the longest line allows.
+    std::size_t longest = 1;
+    std::istringstream lines(derivation_);
+    for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+    ImFont* font = sandbox.state().gui.fonts().large;
+    const float wanted = 0.47f * font->FontSize * static_cast<float>(longest);
+    ImGui::SetWindowFontScale(std::clamp(ImGui::GetContentRegionAvail().x / wanted, 0.7f, 1.15f));
+    columnText(sandbox, derivation_, font);
     ImGui::EndChild();
     return true;
   }
