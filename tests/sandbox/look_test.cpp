@@ -13,6 +13,7 @@
 #include "skinning/bodies/robot_body.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "skinning/io/obj.h"
 #include "tests/places.h"
 
 namespace gelenk {
