@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "apps/render/scene_view.h"
@@ -339,7 +340,7 @@ void TeachingPictures::convergence(const Session& session, const Frames& frames,
     const auto bendOf = [&](const VectorXd& q) {
       return bend < 0 || !session.model().planar ? 0.0 : std::remainder(q[skeleton.qIndex(bend)], 2.0 * M_PI);
     };
-    int left = look.whole ? cells * cells : aFrame;
+    int left = look.whole ? std::numeric_limits<int>::max() : aFrame;
     while (left > 0 && mapStride_ >= finest) {
       if (mapNext_ >= cells * cells) {
         mapNext_ = 0;

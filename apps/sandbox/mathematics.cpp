@@ -18,8 +18,8 @@ constexpr std::array greek{Sign{"alpha", "α"},  Sign{"beta", "β"},    Sign{"ga
                            Sign{"lambda", "λ"}, Sign{"mu", "μ"},      Sign{"xi", "ξ"},    Sign{"pi", "π"},
                            Sign{"rho", "ρ"},    Sign{"sigma", "σ"},   Sign{"Sigma", "Σ"}, Sign{"tau", "τ"},
                            Sign{"phi", "φ"},    Sign{"psi", "ψ"},     Sign{"omega", "ω"}, Sign{"Omega", "Ω"}};
-constexpr std::array signs{Sign{"<=", "≤"}, Sign{">=", "≥"}, Sign{"!=", "≠"},
-                           Sign{"->", "→"}, Sign{"+-", "±"}, Sign{" * ", " · "}};
+constexpr std::array signs{Sign{"<=", "≤"}, Sign{">=", "≥"}, Sign{"!=", "≠"}, Sign{"+-", "±"},
+                           Sign{" * ", " · "}};
 
 bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)); }
 bool isWord(char c) { return std::isalnum(static_cast<unsigned char>(c)); }

@@ -443,7 +443,7 @@ class MotionPanel final : public Panel {
     const FootFacts before = footFacts(skeleton, clip(), feet_, contacts, options.floor);
     edit(sandbox, [&] { editor_->replace(footPlanted(skeleton, clip(), feet_, contacts, options)); });
     const FootFacts after = footFacts(skeleton, clip(), feet_, contacts, options.floor);
-    report_ = fmt::format("slide {:.2f} → {:.4f} mm a frame, penetration {:.2f} → {:.2f} mm",
+    report_ = fmt::format("slide {:.2f} to {:.4f} mm a frame, penetration {:.2f} to {:.2f} mm",
                           1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
                           1e3 * after.deepestPenetration);
   }

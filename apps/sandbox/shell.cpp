@@ -250,7 +250,10 @@ void splitters(Sandbox& sandbox) {
     place(rect);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
-    ImGui::Begin(id, nullptr, fixedWindow | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollbar);
+    constexpr ImGuiWindowFlags above = fixedWindow & ~ImGuiWindowFlags_NoBringToFrontOnFocus;
+    ImGui::Begin(id, nullptr,
+                 above | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollbar |
+                     ImGuiWindowFlags_NoFocusOnAppearing);
     ImGui::InvisibleButton("##grip", {rect.width, rect.height});
     if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
       ImGui::SetMouseCursor(vertical ? ImGuiMouseCursor_ResizeEW : ImGuiMouseCursor_ResizeNS);
@@ -329,7 +332,7 @@ void statusLine(Sandbox& sandbox) {
   std::string renderer = sandbox.renderer();
   if (const auto at = renderer.find(" ("); at != std::string::npos) renderer.resize(at);
   facts = std::string(solverEntry(s.session->solver()).title) + " · " + facts + " · " + renderer;
-  if (s.recorder.isRunning()) facts = fmt::format("● {:.0f} s · {}", s.recorder.seconds(), facts);
+  if (s.recorder.isRunning()) facts = fmt::format("film {:.0f} s · {}", s.recorder.seconds(), facts);
   const float width = ImGui::CalcTextSize(facts.c_str()).x;
   const float x = ImGui::GetWindowWidth() - width - 12 * s.scale;
   const std::string help = hint(s);

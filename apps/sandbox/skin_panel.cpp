@@ -25,7 +25,8 @@ class SkinPanel final : public Panel {
         check(label, value, explanation);
       };
       cell("Skin", show.skin,
-           "The body: linear blend skinning, v = Σ wᵢ Tᵢ Tᵢ,rest⁻¹ v_rest, in the vertex shader.");
+           "The body: linear blend skinning, v = Σ w T T_rest⁻¹ v_rest over the joints, in the vertex "
+           "shader.");
       cell("Skeleton", show.skeleton, "Slim bones seen through the body.");
       cell("Wireframe", show.wireframe, "The triangles' edges over the surface.");
       cell("Joint frames", show.jointFrames, "Axes of every joint's frame: x red, y green, z blue.");
@@ -48,7 +49,7 @@ class SkinPanel final : public Panel {
     heading(s, "WEIGHTS");
     check(
         "Colour by the selected joint's weight", show.weights,
-        "wᵢ of each vertex, 0 to 1, in viridis. At most four joints carry a vertex; their weights sum to 1.");
+        "w of each vertex, 0 to 1, in viridis. At most four joints carry a vertex; their weights sum to 1.");
     weights(sandbox, skin);
   }
 

@@ -196,6 +196,12 @@ TEST(Gizmo, AnArrowMovesAlongItsAxisAndARingTurnsAboutIt) {
   stage.play("0 release left\n", 2);
 }
 
+TEST(Presentation, WithoutAnExampleThereIsNothingToPresent) {
+  Stage plain("planar");
+  plain.play("0 key f5\n", 3);
+  EXPECT_FALSE(plain.state().presenting);  // and it says so
+}
+
 TEST(Presentation, OneKeyGivesHalfTheWindowToTheDerivation) {
   Stage stage("lecture:newton-square");
   stage.play("0 key f5\n", 3);
@@ -205,9 +211,6 @@ TEST(Presentation, OneKeyGivesHalfTheWindowToTheDerivation) {
   stage.play("0 key f5\n", 3);
   EXPECT_FALSE(stage.state().presenting);
   EXPECT_TRUE(stage.log.messages().empty()) << stage.log.messages().front();
-  Stage plain("planar");
-  plain.play("0 key f5\n", 3);
-  EXPECT_FALSE(plain.state().presenting);  // nothing to present, and it says so
 }
 
 TEST(Recording, ADragBecomesAFilmAsLongAsItWas) {

