@@ -185,7 +185,8 @@ std::vector<Goal> targetsOf(int joint, py::handle value) {
   goals.reserve(array.shape(0));
   const double* row = array.data();
   for (py::ssize_t i = 0; i < array.shape(0); ++i, row += matrices ? 16 : width) {
-    Goal goal{.joint = joint};
+    Goal& goal = goals.emplace_back();
+    goal.joint = joint;
     for (py::ssize_t k = 0; k < (matrices ? 16 : width); ++k)
       if (!std::isfinite(row[k]))
         throw std::invalid_argument(fmt::format("targets must be finite numbers; target {} is not", i));
@@ -212,7 +213,6 @@ std::vector<Goal> targetsOf(int joint, py::handle value) {
         goal.kind = width == 4 ? GoalKind::Orientation : GoalKind::Pose;
       }
     }
-    goals.push_back(std::move(goal));
   }
   return goals;
 }
