@@ -126,8 +126,11 @@ TEST(Solvers, OutOfReachIsToldWhereTheBodyRests) {
   EXPECT_FALSE(session.lastSolve().reached);
   EXPECT_TRUE(session.lastSolve().outOfReach)
       << toString(session.lastSolve().why) << " " << session.lastSolve().jointMotion;
-  session.setTarget(hand, start);
-  stepFrames(session, 200);
+  for (int i = 99; i >= 0; --i) {  // led back as a mouse does it
+    session.setTarget(hand, start + i / 100.0 * Vector3d(-2.0, 0.6, 0.4));
+    session.step();
+  }
+  stepFrames(session, 60);
   EXPECT_FALSE(session.lastSolve().outOfReach);
   EXPECT_TRUE(session.lastSolve().reached);
 }
