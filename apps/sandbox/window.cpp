@@ -1,14 +1,13 @@
 #include "apps/sandbox/window.h"
 
 #include <GLFW/glfw3.h>
-#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
 
-#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/driver.h"
 
 namespace gelenk {
 namespace {
