@@ -120,6 +120,7 @@ void Window::wait(double seconds) {
     glfwWaitEvents();
 }
 
+void Window::wake() { glfwPostEmptyEvent(); }
 void Window::swap() { glfwSwapBuffers(window_); }
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
