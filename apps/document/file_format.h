@@ -28,6 +28,7 @@ struct FileFormat {
   bool isMesh = false;                                  ///< nothing but a surface
   bool saysItsUnit = false;
   bool alwaysMetres = false;  ///< by definition: another unit is refused
+  bool saysUp = false;        ///< which axis points up, by definition
   bool namesMotions = false;  ///< --clip chooses one
   /// Fills in what the file holds; result.model has its name. Throws ParseError and std::invalid_argument.
   void (*read)(const std::string& path, const Companions&, const ImportOptions&, Imported& result) = nullptr;

@@ -13,6 +13,7 @@
 #include "apps/document/file_format.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
+#include "kinematics/motion/standing.h"
 #include "kinematics/skeleton_transform.h"
 
 namespace gelenk {
@@ -124,6 +125,19 @@ void standWhereMotionBegins(Model& model) {
   for (std::size_t k = 0; k < root.axes.size(); ++k)
     if (root.axes[k].kind == AxisDof::Kind::Translation) rest[k] = model.clip->q(k, 0);
   model.skeleton = Skeleton(model.skeleton.joints(), rest);
+}
+
+/// The axis against gravity, which few formats say. Values stay as they are in the file.
+void findUp(Model& model) {
+  MotionClip some{.framesPerSecond = 1.0, .q = {}};  // frames enough to find it standing
+  if (model.clip) {
+    const int frames = model.clip->frameCount(), step = std::max(1, frames / 200);
+    some.q = model.clip->q(Eigen::all, Eigen::seq(0, frames - 1, step));
+  }
+  model.up = upOf(model.skeleton, some, standingParts(model.skeleton));
+  if (model.up.z() > 0.5)
+    tellFact(model.notes, "up-axis",
+             "the body stands along z, which is taken as up (convert --up-in z turns it to y)");
 }
 
 /// Largest extent of the body (else of the joints) in the pose it stands in, metres.
@@ -246,8 +260,10 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
   Imported result{.model = {.name = stem(nameOrFile), .skeleton = {}}};
   format.read(nameOrFile, companions, options, result);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
+  if (!format.saysUp && !result.model.planar) findUp(result.model);
   tell(result.model.notes, modelNotes(result.model));
   if (options.zUp) {
+    std::erase_if(result.model.notes, [](const Note& note) { return note.kind == "up-axis"; });
     result.model.up = Eigen::Vector3d::UnitY();
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
     result.model = rotated(std::move(result.model), upright);

@@ -11,6 +11,7 @@ void readSkeletonAndMotion(const std::string& asf, const std::string& amc, const
                            Imported& result) {
   result.asf = readAsf(asf, options.metresPerUnit);
   result.model.skeleton = result.asf->skeleton;
+  result.model.notes = result.asf->notes;
   if (!amc.empty()) result.model.clip = readAmc(amc, *result.asf, options.framesPerSecond.value_or(120.0));
 }
 

@@ -48,6 +48,7 @@ void write(const std::string& path, const MotionExport& motion) {
 constinit const FileFormat gltfFormat{.description = "glTF 2.0",
                                       .endings = ".gltf .glb",
                                       .alwaysMetres = true,
+                                      .saysUp = true,
                                       .namesMotions = true,
                                       .read = read,
                                       .writeMotion = write};

@@ -34,10 +34,11 @@ void writeDhTable(const std::string& path, Imported& imported, const ExportOptio
 }  // namespace
 
 constinit const FileFormat urdfFormat{
-    .description = "URDF robot", .endings = ".urdf", .alwaysMetres = true, .read = readUrdf};
+    .description = "URDF robot", .endings = ".urdf", .alwaysMetres = true, .saysUp = true, .read = readUrdf};
 constinit const FileFormat dhTableFormat{.description = "Denavit-Hartenberg table",
                                          .endings = ".dh",
                                          .alwaysMetres = true,
+                                         .saysUp = true,
                                          .read = readDhTable,
                                          .write = writeDhTable};
 
