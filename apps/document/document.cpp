@@ -48,6 +48,7 @@ bool ViewOptions::*viewOption(const std::string& name) {
 Document newDocument(const Model& model, ModelReference reference) {
   Document document{.model = std::move(reference)};
   document.edits.q = model.skeleton.rest();
+  document.skin = model.skinning;
   if (model.skin) {
     document.edits.weights = SharedRows<Influences>(model.skin->influences);
     if (auto muscles = defaultMuscleSettings(limbsOf(model)); !muscles.limbs.empty())
