@@ -423,6 +423,8 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
               throughSkin ? 0.90f : body.tint.a);
   glUniform1f(surface.uniform("vertexColourShare"),
               body.look || body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
+  glUniform1f(surface.uniform("packedColours"),
+              body.look && !body.look->look().coordinates.empty() ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
   setMaterial(surface, {});
   glUniform1i(surface.uniform("vertexCount"), body.mesh->vertexCount());

@@ -19,6 +19,21 @@ Eigen::AlignedBox3d boxOf(const Frames& frames) {
   return box;
 }
 
+/// One value a vertex for the shader: its colour, or, where there are texture coordinates, the colour in the
+/// bits of one number and the coordinates (surface.vert). Vertex attributes are 16 at most, and skinning
+/// needs the rest.
+std::vector<Eigen::Vector3f> lookColours(const MeshLook& look, int count) {
+  std::vector<Eigen::Vector3f> values(count, Eigen::Vector3f::Ones());
+  for (int v = 0; v < count; ++v) {
+    if (!look.colours.empty()) values[v] = look.colours[v];
+    if (look.coordinates.empty()) continue;
+    const Eigen::Vector3f bytes = (255.0f * values[v]).array().round();
+    values[v] = {bytes.x() + 256.0f * bytes.y() + 65536.0f * bytes.z(), look.coordinates[v].x(),
+                 look.coordinates[v].y()};
+  }
+  return values;
+}
+
 bool sameFrames(const Frames& a, const Frames& b) {
   return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return x.matrix() == y.matrix(); });
 }
@@ -71,12 +86,6 @@ void SceneView::follow(const Session& session, const Frames& frames, bool ownPos
   bounds_ = boundsAt(session, frames_);
 }
 
-void SceneView::takeLook(const Session& session, SkinnedMeshGl& mesh) {
-  colouredByLook_ = nullptr;
-  if (look_ && !session.model().look->coordinates.empty())
-    mesh.setCoordinates(session.model().look->coordinates);
-}
-
 /// Anew where method or weights changed. While weights are being painted the skin is a plain linear blend,
 /// which needs the least of it.
 void SceneView::prepare(const Session& session, bool stroke) {
@@ -88,7 +97,7 @@ void SceneView::prepare(const Session& session, bool stroke) {
       cachedPreparedSkin(isTheModels ? cacheFolder() : "", session.model().name, *session.skin(), wanted,
                          session.skeleton(), bindFrames(session.model())));
   mesh_ = std::make_unique<SkinnedMeshGl>(*prepared_);
-  takeLook(session, *mesh_);
+  colouredByLook_ = nullptr;
   posedBounds_ = std::make_unique<PosedBounds>(prepared_->skin);
   choice_ = wanted;
   meshVersion_ = session.weightsVersion();
@@ -114,7 +123,7 @@ void SceneView::bind(const Session& session) {
     layered_ = std::make_unique<LayeredSkin>(
         prepareLayers(rig_->body(), *prepared_->method, bindFrames(session.model()), prepared_->spread));
     layeredMesh_ = std::make_unique<SkinnedMeshGl>(*layered_, rig_->body());
-    takeLook(session, *layeredMesh_);
+    colouredByLook_ = nullptr;
     rigChoice_ = choice_;
     rigVersion_ = session.weightsVersion();
   } catch (const std::invalid_argument& error) {
@@ -180,9 +189,7 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
       colouredByLook_ = nullptr;
     } else if (look_) {
       if (colouredByLook_ != mesh) {
-        const auto& own = look_->look().colours;
-        mesh->setColours(
-            own.empty() ? std::vector<Eigen::Vector3f>(mesh->vertexCount(), Eigen::Vector3f::Ones()) : own);
+        mesh->setColours(lookColours(look_->look(), mesh->vertexCount()));
         colouredByLook_ = mesh;
       }
       body.look = look_.get();

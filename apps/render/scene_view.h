@@ -103,7 +103,6 @@ class SceneView {
   void prepare(const Session& session, bool stroke);
   const Eigen::VectorXd* knownPose(const Session& session) const { return ownPose_ ? &session.q() : nullptr; }
   void bind(const Session& session);
-  void takeLook(const Session& session, SkinnedMeshGl& mesh);
   void addBodies(const Session& session, PictureExtras& extras, RenderScene& scene);
   void addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene);
   Eigen::AlignedBox3d boundsAt(const Session& session, const Frames& frames) const;

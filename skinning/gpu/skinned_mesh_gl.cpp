@@ -386,20 +386,6 @@ void SkinnedMeshGl::drawTriangles(int first, int count, bool layered) const {
   glBindVertexArray(0);
 }
 
-void SkinnedMeshGl::setCoordinates(const std::vector<Eigen::Vector2f>& coordinates) {
-  requireOnePerVertex(coordinates.size());
-  if (coordinates_ == 0) coordinates_ = GlBuffer::create();
-  fill(GL_ARRAY_BUFFER, coordinates_, coordinates);
-  for (const GLuint array : {static_cast<GLuint>(triangleArray_), static_cast<GLuint>(layeredArray_)}) {
-    if (array == 0) continue;
-    glBindVertexArray(array);
-    glEnableVertexAttribArray(12);
-    glVertexAttribPointer(12, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
-  }
-  glBindVertexArray(0);
-  glBindBuffer(GL_ARRAY_BUFFER, 0);
-}
-
 void SkinnedMeshGl::drawPoints(bool layered) const {
   glBindVertexArray(layered ? layeredArray_ : triangleArray_);
   glDrawArrays(GL_POINTS, 0, vertexCount_);

@@ -64,8 +64,6 @@ class SkinnedMeshGl {
   /// One colour a vertex, linear light in [0, 1]: weights of a joint, an error, a volume. Grey until set.
   /// Throws std::invalid_argument on another length.
   void setColours(const std::vector<Eigen::Vector3f>& colours);
-  /// One texture coordinate a vertex, attribute 12; (0, 0) until set. Throws likewise.
-  void setCoordinates(const std::vector<Eigen::Vector2f>& coordinates);
   /// Replaces positions and normals by vertices that were deformed on the CPU, in world coordinates: draw
   /// with unposed(). Throws std::invalid_argument on another length.
   void setShape(const SkinnedVertices& deformed);
@@ -96,8 +94,8 @@ class SkinnedMeshGl {
   void requireOnePerVertex(std::size_t count) const;
 
   GlVertexArray triangleArray_, layeredArray_, cornerArray_;
-  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, slopes_, sculpture_, coordinates_,
-      cornerIndices_, corners_;
+  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, slopes_, sculpture_, cornerIndices_,
+      corners_;
   std::vector<FfdLattice> displacements_;  ///< that sculpture_ holds
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };
