@@ -26,7 +26,7 @@ struct Request {
 
 constexpr double degree = M_PI / 180.0;
 
-/// What the entries of q mean, in order: "joint1 [rad]", ..., for the complaint about a wrong number of them.
+/// What the entries of q mean, in order: "joint1: angle", ..., for the complaint about a wrong number of them.
 std::string entriesOf(const Skeleton& skeleton) {
   std::string list;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
@@ -34,6 +34,8 @@ std::string entriesOf(const Skeleton& skeleton) {
     std::string kinds;
     for (const AxisDof& dof : joint.axes) kinds += dof.kind == AxisDof::Kind::Rotation ? " angle" : " length";
     if (joint.ball) kinds += " w x y z";
+    if (joint.coupling)
+      kinds += " (or left away: it follows " + skeleton.joint(joint.coupling->source).name + ")";
     if (!kinds.empty()) list += (list.empty() ? "" : ", ") + joint.name + ":" + kinds;
   }
   return list;
@@ -42,10 +44,11 @@ std::string entriesOf(const Skeleton& skeleton) {
 /// Quaternions are normalised when they are nearly of unit length; anything else is the user's mistake.
 VectorXd configurationOf(const Skeleton& skeleton, const Request& request, const VectorXd& otherwise) {
   if (request.q.empty()) return otherwise;
-  if (static_cast<int>(request.q.size()) != skeleton.nq())
+  const std::optional<VectorXd> given = configurationFrom(skeleton, request.q);
+  if (!given)
     throw std::invalid_argument(fmt::format("'{}' needs {} values after --q ({}), {} given", request.model,
                                             skeleton.nq(), entriesOf(skeleton), request.q.size()));
-  VectorXd q = VectorXd::Map(request.q.data(), skeleton.nq());
+  VectorXd q = *given;
   if (!q.allFinite()) throw std::invalid_argument("the values after --q must be finite numbers");
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
@@ -59,6 +62,7 @@ VectorXd configurationOf(const Skeleton& skeleton, const Request& request, const
           fmt::format("the quaternion of '{}' must have length 1, not {:.6g}", joint.name, rotation.norm()));
     setBallRotation(skeleton, q, i, rotation.normalized());
   }
+  skeleton.couple(q);  // offsets are in radians
   return q;
 }
 
@@ -114,8 +118,7 @@ void printTable(const Model& model, const Frames& frames) {
 void run(const Request& request, const Companions& files) {
   const Opened opened = openDocument({.nameOrFile = request.model, .files = files}, Body::AsItComes);
   const Model& model = *opened.model;
-  VectorXd q = configurationOf(model.skeleton, request, opened.document.edits.q);
-  applyMimics(model.skeleton, model.mimics, q);
+  const VectorXd q = configurationOf(model.skeleton, request, opened.document.edits.q);
   const Frames frames = forwardKinematics(model.skeleton, q);
   if (request.asJson)
     demandNoNotes(request.model, notesOf(model, q));

@@ -64,8 +64,9 @@ std::vector<Isometry3d> readPoses(const std::string& path) {
   return poses;
 }
 
-VectorXd wholeConfiguration(const SerialChain& chain, const VectorXd& q, VectorXd all) {
+VectorXd wholeConfiguration(const Skeleton& skeleton, const SerialChain& chain, const VectorXd& q, VectorXd all) {
   for (int i = 0; i < chain.n; ++i) all[chain.qIndex[i]] = q[i];
+  skeleton.couple(all);
   return all;
 }
 
@@ -105,7 +106,7 @@ void write(const Request& request, const Model& model, const SerialChain& chain,
   clip.framesPerSecond = request.rate;
   clip.q.resize(model.skeleton.nq(), static_cast<Eigen::Index>(plan.q.size()));
   for (size_t k = 0; k < plan.q.size(); ++k)
-    clip.q.col(static_cast<Eigen::Index>(k)) = wholeConfiguration(chain, plan.q[k], rest);
+    clip.q.col(static_cast<Eigen::Index>(k)) = wholeConfiguration(model.skeleton, chain, plan.q[k], rest);
   const auto kind = fileKind(out);
   if (kind == FileKind::Bvh) return writeFile(out, formatBvh(model.skeleton, clip));
   if (kind == FileKind::Gltf)
@@ -123,7 +124,7 @@ void printGreedy(const Model& model, int joint, const SerialChain& chain, const 
   for (const SolverEntry& entry : solverCatalogue()) {
     const auto solver = entry.make();
     IkProblem problem{.skeleton = &model.skeleton,
-                      .start = wholeConfiguration(chain, plan.q[0], model.skeleton.rest())};
+                      .start = wholeConfiguration(model.skeleton, chain, plan.q[0], model.skeleton.rest())};
     problem.goals = {{.kind = GoalKind::Pose, .joint = joint}};
     if (!solver->whyUnsupported(problem).empty()) continue;
     solver->prepare(model.skeleton);

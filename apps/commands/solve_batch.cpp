@@ -95,8 +95,10 @@ std::vector<VectorXd> solveInLanes(const BatchRequest& request, const Targets& t
                      .seed = request.budget.seed,
                      .closestPose = false});
   std::vector<VectorXd> all(count, start);
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < count; ++i) {
     for (int k = 0; k < n; ++k) all[i][solver.chain().qIndex[k]] = answers[i].q[k];
+    request.skeleton.couple(all[i]);
+  }
   return all;
 }
 

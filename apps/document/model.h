@@ -23,7 +23,6 @@ struct Model {
   Eigen::Vector3d up =
       Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
   std::optional<MotionClip> clip = {};  ///< a motion that came with it, for players; never clamped
-  std::vector<UrdfMimic> mimics = {};   ///< couplings that every pose keeps; solvers move both joints freely
   std::string clipName = {};            ///< the file's own name of that motion, where it has one
   std::vector<std::string> clipNames = {};    ///< of all motions in the file, among which --clip chooses
   std::shared_ptr<const Masses> masses = {};  ///< null: unknown

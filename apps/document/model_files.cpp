@@ -15,6 +15,7 @@
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
+#include "kinematics/motion/standing.h"
 #include "kinematics/motion/skeleton_transfer.h"
 #include "kinematics/skeleton_transform.h"
 #include "skinning/io/gltf.h"
@@ -317,6 +318,7 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
         throw std::invalid_argument("'" + path + "' needs the skeleton it belongs to: give it with --asf");
       result.asf = readAsf(isMotion ? files.asf : path, options.metresPerUnit);
       model.skeleton = result.asf->skeleton;
+      model.notes = result.asf->notes;
       if (isMotion || !files.amc.empty())
         result.model.clip =
             readAmc(isMotion ? path : files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
@@ -362,7 +364,6 @@ Imported importOne(const std::string& path, FileKind kind, const Companions& fil
       model.skeleton = std::move(urdf.skeleton);
       model.skin = std::move(urdf.skin);
       if (urdf.masses) model.masses = std::make_shared<const Masses>(*std::move(urdf.masses));
-      model.mimics = std::move(urdf.mimics);
       model.notes = urdf.notes;
       model.up = Eigen::Vector3d::UnitZ();
       break;
@@ -395,6 +396,26 @@ void standWhereMotionBegins(Model& model) {
   model.skeleton = Skeleton(model.skeleton.joints(), rest);
 }
 
+/// What no format but glTF, URDF and DH tables says: the axis against gravity. Values stay as they are in the
+/// file.
+void findUp(FileKind kind, const std::string& wanted, Model& model) {
+  const bool says = kind == FileKind::Gltf || kind == FileKind::Urdf || kind == FileKind::DhTable;
+  if (!wanted.empty() && says)
+    throw std::invalid_argument(describe(kind) + "s say which axis is up; another cannot be given");
+  if (!wanted.empty() && wanted != "y" && wanted != "z")
+    throw std::invalid_argument("the axis that points up is y or z, not '" + wanted + "'");
+  if (!wanted.empty()) model.up = wanted == "z" ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  if (!wanted.empty() || says || model.planar) return;
+  MotionClip some{.framesPerSecond = 1.0};  // frames enough to find it standing
+  if (model.clip) {
+    const int frames = model.clip->frameCount(), step = std::max(1, frames / 200);
+    some.q = model.clip->q(Eigen::all, Eigen::seq(0, frames - 1, step));
+  }
+  model.up = upOf(model.skeleton, some, standingParts(model.skeleton));
+  if (model.up.z() > 0.5)
+    tellFact(model.notes, "up-axis", "the body stands along z, which is taken as up; --up chooses");
+}
+
 /// Largest extent of the body (else of the joints) in the pose it stands in, metres.
 double extentOf(const Model& model) {
   Eigen::AlignedBox3d box;
@@ -422,9 +443,10 @@ std::vector<Note> modelNotes(const Model& model) {
   std::vector<bool> moved(skeleton.jointCount(), false);
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
-    const bool own = joint.ball || std::any_of(joint.axes.begin(), joint.axes.end(),
+    const Joint& mover = joint.coupling ? skeleton.joint(joint.coupling->source) : joint;
+    const bool own = mover.ball || std::any_of(mover.axes.begin(), mover.axes.end(),
                                                [](const AxisDof& dof) { return dof.lower < dof.upper; });
-    if (!own && !joint.axes.empty() && !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
+    if (!own && !joint.coupling && !joint.axes.empty() && !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
       locked.push_back(joint.name);
     moved[i] = own || (joint.parent >= 0 && moved[joint.parent]);
     if (!moved[i] && i > 0) unmoved.push_back(joint.name);
@@ -459,8 +481,10 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
     throw std::invalid_argument("'" + nameOrFile + "' does not name its motions: --clip is for glTF");
   Imported result = importOne(nameOrFile, *kind, companions, options);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
+  findUp(*kind, companions.up, result.model);
   tell(result.model.notes, modelNotes(result.model));
   if (options.zUp) {
+    std::erase_if(result.model.notes, [](const Note& note) { return note.kind == "up-axis"; });
     result.model.up = Eigen::Vector3d::UnitY();
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
     result.model = rotated(std::move(result.model), upright);

@@ -23,7 +23,8 @@ constexpr double metresPerInch = 0.0254;
 /// One dof of a bone: r/t and the coordinate axis 0, 1, 2.
 struct DofName {
   bool rotation;
-  int axis;
+  int axis;  ///< -1: the length, dof l
+  bool isLength() const { return axis < 0; }
 };
 
 /// A bone as the file describes it, in file units.
@@ -69,6 +70,10 @@ std::string rotationOrder(WordStream& words) {
 
 DofName dofName(WordStream& words) {
   const std::string word = lowerCase(words.peek());
+  if (word == "l") {
+    words.next("");
+    return {false, -1};
+  }
   if (word.size() != 2 || (word[0] != 'r' && word[0] != 't') || word[1] < 'x' || word[1] > 'z')
     words.fail("a degree of freedom among rx ry rz tx ty tz");
   words.next("");
@@ -77,7 +82,7 @@ DofName dofName(WordStream& words) {
 
 bool isDofName(std::string_view word) {
   const std::string w = lowerCase(word);
-  return (w.size() == 2 && (w[0] == 'r' || w[0] == 't') && w[1] >= 'x' && w[1] <= 'z');
+  return w == "l" || (w.size() == 2 && (w[0] == 'r' || w[0] == 't') && w[1] >= 'x' && w[1] <= 'z');
 }
 
 std::vector<DofName> dofList(WordStream& words) {
@@ -87,7 +92,8 @@ std::vector<DofName> dofList(WordStream& words) {
     for (const DofName& other : dofs)
       if (other.rotation == dof.rotation && other.axis == dof.axis)
         words.failTaken("each degree of freedom once",
-                        std::string("a second ") + (dof.rotation ? "r" : "t") + "xyz"[dof.axis]);
+                        dof.isLength() ? std::string("a second l")
+                                       : std::string("a second ") + (dof.rotation ? "r" : "t") + "xyz"[dof.axis]);
     dofs.push_back(dof);
   }
   return dofs;
@@ -160,11 +166,7 @@ BoneBlock parseBone(WordStream& words) {
       bone.axis = vector3(words);
       bone.order = rotationOrder(words);
     } else if (words.take("dof")) {
-      if (sameWord(words.peek(), "l"))
-        words.fail("degrees of freedom among rx ry rz tx ty tz (changing lengths are not read)");
       bone.dofs = dofList(words);
-      if (sameWord(words.peek(), "l"))
-        words.fail("degrees of freedom among rx ry rz tx ty tz (changing lengths are not read)");
       if (bone.dofs.empty()) words.fail("degrees of freedom after dof");
     } else if (words.take("limits")) {
       bone.hasLimits = true;
@@ -282,7 +284,7 @@ void addAxes(const BoneBlock& block, const Matrix3d& axesOfTranslation, double m
     from.push_back(d);
   };
   for (int d = 0; d < static_cast<int>(block.dofs.size()); ++d)
-    if (!block.dofs[d].rotation) add(d);
+    if (!block.dofs[d].rotation && !block.dofs[d].isLength()) add(d);
   for (int k = 2; k >= 0; --k)
     for (int d = 0; d < static_cast<int>(block.dofs.size()); ++d)
       if (block.dofs[d].rotation && block.dofs[d].axis == block.order[k] - 'x') add(d);
@@ -317,7 +319,10 @@ class Builder {
     result_.skeleton = Skeleton(std::move(joints_));
     for (AsfSkeleton::Bone& bone : result_.bones) {
       const BoneBlock& block = *blocks_[bone.joint];
-      bone.channels.resize(block.dofs.size());
+      bone.channels.resize(block.dofs.size(), {.qIndex = -1, .scale = 0.0, .rotation = false});
+      if (std::any_of(block.dofs.begin(), block.dofs.end(), [](const DofName& d) { return d.isLength(); }))
+        tell(result_.notes, "length-dof",
+             "bone '" + bone.name + "' changes its length (dof l), which is passed over");
       for (std::size_t k = 0; k < dofOfAxis_[bone.joint].size(); ++k) {
         const int d = dofOfAxis_[bone.joint][k];
         bone.channels[d] = {result_.skeleton.qIndex(bone.joint) + static_cast<int>(k),
@@ -550,6 +555,7 @@ class AmcReader {
       const auto value = parseNumber(word);
       if (!value) fail("a finite number", badNumber(word));
       const AsfSkeleton::Channel& channel = bone.channels[k];
+      if (channel.qIndex < 0) continue;
       frame_[channel.qIndex] =
           (channel.rotation && radiansPerUnit_ ? *radiansPerUnit_ : channel.scale) * *value;
       if (!std::isfinite(frame_[channel.qIndex]))

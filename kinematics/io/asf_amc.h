@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kinematics/io/note.h"
 #include "kinematics/motion/motion_clip.h"
 #include "kinematics/skeleton.h"
 
@@ -23,7 +24,7 @@ double asfMetresPerUnit(double lengthUnit);
 struct AsfSkeleton {
   /// Where one value of an AMC line goes: q[qIndex] = scale * value.
   struct Channel {
-    int qIndex;
+    int qIndex;    ///< -1: nowhere, a changing length
     double scale;  ///< metres or radians per file unit
     bool rotation;
   };
@@ -43,12 +44,13 @@ struct AsfSkeleton {
   double metresPerUnit = asfMetresPerUnit(0.45);
   double radiansPerUnit = 1.0;
   std::string name;
+  std::vector<Note> notes;
 
   std::optional<int> findBone(std::string_view name) const;  ///< upper and lower case are not told apart
 };
 
 /// metresPerUnit: overrules what `:units length` says. Throws ParseError. Limits become radians; (-inf inf)
-/// is no limit; zero-length bones are allowed, the length dof `l` is not.
+/// is no limit; zero-length bones are allowed; the length dof `l` is passed over, which the notes tell.
 AsfSkeleton readAsf(const std::string& path, std::optional<double> metresPerUnit = {});
 AsfSkeleton parseAsf(std::string_view text, const std::string& file,
                      std::optional<double> metresPerUnit = {});

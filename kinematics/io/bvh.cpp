@@ -1,5 +1,6 @@
 #include "kinematics/io/bvh.h"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
+#include "kinematics/skeleton_transform.h"
 
 namespace gelenk {
 namespace {
@@ -288,13 +290,13 @@ struct Plan {
   bool positions = false;
   bool keepsAngles = false;           ///< angles of q are written as they are
   std::vector<int> axes = {2, 0, 1};  ///< of the rotation channels: 0, 1, 2 for x, y, z
-  std::vector<int> qOfAngle;
+  std::vector<int> qOfAngle;          ///< of the first channels; the others are zero
 };
 
 Plan planJoint(const Skeleton& skeleton, const Frames& rest, int i) {
   const Joint& joint = skeleton.joint(i);
   Plan plan;
-  plan.end = i > 0 && skeleton.vCount(i) == 0 && skeleton.children(i).empty();
+  plan.end = i > 0 && skeleton.qCount(i) == 0 && skeleton.children(i).empty();
   plan.positions = i == 0;
   bool coordinateAxes = rest[i].linear() == Eigen::Matrix3d::Identity() && !joint.ball;
   std::vector<int> axes, qOfAngle;
@@ -315,7 +317,10 @@ Plan planJoint(const Skeleton& skeleton, const Frames& rest, int i) {
     qOfAngle.push_back(skeleton.qIndex(i) + static_cast<int>(k));
   }
   plan.keepsAngles = coordinateAxes && !axes.empty() && axes.size() <= 3;
-  if (plan.keepsAngles) plan.axes = axes, plan.qOfAngle = qOfAngle;
+  if (!plan.keepsAngles) return plan;
+  for (int axis = 0; axis < 3; ++axis)  // Blender reads three rotations or none
+    if (std::find(axes.begin(), axes.end(), axis) == axes.end()) axes.push_back(axis);
+  plan.axes = axes, plan.qOfAngle = qOfAngle;
   return plan;
 }
 
@@ -396,8 +401,9 @@ void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<P
 
 }  // namespace
 
-std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double metresPerUnit) {
-  validate(skeleton, clip);
+std::string formatBvh(const Skeleton& given, const MotionClip& givenClip, double metresPerUnit) {
+  // Programs differ about position channels of inner joints: the fewer of them the better.
+  const auto [skeleton, clip, still] = withoutStillTranslations(given, givenClip);
   const Frames rest = restFrames(skeleton);
   std::vector<Plan> plans;
   for (int i = 0; i < skeleton.jointCount(); ++i) plans.push_back(planJoint(skeleton, rest, i));
@@ -419,6 +425,7 @@ std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double m
       if (plan.positions) line += ' ' + triple(localPosition(skeleton, rest, frames, i) / metresPerUnit);
       if (plan.keepsAngles) {
         for (const int at : plan.qOfAngle) line += ' ' + plainNumber(q[at] / radiansPerDegree);
+        for (std::size_t k = plan.qOfAngle.size(); k < 3; ++k) line += " 0";
         continue;
       }
       // worldTurn = worldFromJoint restFromWorld: the turn from the bind pose, in the world; BVH wants it

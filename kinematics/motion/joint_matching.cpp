@@ -13,16 +13,16 @@ namespace {
 
 /// Names of one part, the first of a row stands for all. A joint is the part that begins there.
 constexpr std::array synonyms{
-    std::array<std::string_view, 7>{"pelvis", "hips", "hip"},
-    std::array<std::string_view, 7>{"chest", "thorax"},
-    std::array<std::string_view, 7>{"neck", "neck1", "lowerneck"},
-    std::array<std::string_view, 7>{"clavicle", "collar", "collarbone"},
-    std::array<std::string_view, 7>{"upperarm", "uparm", "humerus", "arm"},
-    std::array<std::string_view, 7>{"lowerarm", "loarm", "forearm", "radius", "elbow"},
-    std::array<std::string_view, 7>{"thigh", "upleg", "upperleg", "femur"},
-    std::array<std::string_view, 7>{"calf", "loleg", "lowerleg", "tibia", "shin", "knee", "leg"},
-    std::array<std::string_view, 7>{"foot", "ankle"},
-    std::array<std::string_view, 7>{"ball", "toe", "toes", "toebase"},
+    std::array<std::string_view, 8>{"pelvis", "hips", "hip"},
+    std::array<std::string_view, 8>{"chest", "thorax"},
+    std::array<std::string_view, 8>{"neck", "neck1", "lowerneck"},
+    std::array<std::string_view, 8>{"clavicle", "collar", "collarbone"},
+    std::array<std::string_view, 8>{"upperarm", "uparm", "humerus", "arm", "upperarm1"},
+    std::array<std::string_view, 8>{"lowerarm", "loarm", "forearm", "radius", "elbow", "lowerarm1"},
+    std::array<std::string_view, 8>{"thigh", "upleg", "upperleg", "femur", "upperleg1"},
+    std::array<std::string_view, 8>{"calf", "loleg", "lowerleg", "tibia", "shin", "knee", "leg", "lowerleg1"},
+    std::array<std::string_view, 8>{"foot", "ankle"},
+    std::array<std::string_view, 8>{"ball", "toe", "toes", "toebase"},
 };
 
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
@@ -143,7 +143,7 @@ std::map<Key, int> jointsByName(const Skeleton& skeleton, const std::vector<bool
 std::vector<std::string> unmatched(const Skeleton& skeleton, const std::vector<bool>& taken) {
   std::vector<std::string> names;
   for (int i = 0; i < skeleton.jointCount(); ++i)
-    if (!taken[i] && (skeleton.vCount(i) > 0 || !skeleton.children(i).empty()))
+    if (!taken[i] && (skeleton.qCount(i) > 0 || !skeleton.children(i).empty()))
       names.push_back(skeleton.joint(i).name);
   return names;
 }

@@ -1,6 +1,7 @@
 #include "kinematics/motion/standing.h"
 
 #include <algorithm>
+#include <limits>
 #include <string_view>
 
 #include "kinematics/motion/joint_matching.h"
@@ -83,10 +84,36 @@ StandingPose standingPose(const Skeleton& skeleton, const MotionClip& clip, cons
   return pose;
 }
 
+namespace {
+
+/// On feet: the lowest ends along `up` lie on both sides of the middle.
+bool standsOnItsEnds(const Skeleton& skeleton, const Frames& frames, const Vector3d& up) {
+  Eigen::AlignedBox3d box;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    box.extend(frames[i].translation());
+    if (skeleton.children(i).empty()) lowest = std::min(lowest, up.dot(frames[i].translation()));
+  }
+  const double size = box.sizes().maxCoeff(), height = up.dot(box.sizes());
+  int left = 0, right = 0;
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    const Vector3d& p = frames[i].translation();
+    if (!skeleton.children(i).empty() || up.dot(p) > lowest + 0.06 * height) continue;
+    const double aside = p.x() - box.center().x();
+    left += aside > 0.02 * size;
+    right += aside < -0.02 * size;
+  }
+  return height > 0.3 * size && left > 0 && right > 0;
+}
+
+}  // namespace
+
 Vector3d upOf(const Skeleton& skeleton, const MotionClip& clip, const StandingParts& parts) {
-  if (parts.empty()) return Vector3d::UnitY();
   const auto standsAlong = [&](const Vector3d& up) {
-    return standingPose(skeleton, clip, parts, up).uprightness >= standsAbove;
+    if (!parts.empty()) return standingPose(skeleton, clip, parts, up).uprightness >= standsAbove;
+    return standsOnItsEnds(skeleton, restFrames(skeleton), up) ||
+           (clip.frameCount() > 0 &&
+            standsOnItsEnds(skeleton, forwardKinematics(skeleton, clip.q.col(0)), up));
   };
   return !standsAlong(Vector3d::UnitY()) && standsAlong(Vector3d::UnitZ()) ? Vector3d(Vector3d::UnitZ())
                                                                            : Vector3d(Vector3d::UnitY());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "kinematics/motion/joint_matching.h"
 #include "skinning/io/skin_cache.h"
 #include "skinning/rigging/bone_heat.h"
 
@@ -43,9 +44,43 @@ std::vector<int> bonesBefore(const Skeleton& skeleton, const Frames& frames, con
   return before;
 }
 
+/// The head of a body whose face has joints of its own (jaw, eyes, tongue, lips); -1: none.
+int headWithFace(const Skeleton& skeleton) {
+  const std::vector<PlainName> names = plainNames(skeleton);
+  for (int head = 0; head < skeleton.jointCount(); ++head) {
+    if (names[head].part != "head" || skeleton.parent(head) < 0) continue;
+    int below = 0, branches = 0;
+    for (int i = head + 1; i < skeleton.jointCount(); ++i)
+      if (skeleton.isAncestor(head, i)) ++below, branches += skeleton.parent(i) == head;
+    if (below > 3 && branches > 1) return head;
+  }
+  return -1;
+}
+
+/// Bones of which those of a face are one, round: the head, as far on along the neck as the face reaches out.
+struct BodyBones {
+  std::vector<Bone> bones;
+  int head = -1;  ///< joint; see headWithFace
+};
+BodyBones bodyBones(const Skeleton& skeleton, const Frames& frames) {
+  BodyBones result{bonesOf(skeleton, frames), headWithFace(skeleton)};
+  if (result.head < 0) return result;
+  const Vector3d at = frames[result.head].translation();
+  double reach = 0.0;
+  for (int i = result.head + 1; i < skeleton.jointCount(); ++i)
+    if (skeleton.isAncestor(result.head, i)) reach = std::max(reach, (frames[i].translation() - at).norm());
+  const Vector3d along = at - frames[skeleton.parent(result.head)].translation();
+  if (!(reach > 0.0) || !(along.norm() > 1e-9 * reach)) return result.head = -1, result;
+  std::erase_if(result.bones, [&](const Bone& b) { return skeleton.isAncestor(result.head, b.joint); });
+  const auto before = std::find_if(result.bones.begin(), result.bones.end(),
+                                   [&](const Bone& b) { return b.joint > result.head; });
+  result.bones.insert(before, {result.head, at, at + reach * along.normalized()});
+  return result;
+}
+
 std::vector<Link> linksOf(const Skeleton& skeleton, double thickness) {
   const Frames frames = restFrames(skeleton);
-  const std::vector<Bone> bones = bonesOf(skeleton, frames);
+  const auto [bones, head] = bodyBones(skeleton, frames);
   const std::vector<int> before = bonesBefore(skeleton, frames, bones);
   const double L = longest(bones) > 0.0 ? longest(bones) : 1.0;
   constexpr double power = 2.5;
@@ -64,6 +99,8 @@ std::vector<Link> linksOf(const Skeleton& skeleton, double thickness) {
     if (link.before >= 0) links[link.before].endRadius = std::max(links[link.before].endRadius, link.radius);
   for (Link& link : links)
     link.endRadius = link.endRadius > 0.0 ? std::min(link.endRadius, link.radius) : 0.75 * link.radius;
+  for (Link& link : links)
+    if (head >= 0 && link.bone.joint == head) link.radius = link.endRadius = 0.55 * link.bone.length();
   return links;
 }
 
@@ -157,7 +194,7 @@ Mesh bodyAround(const Skeleton& skeleton, const BodyAroundOptions& options) {
 Skin bodySkin(const Skeleton& skeleton, const BodyAroundOptions& options) {
   Mesh mesh = bodyAround(skeleton, options);
   const Frames rest = restFrames(skeleton);
-  const SparseWeights weights = boneHeatWeights(mesh, bonesOf(skeleton, rest));
+  const SparseWeights weights = boneHeatWeights(mesh, bodyBones(skeleton, rest).bones);
   return bindSkin(std::move(mesh), rest, fourLargest(weights, skeleton.jointCount()));
 }
 
@@ -171,6 +208,7 @@ std::uint64_t bodySkinKey(const Skeleton& skeleton) {
     for (const AxisDof& dof : skeleton.joint(i).axes)
       facts.insert(facts.end(), {static_cast<double>(dof.kind), dof.axis.x(), dof.axis.y(), dof.axis.z()});
   }
+  if (const int head = headWithFace(skeleton); head >= 0) facts.push_back(head);
   return checksum({reinterpret_cast<const char*>(facts.data()), facts.size() * sizeof(double)});
 }
 

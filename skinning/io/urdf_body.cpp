@@ -127,7 +127,6 @@ UrdfModel openUrdf(const std::string& path) {
   UrdfModel model{.skeleton = robot.skeleton,
                   .skin = {},
                   .masses = robot.masses,
-                  .mimics = robot.mimics,
                   .notes = robot.notes};
   const Frames rest = restFrames(robot.skeleton);
   Mesh whole;

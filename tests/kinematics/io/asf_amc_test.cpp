@@ -65,6 +65,21 @@ TEST(Asf, MixedCaseCrLfRadiansAndDocumentationAreRead) {
   EXPECT_NEAR(clip.q(6, 0), 1.0, 1e-15);  // rz is the thigh's first axis
 }
 
+TEST(Amc, ChangingLengthsArePassedOverAndTold) {
+  std::string text = leg;
+  const std::string dofs = "dof rx rz\n";
+  text.replace(text.find(dofs), dofs.size(), "dof rx l rz\n");
+  const std::string limits = "(-inf inf)";
+  text.replace(text.find(limits), limits.size(), "(0 9) (-inf inf)");
+  const AsfSkeleton asf = parseAsf(text, "leg.asf");
+  ASSERT_EQ(asf.notes.size(), 1u);
+  EXPECT_EQ(asf.notes[0].kind, "length-dof");
+  const AsfSkeleton without = parseAsf(leg, "leg.asf");
+  EXPECT_EQ(asf.skeleton.nq(), without.skeleton.nq());
+  EXPECT_EQ(parseAmc("1\nroot 0 0 0 0 0 0\nthigh 3 9 4\nshin 5\n", "leg.amc", asf).q,
+            parseAmc("1\nroot 0 0 0 0 0 0\nthigh 3 4\nshin 5\n", "leg.amc", without).q);
+}
+
 TEST(Amc, BonesMayComeInAnyOrderAndAnotherOneInEveryFrame) {
   const AsfSkeleton asf = parseAsf(leg, "leg.asf");
   const MotionClip clip = parseAmc(
@@ -109,7 +124,7 @@ TEST(Asf, BadInputIsRefusedWithItsLine) {
           {"axis order cut", with(leg, "0 0 0 XYZ", "0 0 0"), 16, "order of the axes"},
           {"unknown dof", with(leg, "dof rx rz", "dof rx rw"), 16, "'rw'"},
           {"dof twice", with(leg, "dof rx rz", "dof rx rx"), 16, "second rx"},
-          {"dof l", with(leg, "dof rx rz", "dof rx l"), 16, "changing lengths"},
+          {"two lengths", with(leg, "dof rx rz", "dof l l"), 16, "a second l"},
           {"dof without any", with(leg, "dof rx rz", "dof"), 17, "after dof"},
           {"too few limits", with(leg, " (-inf inf)\n", ""), 18, "a limit"},
           {"too many limits", with(leg, "(-inf inf)", "(-inf inf)\n(0 1)"), 19, "'0'"},
