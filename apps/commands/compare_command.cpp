@@ -14,6 +14,7 @@
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
 #include "solvers/lab/sweep.h"
+#include "solvers/problem/goal_text.h"
 #include "solvers/problem/ik_solver.h"
 
 namespace gelenk {
@@ -22,12 +23,12 @@ namespace {
 struct Request {
   std::string model = "panda";
   std::vector<std::string> sets;  ///< of problems, D1, or of a parameter, dls.lambda=0.1
-  std::vector<std::string> solvers, effectors, sweeps;
+  std::vector<std::string> solvers, effectors, sweeps, goals;
   int restarts = -1;  ///< not given: one attempt, and the restarts that `solve` has
   ComparisonPlan plan;
   double budgetMilliseconds = 0.0;
-  std::string out, shard = "1/1", goal, reproduce;
-  bool list = false;
+  std::string out, shard = "1/1", reproduce;
+  bool list = false, rods = false;
   std::vector<std::string> mergeFolders;
 };
 
@@ -128,6 +129,24 @@ void report(const Results& results, const std::string& folder, const std::string
   fmt::print("{}\n", (std::filesystem::path(folder) / "report.html").string());
 }
 
+/// The model with its effectors, and with goals of any kind that are asked for besides.
+LabModel labModelOf(const Request& request, const Model& model) {
+  const bool none = request.effectors == std::vector<std::string>{"none"};
+  LabModel lab = labModel(model.name, model.skeleton,
+                          request.effectors.empty() || none ? model.handles : request.effectors);
+  if (none) lab.effectors.clear();
+  const std::shared_ptr<const Masses> masses =
+      request.rods ? std::make_shared<const Masses>(rodMasses(model.skeleton)) : model.masses;
+  for (const std::string& text : request.goals) {
+    if (text == "position" || text == "pose")
+      lab.pose = text == "pose";
+    else
+      lab.goals.push_back(goalTemplateFromText(text, model.skeleton, masses));
+  }
+  if (none && lab.goals.empty()) throw std::invalid_argument("--effector none needs a --goal KIND ...");
+  return lab;
+}
+
 void compare(Request& request, const std::string& commandLine) {
   if (request.list) return printList();
   if (!request.reproduce.empty()) return reproduce(request.reproduce, request.out, reportStyle(commandLine));
@@ -156,10 +175,7 @@ void compare(Request& request, const std::string& commandLine) {
   if (request.out.empty()) throw std::invalid_argument("--out DIR is needed: the folder for the results");
 
   const Model model = openModel(request.model);
-  LabModel lab =
-      labModel(model.name, model.skeleton, request.effectors.empty() ? model.handles : request.effectors);
-  if (!request.goal.empty()) lab.pose = request.goal == "pose";
-  report(runComparison(plan, lab, request.out, Progress()), request.out, commandLine);
+  report(runComparison(plan, labModelOf(request, model), request.out, Progress()), request.out, commandLine);
 }
 
 void merge(const std::vector<std::string>& folders, const std::string& out, const std::string& commandLine) {
@@ -181,11 +197,17 @@ void addCompareCommand(Command& app) {
   command.option("--solver", request->solvers,
                  "Solver by name, default, or dls[lambda=0.1] (repeatable; default: all)");
   command.option("--effector", request->effectors,
-                 "Joint that gets a goal (repeatable; default: the model's handles, else its ends)");
+                 "Joint that gets a goal, or none (repeatable; default: the model's handles, else its ends)");
   command
-      .option("--goal", request->goal,
-              "Kind of goal: position or pose (default: pose where one effector has 6 dofs)")
-      .oneOf({"position", "pose"});
+      .option(
+          "--goal", request->goals,
+          "position or pose: what the effectors get (default: pose where one effector has 6 dofs). Or a "
+          "goal of any kind that is asked for besides, such as 'distance joint=hand_l other=hand_r'; what "
+          "it leaves out (target, length, ...) is read off each problem's reference pose (repeatable)")
+      .oneAtATime();
+  command.flag("--rod-masses", request->rods,
+               "Weigh every bone as a rod of the same mass a metre, for goals that need masses");
+  command.notes("Kinds of goals and their fields, optional ones in brackets:\n" + describeGoalTypes());
   command.option("--problems", plan.problems, "Problems of each set").showDefault();
   command.option("--seed", plan.seed, "Seed of problems, restarts and stochastic solvers").showDefault();
   command.option("--tolerance", plan.tolerance, "Metres and radians, on the error itself").showDefault();

@@ -154,7 +154,7 @@ json factsOf(const Request& request, std::vector<Note>& notes) {
   json facts{{"file", request.file}};
   const auto kind = fileKind(request.file);
   facts["format"] = kind ? describe(*kind) : "model";
-  if ((kind == FileKind::ObjMesh || kind == FileKind::Nurbs) && request.companions.skeleton.empty()) {
+  if (isMesh(kind) && request.companions.skeleton.empty()) {
     const Mesh mesh = readMesh(request.file, &notes);
     addMesh(mesh, mesh.positions, facts, notes);
     return facts;

@@ -70,15 +70,9 @@ void printChange(const Skeleton& skeleton, const MotionClip& before, const Motio
 }
 
 void write(const Request& request, const Imported& imported, const MotionClip& clip) {
-  const auto kind = fileKind(request.out);
-  const Skeleton& skeleton = imported.model.skeleton;
-  if (kind == FileKind::Amc) return writeFile(request.out, formatAmc(skeleton, clip));
-  if (kind == FileKind::Bvh) return writeFile(request.out, formatBvh(skeleton, clip));
-  if (kind == FileKind::Gltf)
-    return writeGltf(
-        request.out, skeleton, imported.model.skin ? &*imported.model.skin : nullptr,
-        {{imported.model.clipName.empty() ? imported.model.name : imported.model.clipName, clip}});
-  throw std::invalid_argument("'" + request.out + "': a motion can be written as .amc, .bvh, .gltf or .glb");
+  const Model& model = imported.model;
+  exportMotion(request.out, model.skeleton, model.skin ? &*model.skin : nullptr,
+               model.clipName.empty() ? model.name : model.clipName, clip);
 }
 
 /// The motion of another file for the model at hand; what was done to it is told.

@@ -107,11 +107,7 @@ void write(const Request& request, const Model& model, const SerialChain& chain,
   clip.q.resize(model.skeleton.nq(), static_cast<Eigen::Index>(plan.q.size()));
   for (size_t k = 0; k < plan.q.size(); ++k)
     clip.q.col(static_cast<Eigen::Index>(k)) = wholeConfiguration(model.skeleton, chain, plan.q[k], rest);
-  const auto kind = fileKind(out);
-  if (kind == FileKind::Bvh) return writeFile(out, formatBvh(model.skeleton, clip));
-  if (kind == FileKind::Gltf)
-    return writeGltf(out, model.skeleton, model.skin ? &*model.skin : nullptr, {{model.name, clip}});
-  throw std::invalid_argument("'" + out + "': a path can be written as .csv, .bvh, .gltf or .glb");
+  exportMotion(out, model.skeleton, model.skin ? &*model.skin : nullptr, model.name, clip);
 }
 
 /// Every solver of the catalogue from pose to pose, each started where it ended, from the plan's first pose.

@@ -244,6 +244,10 @@ void addSolveCommand(Command& app) {
               "given, with its own goals")
       .showDefault();
   addModelOptions(command, request->files);
+  command.option("--asf", request->files.asf, "Skeleton of an AMC, or to lay a fitted skeleton on");
+  command.option("--amc", request->files.amc, "Motion for the ASF skeleton, which begins in its first frame");
+  command.option("--clip", request->files.clip,
+                 "Which motion of a file that names several; default: the first");
   command.option("--target", request->target,
                  "X Y Z, QW QX QY QZ or X Y Z QW QX QY QZ: metres and a unit quaternion, world frame");
   command

@@ -14,24 +14,30 @@
 
 namespace gelenk {
 
+/// Every kind of file that opens: its name, its FileFormat (file_format.h). The order is that of messages.
+#define GELENK_FILE_FORMATS(ROW)                  \
+  ROW(ObjMesh, objFormat)                         \
+  ROW(Nurbs, nurbsFormat)                         \
+  ROW(PinocchioSkeleton, pinocchioSkeletonFormat) \
+  ROW(PinocchioWeights, pinocchioWeightsFormat)   \
+  ROW(Asf, asfFormat)                             \
+  ROW(Amc, amcFormat)                             \
+  ROW(Bvh, bvhFormat)                             \
+  ROW(TutorialSkeleton, tutorialSkeletonFormat)   \
+  ROW(TutorialPose, tutorialPoseFormat)           \
+  ROW(Gltf, gltfFormat)                           \
+  ROW(Urdf, urdfFormat)                           \
+  ROW(DhTable, dhTableFormat)
+
+#define GELENK_ENUMERATOR(Kind, format) Kind,
 /// What a file holds, told by its extension and, where several formats share one, by its first words.
-enum class FileKind {
-  ObjMesh,            ///< .obj
-  Nurbs,              ///< .nurbs, a surface that is tessellated and then treated as an OBJ
-  PinocchioSkeleton,  ///< .skel, .skeleton, .skeleton.out
-  PinocchioWeights,   ///< .attachment, .attachment.out, .weights
-  Asf,                ///< .asf
-  Amc,                ///< .amc
-  Bvh,                ///< .bvh
-  TutorialSkeleton,   ///< .figure, or .skel and .txt that begin with NumJoints
-  TutorialPose,       ///< .pose
-  Gltf,               ///< .gltf, .glb
-  Urdf,               ///< .urdf
-  DhTable,            ///< .dh
-};
+enum class FileKind { GELENK_FILE_FORMATS(GELENK_ENUMERATOR) };
+#undef GELENK_ENUMERATOR
 
 /// nullopt for an extension that no format here has.
 std::optional<FileKind> fileKind(const std::string& path);
+/// A surface alone.
+bool isMesh(std::optional<FileKind> kind);
 /// The triangles of an OBJ or of a NURBS surface (12 cells a knot span, 8 to 400 in each direction). Throws
 /// ParseError.
 Mesh readMesh(const std::string& path, std::vector<Note>* notes = nullptr);
@@ -69,6 +75,22 @@ struct Imported {
 /// ParseError and std::invalid_argument.
 Imported importFiles(const std::string& nameOrFile, const Companions& companions = {},
                      const ImportOptions& options = {});
+
+/// What a file to be written shall hold of a model.
+struct ExportOptions {
+  std::optional<double> metresPerUnit = {};  ///< default: the format's own
+  int frame = 0;                             ///< from 1; 0: the whole motion, or the rest pose
+  bool allMotions = true;                    ///< of a model that has several, where the format holds them
+  std::string end = {};                      ///< last joint of the chain that a DH table shall hold
+};
+
+/// Writes the format of the path's extension; what it cannot hold is told in imported's notes. Throws
+/// std::invalid_argument where that cannot be, and std::runtime_error.
+void exportFile(const std::string& path, Imported& imported, const ExportOptions& options = {});
+/// A motion alone, named `name` where the format names motions. Throws std::invalid_argument for a format
+/// that holds none.
+void exportMotion(const std::string& path, const Skeleton& skeleton, const Skin* skin,
+                  const std::string& name, const MotionClip& clip);
 
 /// What looks wrong about a model's sizes and joints: a body larger than 6 m or smaller than 5 cm
 /// ("unit-suspect", with the unit that would make a person of it), joints that their limits hold in one place

@@ -27,7 +27,7 @@ Imported open(const std::string& path, const std::string& modelFile, Companions 
   if (fileKind(path) != FileKind::Amc) return importFiles(path);
   const auto kind = fileKind(modelFile);
   companions.amc = path;
-  if (kind == FileKind::ObjMesh || kind == FileKind::Nurbs)
+  if (isMesh(kind))
     return importFiles(modelFile, companions);  // a fitted body: the root's path is scaled for it
   companions.amc.clear();
   if (companions.asf.empty() && kind == FileKind::Asf) companions.asf = modelFile;

@@ -8,11 +8,9 @@
 namespace gelenk {
 
 const std::vector<LectureTopic>& lectureTopics() {
-  static const std::vector<LectureTopic> topics{
-      planarForwardTopic(), twoLinkTopic(),           newtonOneDimensionTopic(),
-      newtonSquareTopic(),  pseudoInverseTopic(),     shortestPathTopic(),
-      rotationsTopic(),     denavitHartenbergTopic(), legTopic(),
-  };
+#define GELENK_MAKE(topic) topic(),
+  static const std::vector<LectureTopic> topics{GELENK_LECTURE_TOPICS(GELENK_MAKE)};
+#undef GELENK_MAKE
   return topics;
 }
 

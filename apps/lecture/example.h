@@ -5,6 +5,19 @@
 #include <string_view>
 #include <vector>
 
+/// Every example in the order of the slides, one function each in topics_*.cpp. Table, tests and the
+/// sandbox's menu learn it from here.
+#define GELENK_LECTURE_TOPICS(ROW)                                          \
+  ROW(planarForwardTopic)      /* 10.1, 10.1.1, 10.1.2 */                   \
+  ROW(twoLinkTopic)            /* 10.1.3 */                                 \
+  ROW(newtonOneDimensionTopic) /* 10.1.4 */                                 \
+  ROW(newtonSquareTopic)       /* 10.1.4, n = m */                          \
+  ROW(pseudoInverseTopic)      /* 10.1.4, n > m */                          \
+  ROW(shortestPathTopic)       /* 10.1.4, the minimum over all solutions */ \
+  ROW(rotationsTopic)          /* 10.2, Euler angles and quaternions */     \
+  ROW(denavitHartenbergTopic)  /* 10.2, Denavit-Hartenberg */               \
+  ROW(legTopic)                /* 10.1.1, hierarchical animation */
+
 namespace gelenk {
 
 /// How a computed value is held against the printed one.
@@ -53,15 +66,8 @@ LectureVerdict evaluate(const LectureCheck& check);
 /// topics.
 const LectureTopic& findLectureTopic(std::string_view id);
 
-// The topics, one function each, in topics_*.cpp.
-LectureTopic planarForwardTopic();       // 10.1, 10.1.1, 10.1.2
-LectureTopic twoLinkTopic();             // 10.1.3
-LectureTopic newtonOneDimensionTopic();  // 10.1.4
-LectureTopic newtonSquareTopic();        // 10.1.4, n = m
-LectureTopic pseudoInverseTopic();       // 10.1.4, n > m
-LectureTopic shortestPathTopic();        // 10.1.4, the minimum over all solutions
-LectureTopic rotationsTopic();           // 10.2, Euler angles and quaternions
-LectureTopic denavitHartenbergTopic();   // 10.2, Denavit-Hartenberg
-LectureTopic legTopic();                 // 10.1.1, hierarchical animation
+#define GELENK_DECLARE(topic) LectureTopic topic();
+GELENK_LECTURE_TOPICS(GELENK_DECLARE)
+#undef GELENK_DECLARE
 
 }  // namespace gelenk

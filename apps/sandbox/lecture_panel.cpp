@@ -82,15 +82,10 @@ void columnText(Sandbox& sandbox, const std::string& text) {
 }
 
 std::unique_ptr<LectureScene> makeLectureScene(const std::string& topic) {
-  if (topic == "planar-fk") return makeForwardScene();
-  if (topic == "two-link") return makeTwoLinkScene();
-  if (topic == "newton-1d") return makeOneDimensionScene();
-  if (topic == "newton-square") return makeNewtonScene(NewtonExample::Square);
-  if (topic == "pseudo-inverse") return makeNewtonScene(NewtonExample::PseudoInverse);
-  if (topic == "shortest") return makeNewtonScene(NewtonExample::Shortest);
-  if (topic == "rotations") return makeRotationsScene();
-  if (topic == "dh") return makeDhScene();
-  if (topic == "leg") return makeLegScene();
+#define GELENK_MAKE(id, make) \
+  if (topic == id) return make();
+  GELENK_LECTURE_SCENES(GELENK_MAKE)
+#undef GELENK_MAKE
   throw std::invalid_argument("the lecture has no scene called '" + topic + "'");
 }
 

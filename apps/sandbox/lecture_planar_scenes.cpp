@@ -388,6 +388,8 @@ class OneDimensionScene final : public PlanarScene {
 // --- 10.1.4: several dimensions
 // -----------------------------------------------------------------------------------
 
+enum class NewtonExample { Square, PseudoInverse, Shortest };
+
 class NewtonScene final : public PlanarScene {
  public:
   explicit NewtonScene(NewtonExample example)
@@ -588,8 +590,14 @@ class NewtonScene final : public PlanarScene {
 std::unique_ptr<LectureScene> makeForwardScene() { return std::make_unique<ForwardScene>(); }
 std::unique_ptr<LectureScene> makeTwoLinkScene() { return std::make_unique<TwoLinkScene>(); }
 std::unique_ptr<LectureScene> makeOneDimensionScene() { return std::make_unique<OneDimensionScene>(); }
-std::unique_ptr<LectureScene> makeNewtonScene(NewtonExample example) {
-  return std::make_unique<NewtonScene>(example);
+std::unique_ptr<LectureScene> makeNewtonSquareScene() {
+  return std::make_unique<NewtonScene>(NewtonExample::Square);
+}
+std::unique_ptr<LectureScene> makePseudoInverseScene() {
+  return std::make_unique<NewtonScene>(NewtonExample::PseudoInverse);
+}
+std::unique_ptr<LectureScene> makeShortestScene() {
+  return std::make_unique<NewtonScene>(NewtonExample::Shortest);
 }
 
 }  // namespace gelenk

@@ -7,6 +7,18 @@
 #include "apps/lecture/example.h"
 #include "apps/sandbox/sandbox.h"
 
+/// The scene of every topic of lectureTopics(), by its id; in lecture_*_scenes.cpp.
+#define GELENK_LECTURE_SCENES(ROW)              \
+  ROW("planar-fk", makeForwardScene)            \
+  ROW("two-link", makeTwoLinkScene)             \
+  ROW("newton-1d", makeOneDimensionScene)       \
+  ROW("newton-square", makeNewtonSquareScene)   \
+  ROW("pseudo-inverse", makePseudoInverseScene) \
+  ROW("shortest", makeShortestScene)            \
+  ROW("rotations", makeRotationsScene)          \
+  ROW("dh", makeDhScene)                        \
+  ROW("leg", makeLegScene)
+
 namespace gelenk {
 
 /// One example of the lecture as a scene: it opens its model, draws its values into the view and its controls
@@ -30,16 +42,9 @@ class LectureScene {
 /// The scene of a topic of lectureTopics(). Throws std::invalid_argument for another id.
 std::unique_ptr<LectureScene> makeLectureScene(const std::string& topic);
 
-// In lecture_planar_scenes.cpp
-std::unique_ptr<LectureScene> makeForwardScene();
-std::unique_ptr<LectureScene> makeTwoLinkScene();
-std::unique_ptr<LectureScene> makeOneDimensionScene();
-enum class NewtonExample { Square, PseudoInverse, Shortest };
-std::unique_ptr<LectureScene> makeNewtonScene(NewtonExample example);
-// In lecture_space_scenes.cpp
-std::unique_ptr<LectureScene> makeRotationsScene();
-std::unique_ptr<LectureScene> makeDhScene();
-std::unique_ptr<LectureScene> makeLegScene();
+#define GELENK_DECLARE(id, make) std::unique_ptr<LectureScene> make();
+GELENK_LECTURE_SCENES(GELENK_DECLARE)
+#undef GELENK_DECLARE
 
 // Small things that the scenes share.
 

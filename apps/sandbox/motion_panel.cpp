@@ -667,15 +667,7 @@ class MotionPanel final : public Panel {
 
   void write(Sandbox& sandbox, const std::string& path) {
     const Model& model = sandbox.session().model();
-    const auto kind = fileKind(path);
-    if (kind == FileKind::Bvh)
-      writeFile(path, formatBvh(model.skeleton, clip()));
-    else if (kind == FileKind::Amc)
-      writeFile(path, formatAmc(model.skeleton, clip()));
-    else if (kind == FileKind::Gltf)
-      writeGltf(path, model.skeleton, sandbox.session().skin(), {{model.name, clip()}});
-    else
-      throw std::invalid_argument("a motion can be written as .bvh, .amc, .glb or .gltf");
+    exportMotion(path, model.skeleton, sandbox.session().skin(), model.name, clip());
     sandbox.say("Wrote " + path);
   }
 

@@ -22,6 +22,7 @@
 #include "kinematics/io/csv.h"
 #include "kinematics/io/text_file.h"
 #include "solvers/iteration/evaluator.h"
+#include "solvers/problem/goal_text.h"
 #include "solvers/problem/goal_type.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
@@ -35,7 +36,7 @@ namespace {
 
 const std::string goalsHeader =
     "set,problem,goal,kind,joint,weight,point_x,point_y,point_z,target_x,target_y,target_z,target_qw,target_"
-    "qx,target_qy,target_qz\n";
+    "qx,target_qy,target_qz,text\n";
 const std::string solversHeader = "solver,parameter,value,default,unit,source,meaning\n";
 
 std::string joined(const std::vector<std::string>& names) {
@@ -354,6 +355,7 @@ std::vector<SetRow> writeProblems(const std::vector<LoadedSet>& sets, const Comp
                                         csvNumber(goal.weight)};
         for (double x : goal.pointInJoint) fields.push_back(csvNumber(x));
         addTarget(goal, fields);
+        fields.push_back(goalToText(goal, *one.skeleton));
         goals += csvLine(std::span<const std::string>(fields));
       }
   }
@@ -475,6 +477,7 @@ Record recordOf(const ComparisonPlan& plan, const LabModel& model) {
   Record record{{"model", model.name}, {"nq", std::to_string(model.skeleton->nq())}};
   for (int joint : model.effectors) record.emplace_back("effector", model.skeleton->joint(joint).name);
   record.emplace_back("goals", model.pose ? "pose" : "position");
+  for (const Goal& goal : model.goals) record.emplace_back("goal", goalToText(goal, *model.skeleton));
   for (const std::string& set : plan.sets) record.emplace_back("set", set);
   for (const std::string& solver : plan.solvers) record.emplace_back("solver", solver);
   for (const std::string& solver : plan.solvers) {

@@ -11,7 +11,9 @@
 #include "kinematics/rotation.h"
 #include "solvers/iteration/evaluator.h"
 #include "solvers/methods/step_rules.h"
+#include "solvers/problem/goal_text.h"
 #include "solvers/problem/ik_solver.h"
+#include "solvers/problem/judge.h"
 
 namespace gelenk {
 
@@ -76,6 +78,10 @@ std::vector<Goal> goalsAt(const LabModel& model, const Skeleton& skeleton, const
   const Frames frames = forwardKinematics(skeleton, q);
   std::vector<Goal> goals;
   for (int effector : model.effectors) goals.push_back(goalAt(model, effector, frames));
+  for (Goal goal : model.goals) {
+    goalType(goal.kind).capture(goal, {skeleton, q, frames});
+    goals.push_back(std::move(goal));
+  }
   return goals;
 }
 
@@ -251,6 +257,10 @@ class ProblemMaker {
  public:
   ProblemMaker(const ProblemSetEntry& set, const LabModel& model, double tolerance)
       : set_(set), model_(model), tolerance_(tolerance), skeleton_(model.skeleton) {
+    if (model.effectors.empty() &&
+        (set.family == ProblemFamily::ReachBoundary || set.family == ProblemFamily::Unreachable ||
+         set.family == ProblemFamily::Conflict))
+      throw std::invalid_argument(std::string(set.name) + " needs an effector that gets a target");
     if (set.family == ProblemFamily::TightLimits)
       for (double share : limitLevels) shrunk_.push_back(shrunk(*skeleton_, share));
     if (set.family == ProblemFamily::ReachBoundary || set.family == ProblemFamily::Unreachable) {
@@ -263,6 +273,23 @@ class ProblemMaker {
   }
 
   LabProblem make(int number, std::mt19937_64& random) const {
+    constexpr int mostDraws = 1000;
+    for (int i = 0; i < mostDraws; ++i)
+      if (LabProblem one = draw(number, random); isMetByReference(one)) return one;
+    throw std::invalid_argument(std::string(set_.name) + ": none of " + std::to_string(mostDraws) +
+                                " random poses meets the goals that are asked for besides");
+  }
+
+ private:
+  /// Goals that are regions, such as a balance over a given polygon, cannot be moved to where a pose is.
+  bool isMetByReference(const LabProblem& one) const {
+    if (!set_.meetable || model_.goals.empty()) return true;
+    for (const GoalError& error : judge(one.problem, one.reference).goals)
+      if (error.position > tolerance_ || error.orientation > tolerance_) return false;
+    return true;
+  }
+
+  LabProblem draw(int number, std::mt19937_64& random) const {
     LabProblem one{.index = number, .sequence = number, .skeleton = skeleton_};
     switch (set_.family) {
       case ProblemFamily::Reachable: return meetable(one, randomWithinLimits(*one.skeleton, random), random);
@@ -298,6 +325,7 @@ class ProblemMaker {
     throw std::logic_error("drags are made as sequences");
   }
 
+ public:
   /// A path towards one random configuration after another, no coordinate faster than the level.
   void appendDrag(int number, int frames, std::mt19937_64& random, std::vector<LabProblem>& out) const {
     const Skeleton& skeleton = *skeleton_;
@@ -318,6 +346,10 @@ class ProblemMaker {
         waypoint = randomWithinLimits(skeleton, random);
       q = projectToLimits(skeleton, integrate(skeleton, q, step));
       finish(one, q);
+      if (!isMetByReference(one))
+        throw std::invalid_argument(std::string(set_.name) +
+                                    ": a drag leaves the region of a goal that is asked for besides; give "
+                                    "goals that can be met along any path");
       out.push_back(std::move(one));
     }
   }
@@ -464,6 +496,8 @@ std::uint64_t checksum(const std::vector<LabProblem>& problems) {
       add(goal.joint);
       for (double x : goal.target) add(x);
       for (double x : goal.orientation.coeffs()) add(x);
+      if (goal.kind == GoalKind::Position || goal.kind == GoalKind::Pose) continue;
+      for (const char c : goalToText(goal, *one.skeleton)) add(c);
     }
   }
   return hash;

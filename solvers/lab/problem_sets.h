@@ -17,6 +17,8 @@ struct LabModel {
   std::shared_ptr<const Skeleton> skeleton;
   std::vector<int> effectors = {};  ///< joints that get a goal
   bool pose = false;                ///< Pose goals; Position otherwise
+  /// Asked for besides, of any kind: in every problem captured from its reference pose (GoalType::capture).
+  std::vector<Goal> goals = {};
 };
 
 /// Goals on the named joints; with no names on every joint without children. Poses where one effector has at

@@ -120,7 +120,23 @@ Role parseRole(std::string_view text) {
   fail("a role is one of " + words + ", not '" + std::string(text) + "'");
 }
 
-Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses) {
+namespace {
+
+/// Fields that GoalType::capture reads off a pose.
+bool isCaptured(GoalField::Meaning meaning) {
+  switch (meaning) {
+    case GoalField::Meaning::Target:
+    case GoalField::Meaning::End:
+    case GoalField::Meaning::Rotation:
+    case GoalField::Meaning::Length:
+    case GoalField::Meaning::Polygon:
+    case GoalField::Meaning::Posture: return true;
+    default: return false;
+  }
+}
+
+Goal parse(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses,
+           bool captured) {
   const auto words = splitWords(text);
   if (words.empty()) fail("a goal begins with its kind");
   const GoalType& type = goalType(words[0]);
@@ -157,12 +173,25 @@ Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_p
   }
   for (const GoalField& field : type.fields) {
     if (given.count(field.name)) continue;
-    if (!field.optional) fail(kind + " needs " + std::string(field.name) + ": " + std::string(field.explain));
+    if (!field.optional && !(captured && isCaptured(field.meaning)))
+      fail(kind + " needs " + std::string(field.name) + ": " + std::string(field.explain));
     if (field.meaning == GoalField::Meaning::End) goal.end = goal.target;
   }
-  if (const std::string why = whyInvalid(goal, skeleton); !why.empty()) fail(why);
+  const std::string why = captured ? whyMisplaced(goal, skeleton) : whyInvalid(goal, skeleton);
+  if (!why.empty()) fail(why);
   normaliseDirections(goal);
   return goal;
+}
+
+}  // namespace
+
+Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses) {
+  return parse(text, skeleton, std::move(masses), false);
+}
+
+Goal goalTemplateFromText(std::string_view text, const Skeleton& skeleton,
+                          std::shared_ptr<const Masses> masses) {
+  return parse(text, skeleton, std::move(masses), true);
 }
 
 void normaliseDirections(Goal& goal) {

@@ -16,6 +16,11 @@ namespace gelenk {
 /// need them; may be null. Throws std::invalid_argument that says what is wrong and what there is.
 Goal goalFromText(std::string_view text, const Skeleton& skeleton, std::shared_ptr<const Masses> masses = {});
 
+/// The same where the goal will be captured from a pose (GoalType::capture): fields that say where it is,
+/// such as target, length or orientation, may be left out.
+Goal goalTemplateFromText(std::string_view text, const Skeleton& skeleton,
+                          std::shared_ptr<const Masses> masses = {});
+
 /// Axes and directions that are not of unit length to the last bits made so; others stay as they are.
 void normaliseDirections(Goal& goal);
 

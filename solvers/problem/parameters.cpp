@@ -20,8 +20,8 @@ std::string listed(std::span<const Parameter> table) {
 
 void validate(std::string_view owner, std::span<const Parameter> table, const ParameterValues& values) {
   for (const auto& [name, value] : values) {
-    const auto found =
-        std::find_if(table.begin(), table.end(), [&](const Parameter& p) { return p.name == name; });
+    const auto found = std::find_if(table.begin(), table.end(),
+                                    [&, &name = name](const Parameter& p) { return p.name == name; });
     const std::string full = std::string(owner) + "." + name;
     if (found == table.end())
       throw std::invalid_argument(table.empty()

@@ -11,6 +11,7 @@
 #include "solvers/lab/report.h"
 #include "solvers/lab/statistics.h"
 #include "solvers/lab/sweep.h"
+#include "solvers/problem/goal_text.h"
 #include "solvers/problem/judge.h"
 #include "tests/kinematics/random_skeleton.h"
 
@@ -114,6 +115,54 @@ TEST(ProblemSets, MeetableGoalsAreMetByTheirReferenceWithinTheLimits) {
       EXPECT_LE(limitViolation(*one.skeleton, one.problem.start), 1e-12);
     }
   }
+}
+
+/// A goal of every kind on the arm, as a person would type it for a comparison.
+std::vector<Goal> everyKind(const Skeleton& skeleton) {
+  const auto masses = std::make_shared<const Masses>(rodMasses(skeleton));
+  const std::string end = skeleton.joint(skeleton.jointCount() - 1).name, half = skeleton.joint(3).name;
+  std::vector<Goal> goals;
+  for (const GoalType* type : goalTypes()) {
+    if (!type->judged) continue;
+    std::string text(type->name);
+    for (const GoalField& field : type->fields) {
+      if (field.meaning != GoalField::Meaning::Joint) continue;
+      const bool other = field.name != "joint";
+      text += " " + std::string(field.name) + "=" + (type->kind == GoalKind::Pole || other ? half : end);
+    }
+    if (type->kind == GoalKind::KeepOut) text += " target=0.1,0.1,0.1 radius=0.3";  // poses are drawn for it
+    goals.push_back(goalTemplateFromText(text, skeleton, masses));
+  }
+  return goals;
+}
+
+TEST(ProblemSets, GoalsOfEveryKindAreMetByTheReferenceAndFrozen) {
+  for (const Goal& goal : everyKind(arm())) {
+    LabModel model = labModel("arm", arm());
+    model.goals = {goal};
+    const std::string kind(goalType(goal.kind).name);
+    bool checksumSeesIt = false;
+    for (const char* set : {"D1", "D2", "D3", "D6"}) {
+      const auto problems = makeProblems(problemSet(set), model, 12, 5, 1e-9);
+      for (const LabProblem& one : problems) {
+        ASSERT_EQ(one.problem.goals.size(), 2u) << kind;
+        EXPECT_TRUE(judge(one.problem, one.reference).solved) << kind << " " << set << " " << one.index;
+      }
+      EXPECT_EQ(checksum(problems), checksum(makeProblems(problemSet(set), model, 12, 5, 1e-9))) << kind;
+      checksumSeesIt |=
+          checksum(problems) != checksum(makeProblems(problemSet(set), labModel("arm", arm()), 12, 5, 1e-9));
+    }
+    EXPECT_TRUE(checksumSeesIt) << kind;
+    model.effectors.clear();
+    EXPECT_EQ(makeProblems(problemSet("D1"), model, 3, 5, 1e-6)[2].problem.goals.size(), 1u) << kind;
+    EXPECT_THROW(makeProblems(problemSet("D4"), model, 3, 5, 1e-6), std::invalid_argument);
+  }
+  LabModel model = labModel("arm", arm());
+  model.goals = {
+      goalTemplateFromText("keep-out joint=" + arm().joint(6).name + " target=0,0,0 radius=9", arm())};
+  EXPECT_THROW(makeProblems(problemSet("D1"), model, 1, 1, 1e-6), std::invalid_argument);
+  EXPECT_THROW(makeProblems(problemSet("D5"), model, 9, 1, 1e-6), std::invalid_argument);
+  EXPECT_THROW(goalTemplateFromText("distance other=nobody", arm()), std::invalid_argument);
 }
 
 TEST(ProblemSets, LevelsAreWhatTheySay) {
