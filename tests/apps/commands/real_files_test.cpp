@@ -133,5 +133,65 @@ TEST_F(RealFiles, EveryPoseKeepsWhatOneJointMimicsOfAnother) {
   EXPECT_EQ(session.q()[1], -0.25);
 }
 
+/// Whatever the window opens: a built-in model, a scene, every kind of file, with what belongs to it.
+TEST_F(RealFiles, InfoFkAndSolveTakeEverythingThatTheSandboxOpens) {
+  const std::string assets = testing::assetFolder() + "/";
+  run({"convert", inputs + "two_clips.gltf", path("clips.glb")});
+  run({"convert", inputs + "forearm.bvh", path("forearm.asf")});
+  run({"convert", inputs + "forearm.bvh", path("forearm.amc")});
+  struct Openable {
+    std::vector<std::string> words;  ///< the model and its options
+    std::string joint;
+  };
+  const std::vector<Openable> all{{{"figure"}, "hand_l"},
+                                  {{"planar"}, ""},
+                                  {{"puma560"}, ""},
+                                  {{"balls:1,0.5"}, ""},
+                                  {{assets + "scenes/reach.json"}, "hand_l"},
+                                  {{inputs + "tube.obj", "--skeleton", inputs + "tube.skel"}, ""},
+                                  {{inputs + "tube.skel"}, ""},
+                                  {{inputs + "forearm.bvh"}, "LeftHand"},
+                                  {{path("clips.glb"), "--clip", "wave"}, "tip"},
+                                  {{inputs + "turned_root.gltf"}, ""},
+                                  {{path("forearm.asf")}, "LeftHand"},
+                                  {{path("forearm.amc"), "--asf", path("forearm.asf")}, "LeftHand"},
+                                  {{assets + "tutorial_figure.figure"}, "joint5"},
+                                  {{assets + "tutorial_stride.pose"}, "joint5"},
+                                  {{inputs + "two_arms.urdf"}, "ltip"},
+                                  {{inputs + "mimic_pair.urdf"}, ""},
+                                  {{inputs + "five_dof.dh"}, ""}};
+  for (const Openable& one : all) {
+    SCOPED_TRACE(one.words[0]);
+    std::vector<std::string> info = one.words, fk = one.words, solve = one.words;
+    info.insert(info.begin(), "info");
+    fk.insert(fk.begin(), "fk");
+    solve.insert(solve.begin(), {"solve", "--model"});
+    for (const char* word : {"--target", "0.1", "0.2", "0.3", "--max-iterations", "3", "--restarts", "0"})
+      solve.emplace_back(word);
+    if (!one.joint.empty()) solve.insert(solve.end(), {"--joint", one.joint});
+    EXPECT_NO_THROW(run(info));
+    EXPECT_NO_THROW(run(fk));
+    try {
+      run(solve);
+    } catch (const ExitStatus& status) {
+      EXPECT_EQ(status.status, 2);  // asked, but not reached
+    }
+  }
+}
+
+/// BVH says nothing of the axis against gravity.
+TEST_F(RealFiles, ABodyThatStandsAlongZIsShownStandingAndTold) {
+  const Imported lying = importFiles(inputs + "standing_z.bvh"), standing = importFiles(inputs + "forearm.bvh");
+  EXPECT_EQ(lying.model.up, Eigen::Vector3d::UnitZ());
+  const auto note = noteOf(lying.model.notes, "up-axis");
+  ASSERT_TRUE(note);
+  EXPECT_TRUE(note->fact);
+  EXPECT_EQ(standing.model.up, Eigen::Vector3d::UnitY());
+  EXPECT_FALSE(noteOf(standing.model.notes, "up-axis"));
+  EXPECT_EQ(importFiles(inputs + "standing_z.bvh", {.up = "y"}).model.up, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(importFiles(inputs + "standing_z.bvh", {}, {.zUp = true}).model.up, Eigen::Vector3d::UnitY());
+  EXPECT_THAT(refusal([&] { importFiles(inputs + "two_arms.urdf", {.up = "y"}); }), HasSubstr("say which axis"));
+}
+
 }  // namespace
 }  // namespace gelenk
