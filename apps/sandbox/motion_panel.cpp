@@ -253,6 +253,10 @@ class MotionPanel final : public Panel {
     drawSecondClip(sandbox);
     heading(sandbox.state(), "GOALS ON TOP");
     ImGui::Checkbox("Hold pins and goals while it plays", &play_->goalsOnTop);
+    if (play_->goalsOnTop)
+      ImGui::TextDisabled("solved by %s", solverOverClip(sandbox.session().solver()).c_str());
+    tooltip(
+        "The drag solver would pull towards the rest pose; over a clip lm-gain-ratio stands in its place.");
     heading(sandbox.state(), "EXPORT");
     ImGui::SetNextItemWidth(-70 * sandbox.scale());
     ImGui::InputText("##export", exportPath_, sizeof exportPath_);
@@ -637,9 +641,13 @@ class MotionPanel final : public Panel {
     ImGui::EndDisabled();
   }
 
-  /// The clip's pose is the start of every frame; pins and held goals are reached from there. The drag solver
-  /// would pull towards the rest pose: in its place stands Levenberg and Marquardt's method, which changes no
-  /// more than the goals ask for.
+  /// The drag solver would pull towards the rest pose: in its place stands Levenberg and Marquardt's method,
+  /// which changes no more than the goals ask for.
+  static std::string solverOverClip(const std::string& chosen) {
+    return chosen == "drag" ? "lm-gain-ratio" : chosen;
+  }
+
+  /// The clip's pose is the start of every frame; pins and held goals are reached from there.
   void solveGoals(Sandbox& sandbox) {
     const Session& session = sandbox.session();
     IkProblem problem = session.problem();
@@ -647,8 +655,7 @@ class MotionPanel final : public Panel {
     problem.start = q_;
     if (!solver_ || solverName_ != session.solver()) {
       solverName_ = session.solver();
-      solver_ =
-          makeFrameSolver(solverName_ == "drag" ? "lm-gain-ratio" : solverName_, session.sharedSkeleton());
+      solver_ = makeFrameSolver(solverOverClip(solverName_), session.sharedSkeleton());
     }
     const IkReport report = solver_->frame(problem);
     if (report.q.size() == q_.size() && report.q.allFinite()) q_ = report.q;

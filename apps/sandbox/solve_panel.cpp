@@ -50,11 +50,13 @@ class SolvePanel final : public Panel {
     selected(sandbox);
   }
 
-  /// "goal KIND FIELD=VALUE ..." adds a goal, "balance on" or "balance off".
+  /// "goal KIND FIELD=VALUE ..." adds a goal, "add KIND" one as the list does, "balance on" or "balance off".
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
     Session& session = *sandbox.state().session;
     if (words.size() == 2 && words[0] == "balance" && (words[1] == "on" || words[1] == "off")) {
       session.setBalance(words[1] == "on");
+    } else if (words.size() == 2 && words[0] == "add") {
+      addGoalOf(sandbox, goalType(words[1]));
     } else if (words.size() > 1 && words[0] == "goal") {
       std::string text;
       for (std::size_t i = 1; i < words.size(); ++i) text += (i > 1 ? " " : "") + words[i];
@@ -239,30 +241,33 @@ class SolvePanel final : public Panel {
     return false;
   }
 
-  /// One new goal of any kind, on the joint that is selected or the first handle's.
-  static void addGoal(Sandbox& sandbox) {
+  /// On the joint that is selected or the first handle's; it asks for what the model does now.
+  static void addGoalOf(Sandbox& sandbox, const GoalType& type) {
     Sandbox::State& s = sandbox.state();
     Session& session = *s.session;
+    const int joint =
+        session.selectedJoint().value_or(session.goals().empty() ? 0 : session.goals().front().goal.joint);
+    int other = 0;  // the next handle on another joint
+    for (const SceneGoal& goal : session.goals())
+      if (goal.handle && goal.goal.joint != joint && other == 0) other = goal.goal.joint;
+    const Edits before = session.edits();
+    const GoalId added = session.addGoalOf(type.kind, joint, other);
+    session.rememberAs(before);
+    s.selectedGoal = added;
+  }
+
+  /// One new goal of any kind.
+  static void addGoal(Sandbox& sandbox) {
+    Session& session = *sandbox.state().session;
     ImGui::SetNextItemWidth(-1);
     if (ImGui::BeginCombo("##add", "Add a goal ...", ImGuiComboFlags_HeightLarge)) {
       for (const GoalType* type : goalTypes()) {
-        if (!ImGui::Selectable(std::string(type->title).c_str())) {
-          tooltip(std::string(type->asks).c_str());
-          continue;
-        }
-        const int joint = session.selectedJoint().value_or(
-            session.goals().empty() ? 0 : session.goals().front().goal.joint);
-        int other = 0;  // the next handle on another joint
-        for (const SceneGoal& goal : session.goals())
-          if (goal.handle && goal.goal.joint != joint && other == 0) other = goal.goal.joint;
-        try {
-          const Edits before = session.edits();
-          const GoalId added = session.addGoalOf(type->kind, joint, other);
-          session.rememberAs(before);
-          s.selectedGoal = added;
-        } catch (const std::invalid_argument& error) {
-          sandbox.say(error.what(), true);
-        }
+        if (ImGui::Selectable(std::string(type->title).c_str())) try {
+            addGoalOf(sandbox, *type);
+          } catch (const std::invalid_argument& error) {
+            sandbox.say(error.what(), true);
+          }
+        tooltip(std::string(type->asks).c_str());
       }
       ImGui::EndCombo();
     }

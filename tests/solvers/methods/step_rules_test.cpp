@@ -481,6 +481,62 @@ TEST(StepRule, HalleyAndGeodesicStartFromNielsensDamping) {
 
 // ---- rules that keep limits or orders themselves
 
+/// The gradient of half the squared pose error.
+VectorXd gradientAt(const Skeleton& arm, const IkProblem& problem, const VectorXd& q) {
+  return -poseJacobian(arm, q).transpose() * poseResidual(problem, q);
+}
+
+/// Nocedal and Wright 2006, equation 6.17, from last pairs to first: the inverse Hessian that is gamma I, and
+/// then learns the pairs (s, y) one after another.
+MatrixXd inverseHessian(const std::vector<VectorXd>& s, const std::vector<VectorXd>& y, double gamma) {
+  const Eigen::Index n = s[0].size();
+  MatrixXd H = gamma * MatrixXd::Identity(n, n);
+  for (std::size_t k = 0; k < s.size(); ++k) {
+    const double rho = 1.0 / y[k].dot(s[k]);
+    const MatrixXd V = MatrixXd::Identity(n, n) - rho * y[k] * s[k].transpose();
+    H = V.transpose() * H * V + rho * s[k] * s[k].transpose();
+  }
+  return H;
+}
+
+TEST(StepRule, QuasiNewtonBeginsWithTheBestSteepestDescentAndLearnsAsNocedalAndWrightWriteIt) {
+  const VectorXd q = bent(7);
+  const IkProblem problem = poseProblem(seven, q, 0.3 * smallError);
+  for (const char* name : {"bfgs", "l-bfgs"}) {
+    const Steps at = steps(name, problem, 5);
+    ASSERT_EQ(at.q.size(), 6u) << name;
+    const MatrixXd J = poseJacobian(seven, q);
+    const VectorXd down = -gradientAt(seven, problem, q), moved = J * down;
+    expectNear(at.q[1] - at.q[0], down * (poseResidual(problem, q).dot(moved) / moved.squaredNorm()), 1e-7,
+               name);
+    std::vector<VectorXd> s, y;
+    for (std::size_t k = 1; k + 1 < at.q.size(); ++k) {
+      s.push_back(at.q[k] - at.q[k - 1]);
+      y.push_back(gradientAt(seven, problem, at.q[k]) - gradientAt(seven, problem, at.q[k - 1]));
+      // The full matrix is scaled once, by the first pair (6.20); the limited one anew each time (7.20).
+      const std::size_t scale = std::string_view(name) == "bfgs" ? 0 : s.size() - 1;
+      const double gamma = s[scale].dot(y[scale]) / y[scale].squaredNorm();
+      expectNear(at.q[k + 1] - at.q[k], -inverseHessian(s, y, gamma) * gradientAt(seven, problem, at.q[k]),
+                 1e-6, name);
+    }
+  }
+}
+
+TEST(StepRule, LimitedMemoryForgetsTheOldestPairs) {
+  const VectorXd q = bent(7);
+  const IkProblem problem = poseProblem(seven, q, 0.3 * smallError);
+  const Steps at = steps("l-bfgs[memory=2]", problem, 5);
+  ASSERT_EQ(at.q.size(), 6u);
+  std::vector<VectorXd> s, y;
+  for (int k = 3; k < 5; ++k) {
+    s.push_back(at.q[k] - at.q[k - 1]);
+    y.push_back(gradientAt(seven, problem, at.q[k]) - gradientAt(seven, problem, at.q[k - 1]));
+  }
+  expectNear(at.q[5] - at.q[4],
+             -inverseHessian(s, y, s[1].dot(y[1]) / y[1].squaredNorm()) * gradientAt(seven, problem, at.q[4]),
+             1e-6, "two pairs");
+}
+
 TEST(StepRule, TheProgramsStepIsItsMinimumWithinTheBounds) {
   // free: the damped step; bounded: the best of all choices of active bounds that is feasible
   const MatrixXd J = poseJacobian(seven, bent(7));
