@@ -95,7 +95,7 @@ ModelReference readReference(const JsonEntry& model) {
 }
 
 Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
-  const Eigen::VectorXd q = entry.vector(skeleton.nq());
+  Eigen::VectorXd q = entry.vector(skeleton.nq());
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     if (!skeleton.joint(i).ball) continue;
     const int at = skeleton.qIndex(i) + static_cast<int>(skeleton.joint(i).axes.size());
@@ -104,6 +104,7 @@ Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
                              at + 3),
                  fmt::format("length {}", length));
   }
+  skeleton.couple(q);
   return q;
 }
 
