@@ -8,7 +8,9 @@ packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libceres-dev lib
           liburdfdom-dev fonts-roboto-unhinted libgl1-mesa-dri libegl1 libgl1 ffmpeg gnuplot-nox)
 if [ "${1:-run}" = test ]; then
   packages+=(clang-format clang-14 libclang-rt-14-dev llvm-14 libgtest-dev libgmock-dev libbenchmark-dev
-             liborocos-kdl-dev xvfb xauth xdotool x11-utils)
+             liborocos-kdl-dev xvfb xauth xdotool x11-utils
+             python3-dev pybind11-dev python3-pybind11 python3-numpy python3-skbuild python3-setuptools python3-wheel
+             python3-pip python3-venv python3-pytest)
 fi
 missing=()
 for package in "${packages[@]}"; do

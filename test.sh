@@ -1,19 +1,25 @@
 #!/usr/bin/env bash
 # Checks the format of the sources, builds Gelenk and runs every test: the release build, the core without graphics, and all of
-# it, the window and its monkey included, under ASan and UBSan.
+# it, the window and its monkey included, under ASan and UBSan; the Python module.
 #   ./test.sh            all of it
-#   ./test.sh release    one part: format, release, core or sanitize
+#   ./test.sh release    one part: format, release, core, sanitize or python
 set -euo pipefail
 cd "$(dirname "$0")"
 ./install_packages.sh test
 export LIBGL_ALWAYS_SOFTWARE=1 EGL_PLATFORM=surfaceless
 export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
 parts=("$@")
-[ ${#parts[@]} -gt 0 ] || parts=(format release core sanitize)
+[ ${#parts[@]} -gt 0 ] || parts=(format release core sanitize python)
 for part in "${parts[@]}"; do
   echo "== $part"
   if [ "$part" = format ]; then
     find kinematics solvers skinning apps tests -name '*.cpp' -o -name '*.h' | xargs -P "$(nproc)" -n 40 clang-format --dry-run -Werror
+    continue
+  fi
+  if [ "$part" = python ]; then  # Debian's interpreter, which sees Debian's numpy and pytest
+    cmake --preset release -DGELENK_PYTHON=ON -DPython3_EXECUTABLE=/usr/bin/python3 >/dev/null
+    cmake --build --preset release --target _gelenk gelenk
+    ctest --preset release -R '^Python'
     continue
   fi
   cmake --preset "$part" >/dev/null

@@ -72,8 +72,7 @@ std::optional<VectorXd> configurationFrom(const Skeleton& skeleton, std::span<co
   std::size_t next = 0;
   for (int i = 0; i < skeleton.jointCount(); ++i)
     for (int k = 0; k < skeleton.qCount(i); ++k)
-      q[skeleton.qIndex(i) + k] =
-          skeleton.joint(i).coupling && given < skeleton.nq() ? 0.0 : values[next++];
+      q[skeleton.qIndex(i) + k] = skeleton.joint(i).coupling && given < skeleton.nq() ? 0.0 : values[next++];
   skeleton.couple(q);
   return q;
 }

@@ -54,8 +54,8 @@ Eigen::Quaterniond ballRotation(const Skeleton& skeleton, const Eigen::VectorXd&
 void setBallRotation(const Skeleton& skeleton, Eigen::VectorXd& q, int joint,
                      const Eigen::Quaterniond& rotation);
 
-/// Sets the first axis of a joint; a follower's moves its source, and with it all that follow it, so that it gets
-/// there (nothing where its multiplier is 0).
+/// Sets the first axis of a joint; a follower's moves its source, and with it all that follow it, so that it
+/// gets there (nothing where its multiplier is 0).
 void setJointValue(const Skeleton& skeleton, Eigen::VectorXd& q, int joint, double value);
 
 /// A number in [0, 1), the same on every platform for the same state of the generator.

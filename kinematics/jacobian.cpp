@@ -96,8 +96,7 @@ void rotationJacobian(const Skeleton& skeleton, const Twists& twists, int joint,
                       Eigen::Ref<Matrix3Xd, 0, Eigen::OuterStride<>> J) {
   J.setZero();
   forEachDofAbove(skeleton, joint, [&](int k) { J.col(k) = twists.col(k).tail<3>(); });
-  forEachFollowerAbove(skeleton, joint,
-                       [&](int k, int source) { J.col(source) += twists.col(k).tail<3>(); });
+  forEachFollowerAbove(skeleton, joint, [&](int k, int source) { J.col(source) += twists.col(k).tail<3>(); });
 }
 
 Matrix3Xd pointJacobian(const Skeleton& skeleton, const VectorXd& q, const Frames& frames, int joint,

@@ -17,7 +17,8 @@ void dofTwists(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames&
 Twists dofTwists(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames);
 
 /// d(world position of the point) / d(dq): column k = v_k + omega_k x p for the ancestors of the joint, else
-/// 0; an ancestor that follows another joint adds its own to that one's column. 3 x nv. pointInJoint: the point in the frame of the joint that carries it.
+/// 0; an ancestor that follows another joint adds its own to that one's column. 3 x nv. pointInJoint: the
+/// point in the frame of the joint that carries it.
 Eigen::Matrix3Xd pointJacobian(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames,
                                int joint, const Eigen::Vector3d& pointInJoint);
 /// The same from twists that are already there. J must be 3 x nv; columns off the joint's path are set to 0.

@@ -57,7 +57,8 @@ void Skeleton::addCouplings() {
     if (c.source < 0 || c.source >= jointCount() || c.source == i)
       reject(joints_[i], i, "it follows joint " + std::to_string(c.source) + ", which is no other joint");
     if (joints_[c.source].coupling)
-      reject(joints_[i], i, "it follows '" + joints_[c.source].name + "', which follows another joint itself");
+      reject(joints_[i], i,
+             "it follows '" + joints_[c.source].name + "', which follows another joint itself");
     if (!hasOneAxis(i) || !hasOneAxis(c.source))
       reject(joints_[i], i, "couplings are between joints of one axis");
     if (!std::isfinite(c.multiplier) || !std::isfinite(c.offset))

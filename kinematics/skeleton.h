@@ -65,8 +65,8 @@ struct Joint {
 /// ball, a unit quaternion as (w, x, y, z). Tangent dq (length nv): one value an axis, then three for a ball:
 /// a rotation vector in the joint's own moved frame, q <- q * exp(dq).
 ///
-/// A follower (Joint::coupling) has its value in q like every joint, but no dimension of its own in dq: it moves
-/// with its source's. What makes or moves a q keeps couplings as it keeps quaternions of unit length:
+/// A follower (Joint::coupling) has its value in q like every joint, but no dimension of its own in dq: it
+/// moves with its source's. What makes or moves a q keeps couplings as it keeps quaternions of unit length:
 /// integrate, randomWithinLimits, projectToLimits, couple. A source's range is what it and all its followers
 /// allow.
 class Skeleton {
@@ -77,8 +77,8 @@ class Skeleton {
   /// Throws std::invalid_argument, naming the joint, on: no joint, a parent that does not come earlier, a
   /// second root, an empty or repeated name, non-finite or non-rigid offsets, axes that are not unit vectors,
   /// reversed limits, a coupling of or to a joint that has not one axis, of a source that follows itself, or
-  /// whose limits leave its source no value, a rest configuration of the wrong length or with a quaternion that
-  /// is not of unit length. The rest configuration is coupled.
+  /// whose limits leave its source no value, a rest configuration of the wrong length or with a quaternion
+  /// that is not of unit length. The rest configuration is coupled.
   explicit Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> rest = {});
 
   int jointCount() const { return static_cast<int>(joints_.size()); }

@@ -53,7 +53,8 @@ StillTranslations withoutStillTranslations(const Skeleton& skeleton, const Motio
     int count = 0;
     while (count < static_cast<int>(axes.size()) && axes[count].kind == AxisDof::Kind::Translation) ++count;
     const auto places = clip.q.middleRows(first, count);
-    if (i == 0 || count == 0 || skeleton.isCoupled(i) || (places.colwise() - places.col(0)).cwiseAbs().maxCoeff() > tolerance) {
+    if (i == 0 || count == 0 || skeleton.isCoupled(i) ||
+        (places.colwise() - places.col(0)).cwiseAbs().maxCoeff() > tolerance) {
       count = 0;
     } else {
       for (int k = 0; k < count; ++k) joints[i].parentFromZero.translate(axes[k].axis * places(k, 0));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <stdexcept>
 #include <type_traits>
 
@@ -16,6 +17,7 @@
 #include "solvers/methods/step_rules.h"
 #include "solvers/methods/task_priority.h"
 #include "solvers/methods/two_link.h"
+#include "solvers/own_entries.h"
 #include "solvers/peers/kdl_peer.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/serial/pose_goals.h"
@@ -117,6 +119,17 @@ constexpr std::array missingParts{
 constexpr SolverEntry fitting =
     row<&makeFitting>("default", "The solver that fits the problem", "serial-pose, else drag");
 
+/// The table and, behind it, what the program added. Entries never move: spans and pointers stay good.
+struct Entries {
+  std::array<SolverEntry, catalogue.size() + mostOwnEntries> list;
+  std::atomic<std::size_t> count = catalogue.size();
+  Entries() { std::copy(catalogue.begin(), catalogue.end(), list.begin()); }
+};
+Entries& entries() {
+  static Entries all;
+  return all;
+}
+
 /// The name in front of a choice's brackets.
 std::string_view nameOf(std::string_view text) { return text.substr(0, text.find('[')); }
 
@@ -134,7 +147,18 @@ std::string_view presentName(std::string_view name) {
   return name == "hybrid" ? "drag" : name == "spherical-wrist" ? "closed-form" : name;
 }
 
-std::span<const SolverEntry> solverCatalogue() { return catalogue; }
+std::span<const SolverEntry> solverCatalogue() { return {entries().list.data(), entries().count}; }
+
+bool isBuiltIn(std::string_view name) {
+  return std::any_of(catalogue.begin(), catalogue.end(),
+                     [&](const SolverEntry& e) { return e.name == name; });
+}
+
+void putEntry(int slot, const SolverEntry& entry) {
+  Entries& all = entries();
+  all.list[catalogue.size() + slot] = entry;
+  all.count = std::max<std::size_t>(all.count, catalogue.size() + slot + 1);
+}
 
 std::unique_ptr<IkSolver> SolverEntry::make(const ParameterValues& values) const {
   validate(name, parameters, values);
@@ -145,7 +169,7 @@ const SolverEntry& solverEntry(std::string_view text) {
   const std::string_view name = presentName(nameOf(text));
   if (name == fitting.name) return fitting;
   std::string known;
-  for (const SolverEntry& entry : catalogue) {
+  for (const SolverEntry& entry : solverCatalogue()) {
     if (entry.name == name) return entry;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }

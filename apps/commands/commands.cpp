@@ -11,6 +11,7 @@ void addMotionCommand(Command& app);
 void addMusclesCommand(Command& app);
 void addPathCommand(Command& app);
 void addRigCommand(Command& app);
+void addSkinsCommand(Command& app);
 void addSolveCommand(Command& app);
 void addSolutionsCommand(Command& app);
 
@@ -24,6 +25,7 @@ void addCommands(Command& app) {
   addMusclesCommand(app);
   addPathCommand(app);
   addRigCommand(app);
+  addSkinsCommand(app);
   addSolutionsCommand(app);
   addSolveCommand(app);
 }

@@ -5,6 +5,7 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/motion_table.h"
+#include "apps/document/configuration_input.h"
 #include "apps/document/model.h"
 #include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
@@ -26,7 +27,7 @@ struct Request {
 
 constexpr double degree = M_PI / 180.0;
 
-/// What the entries of q mean, in order: "joint1: angle", ..., for the complaint about a wrong number of them.
+/// What the entries of q mean, in order: "joint1 [rad]", ..., for the complaint about a wrong number of them.
 std::string entriesOf(const Skeleton& skeleton) {
   std::string list;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
@@ -49,21 +50,11 @@ VectorXd configurationOf(const Skeleton& skeleton, const Request& request, const
     throw std::invalid_argument(fmt::format("'{}' needs {} values after --q ({}), {} given", request.model,
                                             skeleton.nq(), entriesOf(skeleton), request.q.size()));
   VectorXd q = *given;
-  if (!q.allFinite()) throw std::invalid_argument("the values after --q must be finite numbers");
-  for (int i = 0; i < skeleton.jointCount(); ++i) {
-    const Joint& joint = skeleton.joint(i);
-    for (std::size_t k = 0; k < joint.axes.size(); ++k)
-      if (request.degrees && joint.axes[k].kind == AxisDof::Kind::Rotation)
-        q[skeleton.qIndex(i) + static_cast<int>(k)] *= degree;
-    if (!joint.ball) continue;
-    const Eigen::Quaterniond rotation = ballRotation(skeleton, q, i);
-    if (!(std::abs(rotation.norm() - 1.0) < 1e-3))
-      throw std::invalid_argument(
-          fmt::format("the quaternion of '{}' must have length 1, not {:.6g}", joint.name, rotation.norm()));
-    setBallRotation(skeleton, q, i, rotation.normalized());
-  }
-  skeleton.couple(q);  // offsets are in radians
-  return q;
+  for (int i = 0; i < skeleton.jointCount(); ++i)
+    for (int k = 0; k < static_cast<int>(skeleton.joint(i).axes.size()); ++k)
+      if (request.degrees && skeleton.joint(i).axes[k].kind == AxisDof::Kind::Rotation)
+        q[skeleton.qIndex(i) + k] *= degree;
+  return checkedConfiguration(skeleton, std::move(q), "the values after --q");
 }
 
 /// Joints outside their limits are posed all the same; the user is told.

@@ -64,7 +64,8 @@ std::vector<Isometry3d> readPoses(const std::string& path) {
   return poses;
 }
 
-VectorXd wholeConfiguration(const Skeleton& skeleton, const SerialChain& chain, const VectorXd& q, VectorXd all) {
+VectorXd wholeConfiguration(const Skeleton& skeleton, const SerialChain& chain, const VectorXd& q,
+                            VectorXd all) {
   for (int i = 0; i < chain.n; ++i) all[chain.qIndex[i]] = q[i];
   skeleton.couple(all);
   return all;

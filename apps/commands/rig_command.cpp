@@ -127,7 +127,7 @@ bool rig(const std::string& path, const Request& request, json& all) {
   write(folder / (name + ".skeleton.out"),
         formatPinocchioSkeleton(body.skeleton, plainIds ? PinocchioIds::Indices : PinocchioIds::Names));
   write(folder / (name + ".attachment.out"),
-        formatPinocchioWeights(boneWeights(body.weights, body.skeleton)));
+        formatPinocchioWeights(boneTable(body.bones, body.skeleton.jointCount())));
   const Skin skin =
       bindSkin(mesh, restFrames(body.skeleton), fourLargest(body.weights, body.skeleton.jointCount()));
   writeGltf((folder / (name + ".glb")).string(), plainIds ? namedAsHuman(body.skeleton) : body.skeleton,

@@ -67,37 +67,41 @@ Targets readTargets(const std::string& path, int joint) {
 }
 
 /// Poses of a chain side by side; q of each. Empty where the problem is not of that kind.
-std::vector<VectorXd> solveInLanes(const BatchRequest& request, const Targets& targets, const VectorXd& start,
+std::vector<VectorXd> solveInLanes(const BatchProblem& problem, const std::vector<VectorXd>& starts,
                                    double& preparation) {
-  const SolverSpec choice = solverSpec(request.solver);
+  const SolverSpec choice = solverSpec(problem.solver);
   const bool serial = choice.name == "default" || choice.entry->name.starts_with("serial-pose");
-  if (!serial || targets.kind != GoalKind::Pose || !choice.values.empty()) return {};
+  if (!serial || problem.goals.empty() || problem.goals[0].kind != GoalKind::Pose || !choice.values.empty())
+    return {};
   const auto begin = Clock::now();
-  SerialChainResult result = extractSerialChain(request.skeleton, request.joint);
+  SerialChainResult result = extractSerialChain(problem.skeleton, problem.joint);
   if (!result.whyNot.empty()) return {};
   SerialPoseSolver solver(std::move(result.chain));
-  const int n = solver.chain().n, count = static_cast<int>(targets.goals.size());
+  const int n = solver.chain().n, count = static_cast<int>(problem.goals.size());
   constexpr int worthATable = 2000;  // targets: the table of starts takes some tenths of a second to make
   if (count >= worthATable) solver.buildSeedTable();
   preparation = since(begin);
   std::vector<Eigen::Isometry3d> poses(count, Eigen::Isometry3d::Identity());
-  std::vector<double> starts(static_cast<std::size_t>(count) * n);
+  std::vector<double> begins(static_cast<std::size_t>(count) * n);
   for (int i = 0; i < count; ++i) {
-    poses[i].translation() = targets.goals[i].target;
-    poses[i].linear() = targets.goals[i].orientation.toRotationMatrix();
-    for (int k = 0; k < n; ++k) starts[static_cast<std::size_t>(i) * n + k] = start[solver.chain().qIndex[k]];
+    const VectorXd& start = starts[starts.size() == 1 ? 0 : i];
+    poses[i].translation() = problem.goals[i].target;
+    poses[i].linear() = problem.goals[i].orientation.toRotationMatrix();
+    for (int k = 0; k < n; ++k) begins[static_cast<std::size_t>(i) * n + k] = start[solver.chain().qIndex[k]];
   }
   std::vector<KernelAnswer> answers(count);
-  solver.solveBatch(poses, starts, answers,
-                    {.positionTolerance = request.tolerance,
-                     .orientationTolerance = request.tolerance,
-                     .restarts = std::max(request.budget.restarts, 1),
-                     .seed = request.budget.seed,
+  solver.solveBatch(poses, begins, answers,
+                    {.positionTolerance = problem.tolerance,
+                     .orientationTolerance = problem.tolerance,
+                     .restarts = std::max(problem.budget.restarts, 1),
+                     .seed = problem.budget.seed,
                      .closestPose = false});
-  std::vector<VectorXd> all(count, start);
+  std::vector<VectorXd> all;
+  all.reserve(count);
   for (int i = 0; i < count; ++i) {
+    all.push_back(starts[starts.size() == 1 ? 0 : i]);
     for (int k = 0; k < n; ++k) all[i][solver.chain().qIndex[k]] = answers[i].q[k];
-    request.skeleton.couple(all[i]);
+    problem.skeleton->couple(all[i]);
   }
   return all;
 }
@@ -126,53 +130,74 @@ std::vector<char> coordinateIsAngle(const Skeleton& skeleton) {
   return angle;
 }
 
-BatchOutcome solveBatch(const BatchRequest& request) {
-  const auto begin = Clock::now();
-  BatchOutcome outcome;
-  const Targets targets = readTargets(request.targets, request.joint);
-  const VectorXd start = projectToLimits(request.skeleton, request.start);
-  IkProblem problem{.skeleton = &request.skeleton,
-                    .start = start,
+std::vector<BatchAnswer> solveGoals(const BatchProblem& batch, double* preparation) {
+  std::vector<VectorXd> starts;
+  for (const VectorXd& start : batch.starts) starts.push_back(projectToLimits(batch.skeleton, start));
+  const std::size_t count = batch.goals.size();
+  if (starts.empty() || (starts.size() != 1 && starts.size() != count))
+    throw std::invalid_argument("a batch wants one start, or one a target");
+  IkProblem problem{.skeleton = &batch.skeleton,
+                    .start = starts[0],
                     .goals = {},
-                    .positionTolerance = request.tolerance,
-                    .orientationTolerance = request.tolerance};
-  std::vector<VectorXd> together = solveInLanes(request, targets, start, outcome.preparation);
-  const auto solver = makeSolver(request.solver);
+                    .positionTolerance = batch.tolerance,
+                    .orientationTolerance = batch.tolerance};
+  double seconds = 0.0;
+  std::vector<VectorXd> together = solveInLanes(batch, starts, seconds);
+  const auto solver = makeSolver(batch.solver);
   bool prepared = false;
-
-  const std::vector<char> angle = coordinateIsAngle(request.skeleton);
-  std::vector<std::string> header{"row", "status", "solved", "position_error", "orientation_error"};
-  for (std::string& name : coordinateNames(request.skeleton)) header.push_back(std::move(name));
-  std::string text = csvLine(std::span<const std::string>(header));
-  text.reserve(64 + 24 * (header.size() * targets.goals.size()));
-  for (std::size_t i = 0; i < targets.goals.size(); ++i) {
-    problem.goals.assign(1, targets.goals[i]);
-    VectorXd q;
-    Stop why = Stop::Converged;
+  std::vector<BatchAnswer> answers(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    BatchAnswer& answer = answers[i];
+    problem.goals.assign(1, batch.goals[i]);
     Judgement verdict;
     if (!together.empty()) {
-      q = std::move(together[i]);
-      verdict = judge(problem, q);
+      answer.q = std::move(together[i]);
+      verdict = judge(problem, answer.q);
     }
     if (!verdict.solved) {  // alone, and then the closest pose
       if (!prepared) {
         const auto now = Clock::now();
-        solver->prepare(request.skeleton);
+        solver->prepare(batch.skeleton);
         prepared = true;
-        outcome.preparation += since(now);
+        seconds += since(now);
       }
-      IkReport report = solver->solve(problem, request.budget, TraceLevel::Off);
-      q = std::move(report.q);
-      why = report.why;
-      verdict = judge(problem, q);
+      if (starts.size() > 1) problem.start = starts[i];
+      IkReport report = solver->solve(problem, batch.budget, TraceLevel::Off);
+      answer.q = std::move(report.q);
+      answer.why = report.why;
+      verdict = judge(problem, answer.q);
     }
-    const bool solved = verdict.solved && why != Stop::Unsupported;
-    outcome.solved += solved;
-    text += std::to_string(i + 1) + ',' + toString(why) + (solved ? ",1," : ",0,");
-    const GoalError error = verdict.goals.empty() ? GoalError{} : verdict.goals[0];
-    text += exactNumber(error.position) + ',' + exactNumber(error.orientation);
-    for (Eigen::Index k = 0; k < q.size(); ++k)
-      text += ',' + exactNumber(request.degrees && angle[k] ? q[k] * 180.0 / M_PI : q[k]);
+    answer.solved = verdict.solved && answer.why != Stop::Unsupported;
+    if (!verdict.goals.empty()) answer.error = verdict.goals[0];
+  }
+  if (preparation) *preparation = seconds;
+  return answers;
+}
+
+BatchOutcome solveBatch(const BatchRequest& request) {
+  const auto begin = Clock::now();
+  BatchOutcome outcome;
+  const Targets targets = readTargets(request.targets, request.joint);
+  const std::vector<BatchAnswer> answers = solveGoals({.skeleton = request.skeleton,
+                                                       .joint = request.joint,
+                                                       .starts = {request.start},
+                                                       .goals = targets.goals,
+                                                       .solver = request.solver,
+                                                       .tolerance = request.tolerance,
+                                                       .budget = request.budget},
+                                                      &outcome.preparation);
+  const std::vector<char> angle = coordinateIsAngle(request.skeleton);
+  std::vector<std::string> header{"row", "status", "solved", "position_error", "orientation_error"};
+  for (std::string& name : coordinateNames(request.skeleton)) header.push_back(std::move(name));
+  std::string text = csvLine(std::span<const std::string>(header));
+  text.reserve(64 + 24 * (header.size() * answers.size()));
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const BatchAnswer& answer = answers[i];
+    outcome.solved += answer.solved;
+    text += std::to_string(i + 1) + ',' + toString(answer.why) + (answer.solved ? ",1," : ",0,");
+    text += exactNumber(answer.error.position) + ',' + exactNumber(answer.error.orientation);
+    for (Eigen::Index k = 0; k < answer.q.size(); ++k)
+      text += ',' + exactNumber(request.degrees && angle[k] ? answer.q[k] * 180.0 / M_PI : answer.q[k]);
     text += '\n';
   }
   outcome.targets = static_cast<int>(targets.goals.size());

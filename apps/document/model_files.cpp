@@ -131,7 +131,7 @@ void standWhereMotionBegins(Model& model) {
 void findUp(const FileFormat& format, const std::string& wanted, Model& model) {
   if (!wanted.empty() && format.saysUp)
     throw std::invalid_argument(std::string(format.description) +
-                                "s say which axis is up; another cannot be given");
+                                " says which axis is up; another cannot be given");
   if (!wanted.empty() && wanted != "y" && wanted != "z")
     throw std::invalid_argument("the axis that points up is y or z, not '" + wanted + "'");
   if (!wanted.empty()) model.up = wanted == "z" ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
@@ -143,7 +143,7 @@ void findUp(const FileFormat& format, const std::string& wanted, Model& model) {
   }
   model.up = upOf(model.skeleton, some, standingParts(model.skeleton));
   if (model.up.z() > 0.5)
-    tellFact(model.notes, "up-axis", 
+    tellFact(model.notes, "up-axis",
              "the body stands along z, which is taken as up (--up chooses; convert --up-in z turns it)");
 }
 
@@ -231,7 +231,8 @@ std::vector<Note> modelNotes(const Model& model) {
     const Joint& mover = joint.coupling ? skeleton.joint(joint.coupling->source) : joint;
     const bool own = mover.ball || std::any_of(mover.axes.begin(), mover.axes.end(),
                                                [](const AxisDof& dof) { return dof.lower < dof.upper; });
-    if (!own && !joint.coupling && !joint.axes.empty() && !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
+    if (!own && !joint.coupling && !joint.axes.empty() &&
+        !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
       locked.push_back(joint.name);
     moved[i] = own || (joint.parent >= 0 && moved[joint.parent]);
     if (!moved[i] && i > 0) unmoved.push_back(joint.name);

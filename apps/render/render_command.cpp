@@ -293,17 +293,26 @@ void renderMuscleSheet(const Request& request) {
   fmt::print("{}: {}, {}, {}\n", request.output, model.name, limb.name, glRenderer());
 }
 
+/// By the name's ending: PNG, or the pixels as they are for programs that read them (PPM, P6).
+void writePicture(const std::string& path, const Image& image) {
+  if (!endsWith(path, ".ppm")) return writePng(path, image);
+  std::string text = fmt::format("P6\n{} {}\n255\n", image.width, image.height);
+  for (std::size_t i = 0; i < image.pixels.size(); i += 4)
+    text.append(reinterpret_cast<const char*>(&image.pixels[i]), 3);
+  writeFile(path, text);
+}
+
 void render(const Request& request) {
   const bool video = endsWith(request.output, ".mp4");
   if (!request.muscleSheet.empty()) return renderMuscleSheet(request);
-  if (!video && !endsWith(request.output, ".png"))
-    throw std::invalid_argument("--output: expected a name ending in .png or .mp4, found '" + request.output +
-                                "'");
+  if (!video && !endsWith(request.output, ".png") && !endsWith(request.output, ".ppm"))
+    throw std::invalid_argument("--output: expected a name ending in .png, .ppm or .mp4, found '" +
+                                request.output + "'");
   Studio studio(request);
   if (video)
     writeTurntable(studio, request);
   else
-    writePng(request.output, studio.picture());
+    writePicture(request.output, studio.picture());
   fmt::print("{}: {} x {}, {}, {}\n", request.output, studio.viewport().width, studio.viewport().height,
              studio.model().name, glRenderer());
 }
@@ -312,8 +321,8 @@ void render(const Request& request) {
 
 void addRenderCommand(Command& app) {
   const auto request = std::make_shared<Request>();
-  Command command =
-      app.command("render", "Draw a model or a scene into a picture (.png) or a turntable video (.mp4)");
+  Command command = app.command(
+      "render", "Draw a model or a scene into a picture (.png, .ppm) or a turntable video (.mp4)");
   command.option("input", request->input, "Built-in model, model file or scene (.json)").required();
   command.option("-o,--output", request->output, "Picture or video to write").required();
   command.option("--skeleton", request->files.skeleton, "Skeleton file that goes with an OBJ");
@@ -325,8 +334,10 @@ void addRenderCommand(Command& app) {
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--clip", request->files.clip,
                  "Which motion of a file that names several; default: the first");
-  command.option("--up", request->files.up,
-                 "The axis that points up where the format does not say it; default: along which the body stands")
+  command
+      .option(
+          "--up", request->files.up,
+          "The axis that points up where the format does not say it; default: along which the body stands")
       .oneOf({"y", "z"});
   command.option("--frame", request->frame, "Pose of this frame of the motion, from 1").positive();
   command.flag("--bind-pose", request->bindPose,

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "apps/render/overlay_gl.h"
-#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/driver.h"
 #include "skinning/gpu/render_target.h"
 
 namespace gelenk {
@@ -186,15 +186,13 @@ FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const View
 GlTexture mapTexture(GLenum internal, int size, GLenum format, GLenum filter) {
   GlTexture texture = GlTexture::create();
   glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), size, size, 0, format, GL_FLOAT, nullptr);
+  const GLenum type = format == GL_DEPTH_COMPONENT ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE;
+  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), size, size, 0, format, type, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  const GLint wrap = internal == GL_DEPTH_COMPONENT24 ? GL_CLAMP_TO_BORDER : GL_CLAMP_TO_EDGE;
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);
-  const float farthest[] = {1.0f, 1.0f, 1.0f, 1.0f};
-  glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, farthest);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   glBindTexture(GL_TEXTURE_2D, 0);
   return texture;
 }
@@ -204,7 +202,8 @@ GlFramebuffer framebufferOf(const GlTexture& texture, GLenum attachment, const c
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
   if (attachment == GL_DEPTH_ATTACHMENT) {
-    glDrawBuffer(GL_NONE);
+    const GLenum none = GL_NONE;
+    glDrawBuffers(1, &none);
     glReadBuffer(GL_NONE);
   }
   requireCompleteFramebuffer(what);
@@ -238,7 +237,7 @@ struct Renderer::State {
   GlFramebuffer shadowBuffer, contactBuffer, noisyGroundLightBuffer, groundLightBuffer;
   GLuint comparing = 0, plain = 0;  ///< sampler objects: the shadow map with and without comparison
 
-  RenderTarget large, resolved, small;
+  RenderTarget large, resolved;
 
   State();
   ~State();
@@ -258,10 +257,9 @@ Renderer::State::State() {
   glGenSamplers(1, &comparing);
   glGenSamplers(1, &plain);
   for (const GLuint sampler : {comparing, plain}) {
-    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-    const float farthest[] = {1.0f, 1.0f, 1.0f, 1.0f};
-    glSamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, farthest);
+    // Casters end before the map's rim (lightingOf), so that what lies beyond is lit.
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, sampler == plain ? GL_NEAREST : GL_LINEAR);
     glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, sampler == plain ? GL_NEAREST : GL_LINEAR);
   }
@@ -293,19 +291,16 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
   return programs.emplace(name, std::move(made)).first->second;
 }
 
-/// name: the vertex shader; a fragment shader of the same name is used for surface and contact.
+/// name: the vertex shader, and but for depth the fragment shader.
 const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const BodyInstance& body,
                                                   bool wireframe) {
-  const bool inTexture = body.mesh->storage() == PoseStorage::TextureBuffer;
-  const std::string vertex = name + ".vert", fragment = name == "depth" ? "" : name + ".frag";
+  const bool inTexture = body.mesh->storage() == PoseStorage::Texture;
+  const std::string vertex = name + ".vert", fragment = (name == "depth" ? "nothing" : name) + ".frag";
   const std::string defines = std::string(inTexture ? "POSE_IN_TEXTURE " : "") +
                               (wireframe ? "WIREFRAME " : "") +
                               (isLayered(body) ? layerDefines(*body.pose) : "");
-  return program(name + " " + defines, {.folder = rendererShaders(),
-                                        .vertex = vertex,
-                                        .geometry = wireframe ? "surface.geom" : "",
-                                        .fragment = fragment,
-                                        .defines = defines});
+  return program(name + " " + defines,
+                 {.folder = rendererShaders(), .vertex = vertex, .fragment = fragment, .defines = defines});
 }
 
 /// Resolution of the light: fine for still pictures (supersampling) and on hardware, coarse where every texel
@@ -332,8 +327,6 @@ void Renderer::State::prepareTargets(const Viewport& viewport) {
     large = RenderTarget(width, height, Colour::Srgb8, samples);
     resolved = samples > 0 ? RenderTarget(width, height, Colour::Srgb8) : RenderTarget();
   }
-  if (n > 1 && (small.width() != viewport.width || small.height() != viewport.height))
-    small = RenderTarget(viewport.width, viewport.height, Colour::Srgb8);
 }
 
 void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& light) {
@@ -403,13 +396,20 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
               throughSkin ? 0.90f : body.tint.a);
   glUniform1f(surface.uniform("vertexColourShare"), body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
+  glUniform1i(surface.uniform("vertexCount"), body.mesh->vertexCount());
   poses[index].bind();
-  if (!translucent) return body.mesh->drawTriangles(isLayered(body));
+  const auto drawTriangles = [&] {
+    if (body.wireframe)
+      body.mesh->drawTrianglesByCorner(isLayered(body));
+    else
+      body.mesh->drawTriangles(isLayered(body));
+  };
+  if (!translucent) return drawTriangles();
   // Depth first, so that only the nearest layer of a translucent body is seen.
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  body.mesh->drawTriangles(isLayered(body));
+  drawTriangles();
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  body.mesh->drawTriangles(isLayered(body));
+  drawTriangles();
 }
 
 void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {
@@ -441,26 +441,17 @@ void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
                       GL_COLOR_BUFFER_BIT, GL_NEAREST);
     picture = &resolved;
   }
-  if (supersampling > 1) {
-    glBindFramebuffer(GL_FRAMEBUFFER, small.framebuffer());
-    glViewport(0, 0, small.width(), small.height());
-    const ShaderProgram& average = program(
-        "average", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "average.frag"});
-    average.use();
-    glUniform1i(average.uniform("large"), ContactUnit);
-    glUniform1i(average.uniform("factor"), supersampling);
-    bindTexture(ContactUnit, picture->texture());
-    glBindVertexArray(noVertices);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    picture = &small;
-  }
-  glDisable(GL_FRAMEBUFFER_SRGB);  // from here on bytes are copied as they are
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture->framebuffer());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, viewport.width, viewport.height, 0, 0, viewport.width, viewport.height,
-                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  encodeSrgbTargets(false);  // average.frag does it, for a target that keeps what is written
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, viewport.width, viewport.height);
+  const ShaderProgram& average =
+      program("average", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "average.frag"});
+  average.use();
+  glUniform1i(average.uniform("large"), ContactUnit);
+  glUniform1i(average.uniform("factor"), supersampling);
+  bindTexture(ContactUnit, picture->texture());
+  glBindVertexArray(noVertices);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 Renderer::Renderer() : state_(std::make_unique<State>()) {}
@@ -510,7 +501,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
 
   glBindFramebuffer(GL_FRAMEBUFFER, gl.large.framebuffer());
   glViewport(0, 0, enlarged.width, enlarged.height);
-  glEnable(GL_FRAMEBUFFER_SRGB);
+  encodeSrgbTargets(true);
   glEnable(GL_DEPTH_TEST);
   glClear(GL_DEPTH_BUFFER_BIT);
   gl.drawBodies(scene, false);

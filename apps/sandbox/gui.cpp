@@ -33,6 +33,12 @@ void mapKeys(ImGuiIO& io) {
   io.KeyMap[ImGuiKey_Z] = GLFW_KEY_Z;
 }
 
+#ifdef __EMSCRIPTEN__
+constexpr const char* glslVersion = "#version 300 es";
+#else
+constexpr const char* glslVersion = "#version 330";
+#endif
+
 }  // namespace
 
 Gui::Gui() {
@@ -44,7 +50,7 @@ Gui::Gui() {
   io.BackendPlatformName = "gelenk";
   io.ConfigWindowsMoveFromTitleBarOnly = true;
   mapKeys(io);
-  ImGui_ImplOpenGL3_Init("#version 330");
+  ImGui_ImplOpenGL3_Init(glslVersion);
 }
 
 Gui::~Gui() {

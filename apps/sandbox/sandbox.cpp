@@ -12,7 +12,7 @@
 #include "apps/document/model_files.h"
 #include "apps/document/scene_file.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/driver.h"
 #include "skinning/gpu/render_target.h"
 #include "solvers/lab/sweep.h"
 

@@ -25,6 +25,7 @@ struct SandboxOptions {
   Theme theme = Theme::Light;
   std::string solver = "drag";             ///< with or without values of parameters in brackets
   std::vector<std::string> settings = {};  ///< values of its parameters, "dls.lambda=0.1"
+  std::function<void()> chooseFiles = {};  ///< asks for files to open; empty: the sandbox's own dialog
 };
 
 /// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.

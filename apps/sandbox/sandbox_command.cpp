@@ -2,12 +2,14 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/image.h"
+#include "apps/sandbox/remote.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/window.h"
@@ -22,7 +24,7 @@ struct Arguments {
   SandboxOptions sandbox;
   std::string replay, screenshot, status, size = "1280x800", theme = "light";
   double scale = 0.0;
-  bool offscreen = false, verbose = false;
+  bool offscreen = false, verbose = false, remote = false;
   int frames = 0;
 };
 
@@ -63,14 +65,24 @@ void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Cloc
   ViewPicture target;
   target.resize(width, height);
   InputQueue queue;
-  const int frames = arguments.frames > 0 ? arguments.frames : replay ? replay->length() + 1 : 1;
-  for (int i = 0; i < frames && !sandbox.wantsToClose(); ++i) {
+  std::optional<Remote> remote;
+  if (arguments.remote) remote.emplace([] {});
+  const int frames = remote && arguments.frames == 0 ? std::numeric_limits<int>::max()
+                     : arguments.frames > 0          ? arguments.frames
+                     : replay                        ? replay->length() + 1
+                                                     : 1;
+  for (int i = 0; i < frames && !sandbox.wantsToClose() && !(remote && remote->isOver()); ++i) {
+    if (remote) {
+      if (i > 0 && arguments.frames == 0) remote->wait(sandbox.rests());
+      remote->receive(sandbox);
+    }
     if (replay) replay->play(i, sandbox, queue);
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
     sandbox.frame(
         {.width = width, .height = height, .scale = arguments.sandbox.scale, .events = queue.take()},
         1.0 / 60.0);
     if (i == 0) tellStart(arguments, sandbox, begin);
+    if (remote) remote->tell(sandbox);
     if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
   }
   if (!arguments.screenshot.empty())
@@ -86,14 +98,17 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
   options.scale = input.scale;
   Sandbox sandbox(options);
   InputQueue queue;
+  std::optional<Remote> remote;
+  if (arguments.remote) remote.emplace(&Window::wake);
   auto last = Clock::now();
-  for (int i = 0;
-       !window.shouldClose() && !sandbox.wantsToClose() && (arguments.frames == 0 || i < arguments.frames);
+  for (int i = 0; !window.shouldClose() && !sandbox.wantsToClose() && !(remote && remote->isOver()) &&
+                  (arguments.frames == 0 || i < arguments.frames);
        ++i) {
     // A window at rest is not drawn again. Replays and counted frames go through without a pause.
     if (!replay && arguments.frames == 0 && !window.hasEvents())
       if (const double rests = sandbox.rests(); rests > 0.0) window.wait(rests);
     input = window.poll(arguments.scale);
+    if (remote) remote->receive(sandbox);
     if (replay) {
       replay->play(i, sandbox, queue);
       for (InputEvent& event : queue.take()) input.events.push_back(std::move(event));
@@ -107,6 +122,7 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
     if (lastFrame && !arguments.screenshot.empty())
       writePng(arguments.screenshot, {input.width, input.height, readPixels(0, input.width, input.height)});
     window.swap();
+    if (remote) remote->tell(sandbox);
     if (i == 0) tellStart(arguments, sandbox, begin);
     if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
   }
@@ -147,8 +163,10 @@ void addSandboxCommand(Command& app) {
   command.option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
   command.option("--clip", a.sandbox.files.clip,
                  "Which motion of a file that names several; default: the first");
-  command.option("--up", a.sandbox.files.up,
-                 "The axis that points up where the format does not say it; default: along which the body stands")
+  command
+      .option(
+          "--up", a.sandbox.files.up,
+          "The axis that points up where the format does not say it; default: along which the body stands")
       .oneOf({"y", "z"});
   command.option("--mapping", a.sandbox.files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
@@ -164,6 +182,8 @@ void addSandboxCommand(Command& app) {
   command.option("--solver", a.sandbox.solver, "Solver while dragging").showDefault();
   command.option("--set", a.sandbox.settings,
                  "A parameter of the solver, such as dls.lambda=0.1 (repeatable)");
+  command.flag("--remote", a.remote,
+               "Driven by a program over standard input and output, a JSON object a line (docs/sandbox.md)");
   command.flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
   command.run([arguments] { run(*arguments); });
 }

@@ -164,6 +164,7 @@ void glowLimits(Sandbox& sandbox);
 void drawMarks(Sandbox& sandbox);
 
 // shell.cpp: menu bar, inspector, strip, status line, dialogs
+void askForFiles(Sandbox::State& state);
 Layout layOut(const Sandbox::State& state, int width, int height);
 void drawShell(Sandbox& sandbox);
 

@@ -7,7 +7,7 @@
 #include "apps/document/model.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/forward_kinematics.h"
-#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/driver.h"
 
 namespace gelenk {
 namespace {
@@ -33,7 +33,7 @@ void openDialog(Sandbox::State& s, Sandbox::State::Dialog dialog) {
 void fileMenu(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!ImGui::BeginMenu("File")) return;
-  if (ImGui::MenuItem("Open…", "Ctrl+O")) openDialog(s, Sandbox::State::Dialog::OpenFile);
+  if (ImGui::MenuItem("Open…", "Ctrl+O")) askForFiles(s);
   if (ImGui::MenuItem("Save scene", "Ctrl+S")) {
     if (s.scenePath.empty())
       openDialog(s, Sandbox::State::Dialog::SaveScene);
@@ -325,6 +325,13 @@ void dialogs(Sandbox& sandbox) {
 }
 
 }  // namespace
+
+void askForFiles(Sandbox::State& s) {
+  if (s.options.chooseFiles)
+    s.options.chooseFiles();
+  else
+    s.dialog = Sandbox::State::Dialog::OpenFile;
+}
 
 Layout layOut(const Sandbox::State& s, int width, int height) {
   const float scale = s.scale, w = static_cast<float>(width), h = static_cast<float>(height);

@@ -1,6 +1,8 @@
 #include "apps/sandbox/ui_style.h"
 
+#ifndef __EMSCRIPTEN__
 #include <imgui_freetype.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -144,8 +146,10 @@ void applyStyle(Theme theme, float scale) {
 Fonts loadFonts(float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
+#ifndef __EMSCRIPTEN__  // there by Dear ImGui's own
   io.Fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
   io.Fonts->FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
+#endif
   static const ImWchar ranges[] = {0x20,   0xff,   0x370,  0x3ff,  0x2010, 0x2044, 0x2070,
                                    0x209f, 0x2190, 0x2193, 0x2200, 0x22ff, 0};
   const std::string folder = "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/";

@@ -232,7 +232,7 @@ bool controlKey(Sandbox& sandbox, int key) {
       else
         sandbox.saveSceneTo(s.scenePath);
       return true;
-    case GLFW_KEY_O: s.dialog = Sandbox::State::Dialog::OpenFile; return true;
+    case GLFW_KEY_O: askForFiles(s); return true;
     case GLFW_KEY_Q: s.closing = true; return true;
     default: return false;
   }

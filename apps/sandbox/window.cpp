@@ -1,14 +1,13 @@
 #include "apps/sandbox/window.h"
 
 #include <GLFW/glfw3.h>
-#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
 
-#include "skinning/gpu/offscreen_context.h"
+#include "skinning/gpu/driver.h"
 
 namespace gelenk {
 namespace {
@@ -121,6 +120,7 @@ void Window::wait(double seconds) {
     glfwWaitEvents();
 }
 
+void Window::wake() { glfwPostEmptyEvent(); }
 void Window::swap() { glfwSwapBuffers(window_); }
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 

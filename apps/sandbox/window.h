@@ -23,6 +23,8 @@ class Window {
   Input poll(double scale);
   /// Sleeps until something happens, or for so many seconds (infinity: as long as it takes).
   void wait(double seconds);
+  /// Ends a wait; from any thread.
+  static void wake();
   bool hasEvents() const { return !queue_.empty(); }
   void swap();
   void setTitle(const std::string& title);

@@ -92,8 +92,9 @@ std::vector<DofName> dofList(WordStream& words) {
     for (const DofName& other : dofs)
       if (other.rotation == dof.rotation && other.axis == dof.axis)
         words.failTaken("each degree of freedom once",
-                        dof.isLength() ? std::string("a second l")
-                                       : std::string("a second ") + (dof.rotation ? "r" : "t") + "xyz"[dof.axis]);
+                        dof.isLength()
+                            ? std::string("a second l")
+                            : std::string("a second ") + (dof.rotation ? "r" : "t") + "xyz"[dof.axis]);
     dofs.push_back(dof);
   }
   return dofs;

@@ -47,11 +47,11 @@ BvhMotion parseBvh(std::string_view text, const std::string& file, const BvhOpti
 
 /// A motion of any skeleton as BVH: the bind pose becomes the pose of zero angles, whatever frames the joints
 /// have in it. Joints that turn about coordinate axes in frames parallel to the world's keep their angles and
-/// their order, and get the channels they lack with zeros: Blender reads three rotations or none. All others get
-/// Zrotation Xrotation Yrotation. Joints that move along axes in this motion, and the root, get position
-/// channels, which stand in place of OFFSET; translations that stand still become part of OFFSET. Names are single words (blanks become '_') and numbers
-/// have no exponents, as the readers of Blender, Maya's scripts and three.js want them; the latter two cut
-/// names at blanks.
+/// their order, and get the channels they lack with zeros: Blender reads three rotations or none. All others
+/// get Zrotation Xrotation Yrotation. Joints that move along axes in this motion, and the root, get position
+/// channels, which stand in place of OFFSET; translations that stand still become part of OFFSET. Names are
+/// single words (blanks become '_') and numbers have no exponents, as the readers of Blender, Maya's scripts
+/// and three.js want them; the latter two cut names at blanks.
 std::string formatBvh(const Skeleton& skeleton, const MotionClip& clip, double metresPerUnit = 1.0);
 
 }  // namespace gelenk

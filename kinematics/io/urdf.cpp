@@ -223,7 +223,8 @@ class Reader {
     if (!skeleton.rest().allFinite())
       throw ParseError(file_, 0, "mimics with a finite rest pose", "an overflow");
     const bool coupled = !skeleton.followers().empty();
-    robot_.skeleton = coupled ? Skeleton(std::move(list), projectToLimits(skeleton, skeleton.rest())) : skeleton;
+    robot_.skeleton =
+        coupled ? Skeleton(std::move(list), projectToLimits(skeleton, skeleton.rest())) : skeleton;
     if (masses_.total() > 0.0) robot_.masses = std::move(masses_);
   }
 
@@ -274,8 +275,9 @@ class Reader {
     }
     std::map<int, AxisDof> ranges;  // of sources, as far as followers were looked at
     for (const int joint : followers)
-      fitLimits(list[joint], ranges.try_emplace(list[joint].coupling->source,
-                                                list[list[joint].coupling->source].axes[0]).first->second,
+      fitLimits(list[joint],
+                ranges.try_emplace(list[joint].coupling->source, list[list[joint].coupling->source].axes[0])
+                    .first->second,
                 list[list[joint].coupling->source].name);
     if (!followers.empty()) {
       std::vector<std::string> names;
@@ -285,8 +287,8 @@ class Reader {
     }
   }
 
-  /// A follower's limits hold its source too. Where they leave it no way at all (copied from the other finger,
-  /// say, which turns against it), they are passed over, as other programs do with all of them.
+  /// A follower's limits hold its source too. Where they leave it no way at all (copied from the other
+  /// finger, say, which turns against it), they are passed over, as other programs do with all of them.
   void fitLimits(Joint& follower, AxisDof& range, const std::string& source) {
     const Coupling& c = *follower.coupling;
     AxisDof& own = follower.axes[0];

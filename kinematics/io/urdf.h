@@ -36,7 +36,8 @@ struct UrdfRobot {
 /// about the axis, prismatic slides along it, planar slides along two axes and turns about its normal,
 /// floating moves freely, fixed has no dof. rpy = (r, p, y): R = Rz(y) Ry(p) Rx(r). Metres and radians, z
 /// mostly up. Zeros outside limits are allowed: the rest configuration is then the nearest end of the range.
-/// What mimics a joint that mimics another one follows the last of them (Coupling); its limits hold for that too.
+/// What mimics a joint that mimics another one follows the last of them (Coupling); its limits hold for that
+/// too.
 ///
 /// Throws ParseError: XML that is not well formed or nests deeper than 200, a root element other than robot,
 /// missing names, parents or children, unknown links or joint types, a link with two parents, no or two root

@@ -39,9 +39,9 @@ struct StandingPose {
 StandingPose standingPose(const Skeleton& skeleton, const MotionClip& clip, const StandingParts& parts,
                           const Eigen::Vector3d& up);
 
-/// The axis that points up, y or z: z only where the body stands along it and nowhere along y. Where names tell
-/// nothing, it stands along an axis on the lowest of its ends, at least two, left and right (x) of its middle;
-/// at rest and in the first frame.
+/// The axis that points up, y or z: z only where the body stands along it and nowhere along y. Where names
+/// tell nothing, it stands along an axis on the lowest of its ends, at least two, left and right (x) of its
+/// middle; at rest and in the first frame.
 Eigen::Vector3d upOf(const Skeleton& skeleton, const MotionClip& clip, const StandingParts& parts);
 
 }  // namespace gelenk

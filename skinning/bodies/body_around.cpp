@@ -57,7 +57,7 @@ int headWithFace(const Skeleton& skeleton) {
   return -1;
 }
 
-/// Bones of which those of a face are one, round: the head, as far on along the neck as the face reaches out.
+/// Bones of which those of a face are one, the head, on along the neck about as far as the face reaches out.
 struct BodyBones {
   std::vector<Bone> bones;
   int head = -1;  ///< joint; see headWithFace
@@ -74,7 +74,7 @@ BodyBones bodyBones(const Skeleton& skeleton, const Frames& frames) {
   std::erase_if(result.bones, [&](const Bone& b) { return skeleton.isAncestor(result.head, b.joint); });
   const auto before = std::find_if(result.bones.begin(), result.bones.end(),
                                    [&](const Bone& b) { return b.joint > result.head; });
-  result.bones.insert(before, {result.head, at, at + reach * along.normalized()});
+  result.bones.insert(before, {result.head, at, at + 0.6 * reach * along.normalized()});
   return result;
 }
 
@@ -100,7 +100,7 @@ std::vector<Link> linksOf(const Skeleton& skeleton, double thickness) {
   for (Link& link : links)
     link.endRadius = link.endRadius > 0.0 ? std::min(link.endRadius, link.radius) : 0.75 * link.radius;
   for (Link& link : links)
-    if (head >= 0 && link.bone.joint == head) link.radius = link.endRadius = 0.55 * link.bone.length();
+    if (head >= 0 && link.bone.joint == head) link.radius = link.endRadius = 0.8 * link.bone.length();
   return links;
 }
 

@@ -15,8 +15,8 @@ struct BodyAroundOptions {
 
 /// A body of rounded links around the bones of any skeleton in its rest pose, free of units: radii follow
 /// from lengths. A bone of length l gets r = 0.13 l^0.7 L^0.3, L the longest one, but is no thinner than what
-/// it carries: the radii of its children add up as r^2.5 (da Vinci's rule for trees), up to 0.19 L. A head whose
-/// face has joints of its own is one round part. A mechanism that moves in one plane gets a flat body.
+/// it carries: the radii of its children add up as r^2.5 (da Vinci's rule for trees), up to 0.19 L. A head
+/// whose face has joints of its own is one round part. A mechanism that moves in one plane gets a flat body.
 BodyShape shapeAround(const Skeleton& skeleton);
 
 /// The same as a closed manifold mesh with normals, in the skeleton's rest pose.

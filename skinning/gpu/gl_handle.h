@@ -1,8 +1,8 @@
 #pragma once
 
-#include <epoxy/gl.h>
-
 #include <utility>
+
+#include "skinning/gpu/gl.h"
 
 namespace gelenk {
 

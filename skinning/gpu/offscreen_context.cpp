@@ -106,27 +106,6 @@ void OffscreenContext::makeCurrent() const {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
 }
 
-std::string glRenderer() {
-  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return name ? name : "unknown renderer";
-}
-
-bool isSoftwareRenderer() {
-  const std::string name = glRenderer();
-  for (const char* software : {"llvmpipe", "softpipe", "SwiftShader", "swrast"})
-    if (name.find(software) != std::string::npos) return true;
-  return false;
-}
-
-void requireOpenGl33(int major, int minor, const std::string& renderer) {
-  if (10 * major + minor >= 33) return;
-  throw std::runtime_error("OpenGL 3.3 is needed, but " + renderer + " offers " + std::to_string(major) +
-                           "." + std::to_string(minor) +
-                           "; a newer driver, or the software renderer (LIBGL_ALWAYS_SOFTWARE=1), would do");
-}
-
-void requireOpenGl33() { requireOpenGl33(epoxy_gl_version() / 10, epoxy_gl_version() % 10, glRenderer()); }
-
 GlDebugLog::GlDebugLog() {
   available_ = epoxy_has_gl_extension("GL_KHR_debug");
   if (!available_) return;

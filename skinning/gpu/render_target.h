@@ -10,8 +10,8 @@ namespace gelenk {
 /// A framebuffer of its own: one colour attachment and a 24-bit depth attachment.
 class RenderTarget {
  public:
-  /// Rgba8 keeps what is written, as a window does; Srgb8 encodes on writing while GL_FRAMEBUFFER_SRGB is
-  /// enabled.
+  /// Rgba8 keeps what is written, as a window does; Srgb8 encodes on writing while
+  /// encodeSrgbTargets is on.
   enum class Colour { Rgba8, Srgb8 };
 
   RenderTarget() = default;  ///< nothing; a place to assign to

@@ -24,7 +24,7 @@ std::string withIncludes(ShaderFolder folder, std::string_view name) {
 }
 
 std::string header(std::string_view defines) {
-  std::string text = "#version 330 core\n";
+  std::string text = glslHeader;
   while (!defines.empty()) {
     const std::size_t end = std::min(defines.find(' '), defines.size());
     if (end > 0) text += "#define " + std::string(defines.substr(0, end)) + " 1\n";
@@ -50,21 +50,19 @@ void attach(GLuint program, GLenum stage, const ProgramText& text, std::string_v
   glShaderSource(shader, 1, &pointer, nullptr);
   glCompileShader(shader);
   glAttachShader(program, shader);
-  glDeleteShader(shader);
   GLint compiled = GL_FALSE;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-  if (!compiled)
-    throw std::runtime_error(
-        "the shader " + std::string(name) + " does not compile: " +
-        logOf(shader, [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetShaderInfoLog(o, n, l, t); }));
+  const std::string log =
+      logOf(shader, [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetShaderInfoLog(o, n, l, t); });
+  glDeleteShader(shader);
+  if (!compiled) throw std::runtime_error("the shader " + std::string(name) + " does not compile: " + log);
 }
 
 }  // namespace
 
 ShaderProgram::ShaderProgram(const ProgramText& text) : program_(GlProgram::create()) {
   attach(program_, GL_VERTEX_SHADER, text, text.vertex);
-  if (!text.geometry.empty()) attach(program_, GL_GEOMETRY_SHADER, text, text.geometry);
-  if (!text.fragment.empty()) attach(program_, GL_FRAGMENT_SHADER, text, text.fragment);
+  attach(program_, GL_FRAGMENT_SHADER, text, text.fragment);
   if (!text.captured.empty())
     glTransformFeedbackVaryings(program_, static_cast<GLsizei>(text.captured.size()), text.captured.data(),
                                 GL_INTERLEAVED_ATTRIBS);

@@ -22,13 +22,12 @@ ShaderFolder skinningShaders();  ///< skinning/gpu/shaders
 struct ProgramText {
   ShaderFolder folder;
   std::string_view vertex;
-  std::string_view geometry = "";          ///< file name, or empty
-  std::string_view fragment = "";          ///< file name, or empty where nothing is drawn
+  std::string_view fragment = "";
   std::string_view defines = "";           ///< words to define, separated by blanks
   std::vector<const char*> captured = {};  ///< outputs of transform feedback, interleaved
 };
 
-/// A linked GLSL 3.30 program.
+/// A linked program, GLSL 3.30 or in a browser GLSL ES 3.00: shaders keep to what both have.
 class ShaderProgram {
  public:
   ShaderProgram() = default;

@@ -35,8 +35,6 @@ void fill(GLenum target, const GlBuffer& buffer, const std::vector<T>& data, GLe
   glBufferData(target, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), usage);
 }
 
-const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
-
 std::vector<ShapeVertex> shapeVertices(const std::vector<Eigen::Vector3d>& positions,
                                        const std::vector<Eigen::Vector3d>& normals) {
   std::vector<ShapeVertex> vertices(positions.size());
@@ -112,73 +110,124 @@ std::vector<SculptureVertex> sculptureVertices(const MuscleSkin& body,
   return vertices;
 }
 
-void floatAttribute(GLuint location, GLint components, GLsizei stride, std::size_t at) {
-  glEnableVertexAttribArray(location);
-  glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, stride, offset(at));
+/// A triangle's k-th corner is its vertex in the k-th copy of all vertices.
+template <class Triangle>
+std::vector<Triangle> indicesByCorner(std::vector<Triangle> triangles, int vertexCount) {
+  for (Triangle& triangle : triangles)
+    for (int k = 1; k < 3; ++k) triangle[k] += k * vertexCount;
+  return triangles;
 }
 
 }  // namespace
 
 PoseStorage poseStorage(int jointCount) {
-  return jointCount <= maxBlockJoints ? PoseStorage::UniformBlock : PoseStorage::TextureBuffer;
+  return jointCount <= maxBlockJoints ? PoseStorage::UniformBlock : PoseStorage::Texture;
 }
 
-void PoseGl::upload(const SkinPose& pose) {
-  const GLsizeiptr bytes = static_cast<GLsizeiptr>(pose.rows.size() * sizeof(float));
-  storage_ = poseStorage(pose.jointCount());
-  const bool inBlock = storage_ == PoseStorage::UniformBlock;
-  const GLenum target = inBlock ? GL_UNIFORM_BUFFER : GL_TEXTURE_BUFFER;
-  const GLsizeiptr needed = inBlock ? maxBlockJoints * 48 : bytes;  // a block must be backed in full
-  if (buffer_ == 0) buffer_ = GlBuffer::create();
-  glBindBuffer(target, buffer_);
-  if (capacity_ < needed) {
-    glBufferData(target, needed, nullptr, GL_STREAM_DRAW);
-    capacity_ = needed;
-  }
-  glBufferSubData(target, 0, bytes, pose.rows.data());
-  glBindBuffer(target, 0);
-  if (!pose.layers.empty()) {
-    constexpr GLsizeiptr whole = maxLayerRows * 16;
-    if (layers_ == 0) {
-      layers_ = GlBuffer::create();
-      glBindBuffer(GL_UNIFORM_BUFFER, layers_);
-      glBufferData(GL_UNIFORM_BUFFER, whole, nullptr, GL_STREAM_DRAW);
-    }
-    glBindBuffer(GL_UNIFORM_BUFFER, layers_);
-    glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(pose.layers.size() * sizeof(float)),
-                    pose.layers.data());
-    glBindBuffer(GL_UNIFORM_BUFFER, 0);
-  }
-  if (inBlock || texture_ != 0) return;
+namespace {
 
+/// Floats into a uniform block of so many bytes, which must be backed in full.
+void writeBlock(GlBuffer& buffer, GLsizeiptr whole, const std::vector<float>& data) {
+  const bool isNew = buffer == 0;
+  if (isNew) buffer = GlBuffer::create();
+  glBindBuffer(GL_UNIFORM_BUFFER, buffer);
+  if (isNew) glBufferData(GL_UNIFORM_BUFFER, whole, nullptr, GL_STREAM_DRAW);
+  glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(data.size() * sizeof(float)), data.data());
+  glBindBuffer(GL_UNIFORM_BUFFER, 0);
+}
+
+/// A texture of so many lines of 341 joints.
+GlTexture poseTexture(int lines) {
   GLint limit = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-  if (bytes / 16 > limit)
-    throw std::runtime_error("this renderer's texture buffers hold " + std::to_string(limit / 3) +
-                             " joints, the skeleton has " + std::to_string(pose.jointCount()));
-  texture_ = GlTexture::create();
-  glBindTexture(GL_TEXTURE_BUFFER, texture_);
-  glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, buffer_);
-  glBindTexture(GL_TEXTURE_BUFFER, 0);
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  if (lines > limit)
+    throw std::runtime_error("this renderer's textures hold " + std::to_string(limit * maxBlockJoints) +
+                             " joints, the skeleton has more");
+  GlTexture texture = GlTexture::create();
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 3 * maxBlockJoints, lines, 0, GL_RGBA, GL_FLOAT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  return texture;
+}
+
+}  // namespace
+
+void PoseGl::upload(const SkinPose& pose) {
+  if (!pose.layers.empty()) writeBlock(layers_, maxLayerRows * 16, pose.layers);
+  storage_ = poseStorage(pose.jointCount());
+  if (storage_ == PoseStorage::UniformBlock) return writeBlock(block_, maxBlockJoints * 48, pose.rows);
+  const int joints = pose.jointCount(), full = joints / maxBlockJoints, rest = joints % maxBlockJoints;
+  if (textureLines_ < full + 1) {
+    texture_ = poseTexture(full + 1);
+    textureLines_ = full + 1;
+  }
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 3 * maxBlockJoints, full, GL_RGBA, GL_FLOAT, pose.rows.data());
+  if (rest > 0)
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, full, 3 * rest, 1, GL_RGBA, GL_FLOAT,
+                    &pose.rows[12 * static_cast<std::size_t>(full) * maxBlockJoints]);
+  glBindTexture(GL_TEXTURE_2D, 0);
 }
 
 void PoseGl::bind() const {
   if (layers_ != 0) glBindBufferBase(GL_UNIFORM_BUFFER, SkinnedMeshGl::layerBinding, layers_);
   if (storage_ == PoseStorage::UniformBlock) {
-    glBindBufferBase(GL_UNIFORM_BUFFER, blockBinding, buffer_);
+    glBindBufferBase(GL_UNIFORM_BUFFER, blockBinding, block_);
   } else {
     glActiveTexture(GL_TEXTURE0 + textureUnit);
-    glBindTexture(GL_TEXTURE_BUFFER, texture_);
+    glBindTexture(GL_TEXTURE_2D, texture_);
     glActiveTexture(GL_TEXTURE0);
   }
 }
 
+/// One buffer's attributes of a vertex, each a place in it.
+struct SkinnedMeshGl::Attributes {
+  struct One {
+    GLuint location;
+    GLint components;
+    GLenum type;  ///< GL_FLOAT, or GL_UNSIGNED_SHORT for whole numbers
+    std::size_t at;
+  };
+  GLuint buffer;
+  GLsizei stride;
+  std::vector<One> each;
+};
+
+std::vector<SkinnedMeshGl::Attributes> SkinnedMeshGl::attributes(bool layered) const {
+  std::vector<Attributes> all = {
+      {shape_,
+       sizeof(ShapeVertex),
+       {{0, 3, GL_FLOAT, offsetof(ShapeVertex, position)}, {1, 3, GL_FLOAT, offsetof(ShapeVertex, normal)}}},
+      {layered ? outside_ : influences_,
+       sizeof(InfluenceVertex),
+       {{2, 4, GL_UNSIGNED_SHORT, offsetof(InfluenceVertex, joints)},
+        {3, 4, GL_FLOAT, offsetof(InfluenceVertex, weights)}}},
+      {colours_, sizeof(Eigen::Vector3f), {{4, 3, GL_FLOAT, 0}}}};
+  if (layered)
+    all.push_back({layers_,
+                   sizeof(LayerVertex),
+                   {{5, 4, GL_FLOAT, offsetof(LayerVertex, uvw)},
+                    {6, 3, GL_FLOAT, offsetof(LayerVertex, normal)},
+                    {7, 2, GL_UNSIGNED_SHORT, offsetof(LayerVertex, planeRow)}}});
+  if (layered && sculpture_ != 0)
+    all.push_back(
+        {sculpture_,
+         sizeof(SculptureVertex),
+         {{8, 3, GL_FLOAT, 0}, {9, 3, GL_FLOAT, 12}, {10, 3, GL_FLOAT, 24}, {11, 3, GL_FLOAT, 36}}});
+  return all;
+}
+
 SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
     : triangleArray_(GlVertexArray::create()),
+      cornerArray_(GlVertexArray::create()),
       shape_(GlBuffer::create()),
       influences_(GlBuffer::create()),
       colours_(GlBuffer::create()),
       indices_(GlBuffer::create()),
+      cornerIndices_(GlBuffer::create()),
+      corners_(GlBuffer::create()),
       vertexCount_(static_cast<int>(skin.mesh.positions.size())),
       triangleCount_(static_cast<int>(skin.mesh.triangles.size())),
       jointCount_(skin.jointCount()) {
@@ -189,9 +238,11 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
   fill(GL_ARRAY_BUFFER, influences_, influenceVertices(skin.influences));
   fill(GL_ARRAY_BUFFER, colours_,
        std::vector<Eigen::Vector3f>(vertexCount_, Eigen::Vector3f::Constant(0.5f)));
+  attach(false, triangleArray_);
   glBindVertexArray(triangleArray_);
-  attachShape(influences_);
   fill(GL_ELEMENT_ARRAY_BUFFER, indices_, skin.mesh.triangles);
+  glBindVertexArray(cornerArray_);
+  fill(GL_ELEMENT_ARRAY_BUFFER, cornerIndices_, indicesByCorner(skin.mesh.triangles, vertexCount_));
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
@@ -207,15 +258,30 @@ SkinnedMeshGl::SkinnedMeshGl(const MuscleSkin& body) : SkinnedMeshGl(body.skin) 
   layers_ = GlBuffer::create();
   fill(GL_ARRAY_BUFFER, outside_, influenceVertices(body.outside));
   fill(GL_ARRAY_BUFFER, layers_, layerVertices(body));
+  attach(true, layeredArray_);
   glBindVertexArray(layeredArray_);
-  attachShape(outside_);
-  glBindBuffer(GL_ARRAY_BUFFER, layers_);
-  floatAttribute(5, 4, sizeof(LayerVertex), offsetof(LayerVertex, uvw));
-  floatAttribute(6, 3, sizeof(LayerVertex), offsetof(LayerVertex, normal));
-  glEnableVertexAttribArray(7);
-  glVertexAttribIPointer(7, 2, GL_UNSIGNED_SHORT, sizeof(LayerVertex),
-                         offset(offsetof(LayerVertex, planeRow)));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+/// Makes the vertex array read these attributes; all of them from the one buffer `copies`, a block after the
+/// other, where that is given.
+void SkinnedMeshGl::attach(bool layered, GLuint array, GLuint copies) const {
+  glBindVertexArray(array);
+  std::size_t begin = 0;
+  for (const Attributes& from : attributes(layered)) {
+    glBindBuffer(GL_ARRAY_BUFFER, copies != 0 ? copies : from.buffer);
+    for (const auto& [location, components, type, at] : from.each) {
+      const void* place = reinterpret_cast<const void*>(begin + at);
+      glEnableVertexAttribArray(location);
+      if (type == GL_FLOAT)
+        glVertexAttribPointer(location, components, type, GL_FALSE, from.stride, place);
+      else
+        glVertexAttribIPointer(location, components, type, from.stride, place);
+    }
+    if (copies != 0) begin += 3 * static_cast<std::size_t>(from.stride) * vertexCount_;
+  }
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
@@ -227,26 +293,11 @@ void SkinnedMeshGl::setSculpture(const MuscleRig& rig) {
   if (std::equal(now.begin(), now.end(), displacements_.begin(), displacements_.end(), same)) return;
   displacements_ = std::move(now);
   if (displacements_.empty()) return;  // poses are then drawn without SCULPTED
-  if (sculpture_ == 0) sculpture_ = GlBuffer::create();
+  const bool isNew = sculpture_ == 0;
+  if (isNew) sculpture_ = GlBuffer::create();
   fill(GL_ARRAY_BUFFER, sculpture_, sculptureVertices(rig.body(), displacements_), GL_DYNAMIC_DRAW);
-  glBindVertexArray(layeredArray_);
-  for (int c = 0; c < 4; ++c) floatAttribute(8 + c, 3, sizeof(SculptureVertex), sizeof(float) * 3 * c);
-  glBindVertexArray(0);
+  if (isNew) attach(true, layeredArray_);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
-}
-
-/// Attributes 0 to 4 of the vertex array that is bound.
-void SkinnedMeshGl::attachShape(const GlBuffer& influences) const {
-  glBindBuffer(GL_ARRAY_BUFFER, shape_);
-  floatAttribute(0, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, position));
-  floatAttribute(1, 3, sizeof(ShapeVertex), offsetof(ShapeVertex, normal));
-  glBindBuffer(GL_ARRAY_BUFFER, influences);
-  glEnableVertexAttribArray(2);
-  glVertexAttribIPointer(2, 4, GL_UNSIGNED_SHORT, sizeof(InfluenceVertex),
-                         offset(offsetof(InfluenceVertex, joints)));
-  floatAttribute(3, 4, sizeof(InfluenceVertex), offsetof(InfluenceVertex, weights));
-  glBindBuffer(GL_ARRAY_BUFFER, colours_);
-  floatAttribute(4, 3, sizeof(Eigen::Vector3f), 0);
 }
 
 void SkinnedMeshGl::requireOnePerVertex(std::size_t count) const {
@@ -280,16 +331,39 @@ void SkinnedMeshGl::drawPoints(bool layered) const {
   glBindVertexArray(0);
 }
 
+void SkinnedMeshGl::drawTrianglesByCorner(bool layered) const {
+  // Three copies of all vertices, the k-th for the triangles' k-th corners.
+  const std::vector<Attributes> all = attributes(layered);
+  GLsizeiptr bytes = 0;
+  for (const Attributes& from : all) bytes += 3 * static_cast<GLsizeiptr>(from.stride) * vertexCount_;
+  glBindBuffer(GL_COPY_WRITE_BUFFER, corners_);
+  glBufferData(GL_COPY_WRITE_BUFFER, bytes, nullptr, GL_STREAM_DRAW);
+  GLintptr to = 0;
+  for (const Attributes& from : all) {
+    glBindBuffer(GL_COPY_READ_BUFFER, from.buffer);
+    const GLsizeiptr size = static_cast<GLsizeiptr>(from.stride) * vertexCount_;
+    for (int copy = 0; copy < 3; ++copy, to += size)
+      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, to, size);
+  }
+  glBindBuffer(GL_COPY_READ_BUFFER, 0);
+  glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
+  attach(layered, cornerArray_, corners_);
+  glBindVertexArray(cornerArray_);
+  glDrawElements(GL_TRIANGLES, 3 * triangleCount_, GL_UNSIGNED_INT, nullptr);
+  for (GLuint location = 5; location < 12; ++location) glDisableVertexAttribArray(location);
+  glBindVertexArray(0);
+}
+
 FeedbackSkinning::FeedbackSkinning(const SkinnedMeshGl& mesh, const SkinPose& kind)
     : mesh_(&mesh),
       layered_(mesh.hasLayers() && !kind.layers.empty()),
       captured_(GlBuffer::create()),
       unseen_(1, 1) {
-  const std::string defines =
-      std::string(mesh.storage() == PoseStorage::TextureBuffer ? "POSE_IN_TEXTURE " : "") +
-      (layered_ ? layerDefines(kind) : "");
+  const std::string defines = std::string(mesh.storage() == PoseStorage::Texture ? "POSE_IN_TEXTURE " : "") +
+                              (layered_ ? layerDefines(kind) : "");
   program_ = ShaderProgram({.folder = skinningShaders(),
                             .vertex = "read_back.vert",
+                            .fragment = "nothing.frag",
                             .defines = defines,
                             .captured = {"posedPosition", "posedNormal"}});
   program_.bindBlock("Pose", PoseGl::blockBinding);

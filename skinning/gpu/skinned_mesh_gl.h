@@ -13,15 +13,15 @@
 namespace gelenk {
 
 /// How the vertex shader gets the matrices: the block of 341 matrices that every GL 3.3 offers, or a texture
-/// of any length.
-enum class PoseStorage { UniformBlock, TextureBuffer };
+/// with so many in a line.
+enum class PoseStorage { UniformBlock, Texture };
 inline constexpr int maxBlockJoints = 341;  ///< 16,384 bytes / 48
 PoseStorage poseStorage(int jointCount);
 
 /// One pose in GPU memory, rewritten every frame.
 class PoseGl {
  public:
-  /// Throws std::runtime_error if the joints are more than a texture buffer holds.
+  /// Throws std::runtime_error if the joints are more than a texture holds.
   void upload(const SkinPose& pose);
   /// Binds for the skinning programs: uniform block "Pose" at blockBinding, or sampler "poseRows" at
   /// textureUnit.
@@ -32,8 +32,8 @@ class PoseGl {
 
  private:
   PoseStorage storage_ = PoseStorage::UniformBlock;
-  GLsizeiptr capacity_ = 0;
-  GlBuffer buffer_, layers_;
+  int textureLines_ = 0;
+  GlBuffer block_, layers_;
   GlTexture texture_;
 };
 
@@ -73,15 +73,20 @@ class SkinnedMeshGl {
   void drawTriangles(bool layered = false) const;
   /// Every vertex once, as a point.
   void drawPoints(bool layered = false) const;
+  /// The triangles, where the program asks which corner of its triangle a vertex is: gl_VertexID /
+  /// vertexCount(), 0 to 2. The vertices are copied for it within the GPU's memory.
+  void drawTrianglesByCorner(bool layered = false) const;
 
   static constexpr GLuint layerBinding = 1;
 
  private:
+  struct Attributes;  ///< a buffer of them, and how a vertex array reads it
+  std::vector<Attributes> attributes(bool layered) const;
+  void attach(bool layered, GLuint array, GLuint copies = 0) const;
   void requireOnePerVertex(std::size_t count) const;
-  void attachShape(const GlBuffer& influences) const;
 
-  GlVertexArray triangleArray_, layeredArray_;
-  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, sculpture_;
+  GlVertexArray triangleArray_, layeredArray_, cornerArray_;
+  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, sculpture_, cornerIndices_, corners_;
   std::vector<FfdLattice> displacements_;  ///< that sculpture_ holds
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };

@@ -124,4 +124,11 @@ BoneWeights boneWeights(const std::vector<Influences>& influences, const Skeleto
   return boneWeights(weights, skeleton);
 }
 
+BoneWeights boneTable(const SparseWeights& bones, int jointCount) {
+  BoneWeights table = BoneWeights::Zero(static_cast<Eigen::Index>(bones.size()), jointCount - 1);
+  for (std::size_t v = 0; v < bones.size(); ++v)
+    for (const auto& [end, weight] : bones[v]) table(static_cast<Eigen::Index>(v), end - 1) += weight;
+  return table;
+}
+
 }  // namespace gelenk

@@ -37,5 +37,7 @@ BoneWeights boneWeights(const SparseWeights& jointWeights, const Skeleton& skele
 /// The same of a skin. Reading it back gives the same weights exactly, but for those on joints without a
 /// child: these have no column of their own and come back on the parent.
 BoneWeights boneWeights(const std::vector<Influences>& influences, const Skeleton& skeleton);
+/// Entries (joint at the bone's lower end, weight) as a table: vertices x (joints - 1).
+BoneWeights boneTable(const SparseWeights& bones, int jointCount);
 
 }  // namespace gelenk

@@ -235,14 +235,9 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   if (options.own) out.skeleton = layOwn(out.skeleton, *options.own, report);
 
   stages.begin("weights", 0.6);
-  SparseWeights weights = rigWeights(mesh, out.skeleton);
-  const std::vector<Influences> kept = fourLargest(weights, out.skeleton.jointCount(), &report.loss);
-  for (std::size_t v = 0; v < weights.size(); ++v) {
-    weights[v].clear();
-    for (int k = 0; k < 4; ++k)
-      if (kept[v].weights[k] > 0.0) weights[v].emplace_back(kept[v].joints[k], kept[v].weights[k]);
-  }
-  out.weights = std::move(weights);
+  RigWeights weights = rigWeights(mesh, out.skeleton, {}, &report.loss);
+  out.weights = std::move(weights.joints);
+  out.bones = std::move(weights.bones);
   stages.end();
   return out;
 }

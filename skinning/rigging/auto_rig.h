@@ -51,6 +51,7 @@ struct RigReport {
 struct RiggedBody {
   Skeleton skeleton;      ///< rests where the body stands
   SparseWeights weights;  ///< of the joints, up to four a vertex of the input mesh; each row sums to 1
+  SparseWeights bones;    ///< the same by bone: j is the bone from joint j to its parent, which carries it
   RigReport report;
 };
 

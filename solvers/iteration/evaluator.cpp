@@ -31,8 +31,7 @@ CountedEvaluator::CountedEvaluator(const IkProblem& problem)
   for (const Goal& goal : problem.goals) {
     const GoalType& type = goalType(goal.kind);
     if (type.whyNot)
-      if (const std::string why = type.whyNot(goal, free()); !why.empty())
-        throw std::invalid_argument(why);
+      if (const std::string why = type.whyNot(goal, free()); !why.empty()) throw std::invalid_argument(why);
     parts_.push_back({.type = &type,
                       .row = rows_,
                       .rows = type.rows(free()),

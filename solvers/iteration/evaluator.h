@@ -82,8 +82,8 @@ class CountedEvaluator {
   Twists twists_;
   Eigen::MatrixXd J_, H_;
   std::optional<Skeleton> uncoupled_;  ///< where the skeleton has couplings
-  std::vector<int> moves_;             ///< by dimension of free(): the one of skeleton() that it moves with ...
-  std::vector<double> factor_;         ///< ... and times what
+  std::vector<int> moves_;      ///< by dimension of free(): the one of skeleton() that it moves with ...
+  std::vector<double> factor_;  ///< ... and times what
   Eigen::MatrixXd foldedJ_, foldedH_;
   Eigen::VectorXd unfolded_;
   Eigen::Matrix3Xd A_, B_, C_;  ///< scratch, 3 x nv

@@ -540,7 +540,7 @@ struct Sweep {
 std::vector<Sweep> sweepsOf(const Group& group) {
   constexpr std::size_t fewest = 3;  // values that make a curve
   std::vector<Sweep> sweeps;
-  std::set<std::tuple<const SolverEntry*, std::string_view, std::string>> known;
+  std::set<std::tuple<const SolverEntry*, const Parameter*, std::string>> known;
   for (const std::string& solver : group.solvers) {
     const SolverSpec choice = solverSpec(solver);
     for (const auto& [name, chosen] : choice.values) {
@@ -549,7 +549,7 @@ std::vector<Sweep> sweepsOf(const Group& group) {
       Sweep sweep{.entry = choice.entry, .parameter = nullptr, .rest = toText(rest)};
       for (const Parameter& p : choice.entry->parameters)
         if (p.name == name) sweep.parameter = &p;
-      if (!known.insert({sweep.entry, name, sweep.rest}).second) continue;
+      if (!known.insert({sweep.entry, sweep.parameter, sweep.rest}).second) continue;
       for (const std::string& other : group.solvers) {
         SolverSpec that = solverSpec(other);
         if (that.entry != sweep.entry || neverSupported(group, other)) continue;

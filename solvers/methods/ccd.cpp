@@ -96,25 +96,27 @@ class Sweep {
     return -1;
   }
 
-  /// The value of the source, once a sweep, that brings the effector nearest while all that follow it move too.
+  /// The value of the source, once a sweep, that brings the effector nearest while all that follow it move
+  /// too.
   void moveTogether(int source) {
     if (std::count(together_.begin(), together_.end(), source)) return;
     together_.push_back(source);
     const AxisDof& dof = skeleton_.joint(source).axes[0];
-    const double now = q_[skeleton_.qIndex(source)], around = dof.kind == AxisDof::Kind::Rotation ? M_PI : 1.0;
+    const double now = q_[skeleton_.qIndex(source)],
+                 around = dof.kind == AxisDof::Kind::Rotation ? M_PI : 1.0;
     const auto place = [&](double value) {
       q_[skeleton_.qIndex(source)] = value;
       skeleton_.couple(q_);
       forwardKinematics(skeleton_, q_, moved_);
       effector_ = Effector(moved_, goal_);
     };
-    const double best =
-        lowestOn(std::max(dof.lower, now - around), std::min(dof.upper, now + around), now, [&](double value) {
+    const double best = lowestOn(
+        std::max(dof.lower, now - around), std::min(dof.upper, now + around), now, [&](double value) {
           place(value);
           return (wanted_.position ? (effector_.point - wanted_.point).squaredNorm() : 0.0) +
-                 (wanted_.orientation
-                      ? 0.5 * wanted_.orientationWeight * (effector_.rotation - wanted_.rotation).squaredNorm()
-                      : 0.0);
+                 (wanted_.orientation ? 0.5 * wanted_.orientationWeight *
+                                            (effector_.rotation - wanted_.rotation).squaredNorm()
+                                      : 0.0);
         });
     place(best);
     frames_ = &moved_;

@@ -250,12 +250,11 @@ class Newton1dSolver final : public IkSolver {
       const double g = gradient(q), slope = (gradient(q + delta_) - g) / delta_;
       const double dq = -g / slope;
       if (trace != TraceLevel::Off)
-        report.trace.push_back(
-            {.q = trace == TraceLevel::Full ? configuration(q) : VectorXd(),
-             .residual = residual,
-             .stepNorm = std::abs(dq),
-             .damping = 0.0,
-             .seconds = at.seconds()});
+        report.trace.push_back({.q = trace == TraceLevel::Full ? configuration(q) : VectorXd(),
+                                .residual = residual,
+                                .stepNorm = std::abs(dq),
+                                .damping = 0.0,
+                                .seconds = at.seconds()});
       if (slope == 0.0 || !std::isfinite(dq)) {
         at.moveTo(configuration(q));
         report.why = Stop::Failure;

@@ -136,7 +136,8 @@ SerialChainResult extractSerialChain(const Skeleton& skeleton, int tipJoint) {
     }
     if (joint.coupling) {
       result.whyNot = "joint '" + joint.name + "' on the path follows '" +
-                      skeleton.joint(joint.coupling->source).name + "'; only joints that move alone are solved";
+                      skeleton.joint(joint.coupling->source).name +
+                      "'; only joints that move alone are solved";
       return result;
     }
     for (size_t k = 0; k < joint.axes.size(); ++k) {

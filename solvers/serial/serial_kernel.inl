@@ -8,6 +8,7 @@
 // Lawrence 1988), columns of joints that stand at a wall and are pushed against it taken out (active set),
 // and the Cayley rotation error 2 tan(theta/2) axis, which needs no trigonometry and has no wrong half turn.
 
+#include <cstdint>
 #include <type_traits>
 
 #include "solvers/serial/serial_kernel.h"
@@ -41,15 +42,15 @@ typedef double Doubles __attribute__((vector_size(8 * width)));
 typedef float Floats __attribute__((vector_size(8 * width)));
 typedef decltype(Doubles{} < Doubles{}) DoublesMask;
 typedef decltype(Floats{} < Floats{}) FloatsMask;
-typedef unsigned long DoublesBits __attribute__((vector_size(8 * width)));
-typedef unsigned int FloatsBits __attribute__((vector_size(8 * width)));
+typedef std::uint64_t DoublesBits __attribute__((vector_size(8 * width)));
+typedef std::uint32_t FloatsBits __attribute__((vector_size(8 * width)));
 
 template <typename V>
 struct Of;
 template <>
 struct Of<double> {
   using Scalar = double;
-  using Bits = unsigned long;
+  using Bits = std::uint64_t;
   using Mask = bool;
 };
 template <>
@@ -170,7 +171,7 @@ GELENK_INLINE void sineCosine(V x, V& sine, V& cosine) {
   c = c * r2 + S(1.0 / 24.0);
   c = c * r2 - S(0.5);
   c = S(1.0) + r2 * c;
-  using Word = std::conditional_t<wide, unsigned long, unsigned int>;
+  using Word = std::conditional_t<wide, std::uint64_t, std::uint32_t>;
   const auto quarter = (k & Word(1)) != Word(0);
   const V swappedSine = select(quarter, c, s), swappedCosine = select(quarter, s, c);
   constexpr int toSign = 8 * sizeof(S) - 2;

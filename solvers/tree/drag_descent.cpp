@@ -541,8 +541,7 @@ bool DragDescent::solve(double mu, double reach, StepOutcome& outcome) {
   curvature_ = -slope_;
   if (anyFixedMoves_)
     for (int k = 0; k < n; ++k)
-      if (state_[k] == DofState::Fixed && value_[k] != 0.0)
-        curvature_ += d_[k] * (modelSlope(k, mu) + g_[k]);
+      if (state_[k] == DofState::Fixed && value_[k] != 0.0) curvature_ += d_[k] * (modelSlope(k, mu) + g_[k]);
   return true;
 }
 

@@ -46,8 +46,8 @@ struct TreeBlock {
 /// (H + U^T S U) d = -g, S = diag(+-1), is solved by H and the small matrix S + U H^-1 U^T (Woodbury). Where
 /// its pivots have not the signs of S, the whole is not positive definite (Haynsworth 1968).
 ///
-/// A dof that follows another one, d_f = multiplier d_s, is such a row with 0 in S: the step of least model cost
-/// among those that keep it.
+/// A dof that follows another one, d_f = multiplier d_s, is such a row with 0 in S: the step of least model
+/// cost among those that keep it.
 ///
 /// Limits inside the step: a box dof at its bound with outward gradient is locked; a swing on its cone with
 /// outward gradient is left the one dof along the ellipse; dofs that the step would carry across their limit
@@ -173,7 +173,7 @@ class DragDescent {
   int rows_ = 0;                   ///< of U: couplings (sign 0), those of sign +1, then those of sign -1
   std::vector<double> U_, V_, Y_;  ///< four rows at a time, side by side for each dof
   std::vector<double> sign_, S_, Ud_, z_;
-  std::vector<double> held_;  ///< by row: what dofs fixed at a value leave of a coupling
+  std::vector<double> held_;             ///< by row: what dofs fixed at a value leave of a coupling
   std::vector<Eigen::Vector3d> slopes_;  ///< dy / d(dof) of a block's sums, one after the other
 
   double cost_ = 0.0, slope_ = 0.0, curvature_ = 0.0;

@@ -156,7 +156,9 @@ TreeNode& GoalTree::addNode(int i, int k, int parent, const Isometry3d& offset) 
     node.motion = TreeMotion::FreeBall;
   }
   for (int d = 0; d < node.dofs(); ++d)
-    dofParent_.push_back(d > 0 ? dofs_ + d - 1 : parent < 0 ? -1 : nodes_[parent].dof + nodes_[parent].dofs() - 1);
+    dofParent_.push_back(d > 0        ? dofs_ + d - 1
+                         : parent < 0 ? -1
+                                      : nodes_[parent].dof + nodes_[parent].dofs() - 1);
   dofs_ += node.dofs();
   coordinates_ += node.coordinates();
   return node;

@@ -78,7 +78,8 @@ TEST_F(RenderCommand, ErrorsAreSentences) {
   EXPECT_NE(complaintOf("planar" + out + " --size 10").find("expected WIDTHxHEIGHT"), std::string::npos);
   EXPECT_NE(complaintOf("planar" + out + " --q 1 2").find("configuration values, 2 are given"),
             std::string::npos);
-  EXPECT_NE(complaintOf("planar -o " + path("a.jpg")).find("ending in .png or .mp4"), std::string::npos);
+  EXPECT_NE(complaintOf("planar -o " + path("a.jpg")).find("ending in .png, .ppm or .mp4"),
+            std::string::npos);
   EXPECT_NE(complaintOf("planar" + out + " --size 1000000x10").find("is not possible"), std::string::npos);
   EXPECT_NE(
       complaintOf("planar" + out + " --frame 3").find("--frame: the motion has 0 frames, 3 was asked for"),

@@ -76,15 +76,15 @@ TEST_F(SkinnedMesh, ShaderAgreesOnTheBuiltInFigureArmAndRobot) {
   }
 }
 
-TEST_F(SkinnedMesh, AThousandBonesGoThroughATextureBufferAndAgreeToo) {
+TEST_F(SkinnedMesh, AThousandBonesGoThroughATextureAndAgreeToo) {
   const Arm arm = testing::arm(1000, 0.01, 0.004, 2, 6);
-  ASSERT_EQ(SkinnedMeshGl(arm.skin).storage(), PoseStorage::TextureBuffer);
+  ASSERT_EQ(SkinnedMeshGl(arm.skin).storage(), PoseStorage::Texture);
   expectAgreement(arm.skin, arm.skeleton, 2, 0.05);
 }
 
 TEST_F(SkinnedMesh, TheUniformBlockHoldsExactly341Joints) {
   EXPECT_EQ(poseStorage(341), PoseStorage::UniformBlock);
-  EXPECT_EQ(poseStorage(342), PoseStorage::TextureBuffer);
+  EXPECT_EQ(poseStorage(342), PoseStorage::Texture);
   for (const int joints : {341, 342}) {
     const Arm arm = testing::arm(joints, 0.02, 0.01, 1, 5);
     expectAgreement(arm.skin, arm.skeleton, joints, 0.05);

@@ -21,6 +21,7 @@ void main() {
   vec2 ground = groundPatch.xy + groundPatch.z * ndc;
   vec3 position = ground.x * groundX.xyz + ground.y * groundY.xyz + up.w * up.xyz;
   vec4 at = shadowFromWorld * vec4(position, 1.0);
+  at.z = min(at.z, 1.0);  // maps of some renderers do not clamp what is compared with them
   float texelWorld = keyDirection.w;
   float texel = 1.0 / float(textureSize(shadowMap, 0).x);
   // Each texel turns the pattern by another angle (interleaved gradient noise); the blur afterwards averages over 4 x 4 of them.

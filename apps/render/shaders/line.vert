@@ -6,7 +6,7 @@ layout(location = 2) in vec3 endPosition;
 layout(location = 3) in vec4 endColour;
 layout(location = 4) in float width;
 out vec4 overlayColour;
-noperspective out vec2 inCapsule;      // pixels along and across, from the start
+out vec2 inCapsule;                    // pixels along and across, from the start; times w, to be linear on the screen
 flat out vec2 lengthAndRadius;
 uniform float depthBias;
 
@@ -28,7 +28,7 @@ void main() {
   float side = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
   vec4 base = atEnd ? b : a;
   vec2 pixel = (atEnd ? pb + reach * along : pa - reach * along) + side * reach * across;
-  inCapsule = vec2(atEnd ? span + reach : -reach, side * reach);
+  inCapsule = base.w * vec2(atEnd ? span + reach : -reach, side * reach);
   lengthAndRadius = vec2(span, radius);
   vec4 c = atEnd ? endColour : startColour;
   overlayColour = vec4(linearFromSrgb(c.rgb), c.a);

@@ -1,17 +1,10 @@
 // Clay: a warm key light with a soft shadow, a cool hemisphere, a fill that follows the viewer, a faint sheen and rim.
 #include "frame.glsl"
-#ifdef WIREFRAME
-in vec3 edgePosition;
-in vec3 edgeNormal;
-in vec3 edgeColour;
-noperspective in vec3 edgeDistance;
-#define worldPosition edgePosition
-#define worldNormal edgeNormal
-#define surfaceColour edgeColour
-#else
 in vec3 worldPosition;
 in vec3 worldNormal;
 in vec3 surfaceColour;
+#ifdef WIREFRAME
+in vec3 corner;
 #endif
 out vec4 colour;
 
@@ -23,6 +16,7 @@ uniform sampler2DShadow shadowMap;
 float keyVisibility(vec3 position, vec3 normal) {
   if (groundPatch.w < 0.5) return 1.0;
   vec4 at = shadowFromWorld * vec4(position + 1.5 * keyDirection.w * normal, 1.0);
+  at.z = min(at.z, 1.0);  // maps of some renderers do not clamp what is compared with them
   float texel = 1.0 / float(textureSize(shadowMap, 0).x);
   vec2 wide = vec2(1.4, 0.6) * texel;
   return 0.25 * (texture(shadowMap, at.xyz + vec3(wide, 0.0)) + texture(shadowMap, at.xyz - vec3(wide, 0.0)) +
@@ -40,6 +34,8 @@ void main() {
   vec3 albedo = mix(linearFromSrgb(tint.rgb), surfaceColour, vertexColourShare);
 #ifdef WIREFRAME
   float width = 0.6 * towardsViewer.w;
+  vec3 dx = dFdx(corner), dy = dFdy(corner);
+  vec3 edgeDistance = corner / max(sqrt(dx * dx + dy * dy), vec3(1e-6));  // in pixels
   float nearest = min(edgeDistance.x, min(edgeDistance.y, edgeDistance.z));
   float onEdge = 1.0 - smoothstep(width - 0.6, width + 0.6, nearest);
   albedo = mix(albedo, 0.16 * albedo, 0.75 * onEdge);

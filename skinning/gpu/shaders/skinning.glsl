@@ -6,8 +6,8 @@ layout(location = 2) in uvec4 joints;
 layout(location = 3) in vec4 weights;
 
 #ifdef POSE_IN_TEXTURE
-uniform samplerBuffer poseRows;
-vec4 poseRow(int index) { return texelFetch(poseRows, index); }
+uniform sampler2D poseRows;  // rows after each other, 341 joints in a line of the texture
+vec4 poseRow(int index) { return texelFetch(poseRows, ivec2(index % 1023, index / 1023), 0); }
 #else
 layout(std140) uniform Pose { vec4 poseRows[3 * 341]; };
 vec4 poseRow(int index) { return poseRows[index]; }

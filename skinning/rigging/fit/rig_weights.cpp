@@ -38,12 +38,12 @@ std::vector<int> spineOf(const Skeleton& skeleton, const int shoulders[2], const
 
 }  // namespace
 
-std::vector<Bone> rigBones(const Skeleton& skeleton, const Frames& rest, const RigWeightOptions& options) {
-  std::vector<Bone> bones;
+std::vector<RigBone> rigBones(const Skeleton& skeleton, const Frames& rest, const RigWeightOptions& options) {
+  std::vector<RigBone> bones;
   const auto at = [&](int j) { return Vector3d(rest[j].translation()); };
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (const int parent = skeleton.parent(i); parent >= 0 && (at(i) - at(parent)).norm() > 0.0)
-      bones.push_back({parent, at(parent), at(i)});
+      bones.push_back({{parent, at(parent), at(i)}, i});
   const int shoulders[2] = {findJoint(skeleton, {"shoulder_l", "fshoulder_l", "15"},
                                       {"upperarm", Side::Left}),
                             findJoint(skeleton, {"shoulder_r", "fshoulder_r", "12"},
@@ -65,6 +65,12 @@ std::vector<Bone> rigBones(const Skeleton& skeleton, const Frames& rest, const R
       if (rootedBelow ? height(at(j)) <= h : height(at(j)) >= h) best = j;
     return best;
   };
+  // A rib's bone is the spine's own, else the joint's first.
+  const auto endOf = [&](int joint) {
+    for (const int child : skeleton.children(joint))
+      if (std::find(spine.begin(), spine.end(), child) != spine.end()) return child;
+    return skeleton.children(joint).front();
+  };
   for (int side = 0; side < 2; ++side) {
     const Vector3d from = chest + options.ribWidth * (at(shoulders[side]) - chest) +
                           options.ribDrop * (pelvis - chest),
@@ -72,15 +78,37 @@ std::vector<Bone> rigBones(const Skeleton& skeleton, const Frames& rest, const R
     constexpr int pieces = 8;
     for (int k = 0; k < pieces; ++k) {
       const Vector3d a = from + (to - from) * k / pieces, b = from + (to - from) * (k + 1) / pieces;
-      bones.push_back({carrier(height(0.5 * (a + b))), a, b});
+      const int joint = carrier(height(0.5 * (a + b)));
+      bones.push_back({{joint, a, b}, endOf(joint)});
     }
   }
   return bones;
 }
 
-SparseWeights rigWeights(const Mesh& mesh, const Skeleton& skeleton, const RigWeightOptions& options) {
-  return boneHeatWeights(mesh, rigBones(skeleton, restFrames(skeleton), options),
-                         {.strength = options.strength, .voxels = options.voxels});
+RigWeights rigWeights(const Mesh& mesh, const Skeleton& skeleton, const RigWeightOptions& options,
+                      WeightLoss* loss) {
+  std::vector<Bone> byEnd;  // heat for each bone by itself
+  for (const RigBone& one : rigBones(skeleton, restFrames(skeleton), options))
+    byEnd.push_back({one.end, one.bone.from, one.bone.to});
+  const SparseWeights heat =
+      boneHeatWeights(mesh, byEnd, {.strength = options.strength, .voxels = options.voxels});
+  const std::vector<Influences> kept = fourLargest(heat, skeleton.jointCount(), loss);
+  RigWeights out{.joints = SparseWeights(kept.size()), .bones = SparseWeights(kept.size())};
+  for (std::size_t v = 0; v < kept.size(); ++v)
+    for (int k = 0; k < 4; ++k) {
+      const double weight = kept[v].weights[k];
+      if (!(weight > 0.0)) continue;
+      out.bones[v].emplace_back(kept[v].joints[k], weight);
+      auto& joints = out.joints[v];
+      const int joint = skeleton.parent(kept[v].joints[k]);
+      const auto entry =
+          std::find_if(joints.begin(), joints.end(), [&](const auto& e) { return e.first == joint; });
+      if (entry == joints.end())
+        joints.emplace_back(joint, weight);
+      else
+        entry->second += weight;
+    }
+  return out;
 }
 
 }  // namespace gelenk

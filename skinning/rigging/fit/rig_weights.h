@@ -14,12 +14,25 @@ struct RigWeightOptions {
   double ribWidth = 0.75, ribDrop = 0.12, ribWaist = 0.8;
 };
 
+/// A bone that heats the skin, and the joint at its lower end: the bone of a skeleton file's column.
+struct RigBone {
+  Bone bone;
+  int end = 0;  ///< a child of bone.joint
+};
+
 /// The bones that heat the skin: those of the skeleton and, where it has shoulders and hips, a segment a side
 /// that stands in for the ribs, carried by the spine: without it the flank follows the arm.
-std::vector<Bone> rigBones(const Skeleton& skeleton, const Frames& rest,
-                           const RigWeightOptions& options = {});
+std::vector<RigBone> rigBones(const Skeleton& skeleton, const Frames& rest,
+                              const RigWeightOptions& options = {});
 
-/// Heat weights of the joints (bone_heat.h) for a skeleton that stands in the mesh in its rest pose.
-SparseWeights rigWeights(const Mesh& mesh, const Skeleton& skeleton, const RigWeightOptions& options = {});
+struct RigWeights {
+  SparseWeights joints;  ///< of the joints, up to four a vertex; each row sums to 1
+  SparseWeights bones;   ///< the same by bone: j is the bone from joint j to its parent, which carries it
+};
+
+/// Heat weights (bone_heat.h) for a skeleton that stands in the mesh in its rest pose. loss: of keeping four
+/// bones a vertex.
+RigWeights rigWeights(const Mesh& mesh, const Skeleton& skeleton, const RigWeightOptions& options = {},
+                      WeightLoss* loss = nullptr);
 
 }  // namespace gelenk

@@ -15,9 +15,7 @@ using Eigen::VectorXd;
 constexpr GoalField fields[] = {
     {"posture", "the configuration to stay near", GoalField::Meaning::Posture, &Goal::posture}};
 
-int rows(const Skeleton& skeleton) {
-  return skeleton.nv() + static_cast<int>(skeleton.followers().size());
-}
+int rows(const Skeleton& skeleton) { return skeleton.nv() + static_cast<int>(skeleton.followers().size()); }
 void residual(const Goal& goal, const GoalPlace& at, Eigen::Ref<VectorXd> r) {
   r.head(at.skeleton.nv()) = difference(at.skeleton, at.q, goal.posture);
   int k = at.skeleton.nv();

@@ -42,25 +42,28 @@ TEST(Bvh, WrittenAndReadAgainIsTheSameToTheLastBitWhereAnglesAreKept) {
   EXPECT_EQ(again.skeleton.jointCount(), bvh.skeleton.jointCount());
 }
 
-/// What Blender's and three.js' readers want: three rotations a joint, positions of inner joints only where they
-/// change.
+/// What Blender's and three.js' readers want: three rotations a joint, positions of inner joints only where
+/// they change.
 TEST(Bvh, JointsAreWrittenWithThreeRotationsAndWithoutPositionsThatStandStill) {
   const auto joint = [](const char* name, int parent, std::vector<AxisDof> axes) {
     Joint made{.name = name, .parent = parent, .axes = std::move(axes)};
     made.parentFromZero.translation().y() = 1.0;
     return made;
   };
-  const AxisDof slide{AxisDof::Kind::Translation, Vector3d::UnitX()}, x{AxisDof::Kind::Rotation, Vector3d::UnitX()},
-      z{AxisDof::Kind::Rotation, Vector3d::UnitZ()};
-  const Skeleton skeleton({joint("root", -1, {x}), joint("still", 0, {slide, z}), joint("moving", 1, {slide, z, x}),
-                           joint("end", 2, {})});
+  const AxisDof slide{AxisDof::Kind::Translation, Vector3d::UnitX()},
+      x{AxisDof::Kind::Rotation, Vector3d::UnitX()}, z{AxisDof::Kind::Rotation, Vector3d::UnitZ()};
+  const Skeleton skeleton({joint("root", -1, {x}), joint("still", 0, {slide, z}),
+                           joint("moving", 1, {slide, z, x}), joint("end", 2, {})});
   MotionClip clip{.framesPerSecond = 10.0, .q = Eigen::MatrixXd(6, 2)};
   clip.q.col(0) << 0.1, 0.25, 0.2, 0.5, 0.3, 0.4;
   clip.q.col(1) << 0.2, 0.25, 0.3, 0.6, 0.4, 0.5;
   const std::string text = formatBvh(skeleton, clip);
-  EXPECT_NE(text.find("CHANNELS 6 Xposition Yposition Zposition Xrotation Yrotation Zrotation"), std::string::npos);
-  EXPECT_NE(text.find("OFFSET 0.25 1 0\n\t\tCHANNELS 3 Zrotation Xrotation Yrotation"), std::string::npos) << text;
-  EXPECT_NE(text.find("CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"), std::string::npos);
+  EXPECT_NE(text.find("CHANNELS 6 Xposition Yposition Zposition Xrotation Yrotation Zrotation"),
+            std::string::npos);
+  EXPECT_NE(text.find("OFFSET 0.25 1 0\n\t\tCHANNELS 3 Zrotation Xrotation Yrotation"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"),
+            std::string::npos);
   const BvhMotion again = parseBvh(text, "again.bvh");
   for (int f = 0; f < 2; ++f) {
     const Frames before = forwardKinematics(skeleton, clip.q.col(f)),

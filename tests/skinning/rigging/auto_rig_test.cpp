@@ -81,8 +81,10 @@ Error limbError(const Skeleton& skeleton, const std::map<std::string, Vector3d>&
   return error;
 }
 
+/// Every row holds up to four joints and sums to 1, and so do its bones, each counted to its upper joint.
 void expectWholeRows(const RiggedBody& body, std::size_t vertices) {
   ASSERT_EQ(body.weights.size(), vertices);
+  ASSERT_EQ(body.bones.size(), vertices);
   for (const auto& row : body.weights) {
     ASSERT_LE(row.size(), 4u);
     double sum = 0.0;
@@ -92,6 +94,13 @@ void expectWholeRows(const RiggedBody& body, std::size_t vertices) {
       sum += w;
     }
     ASSERT_NEAR(sum, 1.0, 1e-9);
+  }
+  for (std::size_t v = 0; v < vertices; ++v) {
+    ASSERT_LE(body.bones[v].size(), 4u);
+    Eigen::VectorXd left = Eigen::VectorXd::Zero(body.skeleton.jointCount());
+    for (const auto& [joint, w] : body.weights[v]) left[joint] += w;
+    for (const auto& [end, w] : body.bones[v]) left[body.skeleton.parent(end)] -= w;
+    ASSERT_LT(left.cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 

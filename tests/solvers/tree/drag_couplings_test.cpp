@@ -15,11 +15,12 @@ using Eigen::VectorXd;
 
 /// Two fingers on a palm: the left one slides as the right one does, the other way.
 Skeleton gripper() {
-  std::vector<Joint> joints{{.name = "arm", .axes = {{AxisDof::Kind::Rotation, Vector3d::UnitZ(), -2.0, 2.0}}},
-                            {.name = "palm", .parent = 0},
-                            {.name = "right", .parent = 1},
-                            {.name = "left", .parent = 1},
-                            {.name = "other", .parent = 0}};
+  std::vector<Joint> joints{
+      {.name = "arm", .axes = {{AxisDof::Kind::Rotation, Vector3d::UnitZ(), -2.0, 2.0}}},
+      {.name = "palm", .parent = 0},
+      {.name = "right", .parent = 1},
+      {.name = "left", .parent = 1},
+      {.name = "other", .parent = 0}};
   joints[1].parentFromZero.translation().x() = 1.0;
   joints[4].axes = {{AxisDof::Kind::Rotation, Vector3d::UnitX()}};
   for (int i : {2, 3}) joints[i].axes = {{AxisDof::Kind::Translation, Vector3d::UnitY(), -0.1, 0.1}};
@@ -50,8 +51,11 @@ TEST(DragCouplings, EitherFingerClosesTheGripper) {
 
 /// The source lies beside the goal's path, and so do joints above it: these stay.
 TEST(DragCouplings, ASourceBesideThePathMovesWithoutWhatCarriesIt) {
-  std::vector<Joint> joints{{.name = "root"}, {.name = "carrier", .parent = 0}, {.name = "source", .parent = 1},
-                            {.name = "follower", .parent = 0}, {.name = "tip", .parent = 3}};
+  std::vector<Joint> joints{{.name = "root"},
+                            {.name = "carrier", .parent = 0},
+                            {.name = "source", .parent = 1},
+                            {.name = "follower", .parent = 0},
+                            {.name = "tip", .parent = 3}};
   for (int i : {1, 2, 3}) joints[i].axes = {{AxisDof::Kind::Rotation, Vector3d::UnitZ(), -2.0, 2.0}};
   joints[3].coupling = {.source = 2, .multiplier = 2.0, .offset = 0.5};
   joints[4].parentFromZero.translation().x() = 1.0;

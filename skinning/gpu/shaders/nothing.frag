@@ -1,0 +1,2 @@
+// No colour: depth alone, or vertices captured by transform feedback.
+void main() {}

@@ -1,0 +1,139 @@
+"""Models and their mathematics: against the definitions, differences, and the command line to the bit."""
+
+import numpy as np
+import pytest
+
+import gelenk
+
+everyModel = [name for name in gelenk.models()]
+
+
+@pytest.fixture(params=everyModel)
+def model(request):
+    return gelenk.model(request.param)
+
+
+def test_frames_are_rigid_and_batches_are_the_same_bits(model):
+    Q = model.random(3, 20)
+    assert Q.shape == (20, model.nq)
+    F = model.fk(Q)
+    assert F.shape == (20, model.joint_count, 4, 4)
+    for q, frames in zip(Q, F):
+        assert np.array_equal(model.fk(q), frames)
+    R = F[..., :3, :3]
+    # rounding of products of some ten rotations
+    assert np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(3)).max() < 1e-13
+    assert np.array_equal(F[..., 3, :], np.broadcast_to([0, 0, 0, 1], F[..., 3, :].shape))
+
+
+def test_jacobian_matches_central_differences(model):
+    rng = np.random.default_rng(5)
+    q, joint, point = model.random(7), model.joint_count - 1, rng.normal(size=3)
+    J = model.jacobian(q, joint, point)
+    assert J.shape == (6, model.nv)
+    h = 1e-6
+    for k in range(model.nv):
+        d = h * np.eye(model.nv)[k]
+        a, b = (model.fk(model.integrate(q, s * d))[joint] for s in (1, -1))
+        place = ((a - b) @ np.append(point, 1))[:3] / (2 * h)
+        turn = gelenk.log(a[:3, :3] @ b[:3, :3].T) / (2 * h)
+        # rounding 1e-16 / h of places up to a thousand units, and h^2
+        assert np.allclose(J[:, k], np.r_[place, turn], atol=2e-7 * (1 + np.abs(a).max()))
+    both = model.jacobian(np.stack([q, q]), joint, point)
+    assert np.array_equal(both[1], J)
+
+
+def test_integrate_undoes_difference(model):
+    a, b = model.random(1), model.random(2)
+    there = model.integrate(a, model.difference(a, b))
+    assert np.allclose(model.fk(there), model.fk(b), atol=1e-12 * (1 + np.abs(model.fk(b)).max()))
+    A, B = model.random(1, 5), model.random(2, 5)
+    D = model.difference(A, B)
+    assert D.shape == (5, model.nv)
+    assert np.array_equal(model.integrate(A, D)[3], model.integrate(A[3], D[3]))
+
+
+def test_random_poses_keep_limits_and_follow_the_seed(model):
+    Q = model.random(11, 50)
+    assert max(model.violation(q) for q in Q) <= 1e-12
+    low, high = model.limits.T
+    assert np.all(Q >= low - 1e-12) and np.all(Q <= high + 1e-12)
+    assert np.array_equal(Q, model.random(11, 50))
+    a, b = (model.random(np.random.default_rng(1)) for _ in range(2))
+    assert np.array_equal(a, b)
+    assert not np.array_equal(model.random(), model.random())
+
+
+def test_fk_is_the_command_line_to_the_bit(model, program):
+    def joints(*words):
+        return program.json("fk", model.name, "--json", *words)["joints"]
+
+    poses = [(model.rest, ())]
+    q = model.random(4)
+    poses.append((q, ("--q", *(repr(float(v)) for v in q))))
+    for q, words in poses:
+        F = model.fk(q)
+        for frame, told in zip(F, joints(*words)):
+            assert frame[:3, 3].tolist() == told["position"]
+
+
+def test_one_pose_comes_without_a_copy(figure):
+    frames = figure.fk(figure.rest)
+    assert frames.strides == (128, 8, 32)
+    assert frames.base is not None and not frames.flags.owndata
+    first = frames[5].copy()
+    del frames
+    assert np.array_equal(figure.fk(figure.rest)[5], first)
+
+
+def test_every_format_loads(inputs, root, tmp_path):
+    load = gelenk.load
+    assert load(inputs / "five_dof.dh").nq == 5
+    assert load(inputs / "straight.urdf").nv > 0
+    assert load(inputs / "tube.obj", skeleton=inputs / "tube.skel").nq > 0
+    assert load(inputs / "apose.bvh").nv > 0
+    assert load(inputs / "two_clips.gltf").name
+    assert load(inputs / "tube.skel").joint_count > 1
+    scene = load(root / "assets/scenes/reach.json")
+    assert scene.pose.shape == (scene.nq,)
+    assert load(root / "assets/tutorial_figure.figure").nq > 0
+    cm = load(inputs / "tube.skel", unit="cm")
+    m = load(inputs / "tube.skel")
+    ratio = np.abs(m.fk(m.rest)[:, :3, 3]).max() / np.abs(cm.fk(cm.rest)[:, :3, 3]).max()
+    assert ratio == pytest.approx(100)
+
+
+def test_a_file_that_does_not_parse_says_where(tmp_path):
+    bad = tmp_path / "bad.dh"
+    bad.write_text("dh modified\nrow nonsense\n")
+    with pytest.raises(gelenk.ParseError, match="bad.dh:2") as error:
+        gelenk.load(bad)
+    assert error.value.line == 2 and error.value.expected and error.value.found
+    assert isinstance(error.value, ValueError)
+
+
+def test_joints_make_a_model_and_tell_it_again(panda):
+    again = gelenk.Model.from_joints([panda.joint(i) for i in range(panda.joint_count)], rest=panda.rest)
+    q = panda.random(9)
+    assert np.array_equal(again.fk(q), panda.fk(q))
+    arm = gelenk.Model.from_joints([
+        dict(name="shoulder", axes=[dict(axis=(0, 0, 1), lower=-1, upper=1)]),
+        dict(name="hand", parent="shoulder", offset=(2, 0, 0)),
+    ])
+    assert np.allclose(arm.fk([np.pi / 6])[1][:3, 3], [2 * np.cos(np.pi / 6), 1, 0])
+    with pytest.raises(ValueError, match="does not come before"):
+        gelenk.Model.from_joints([dict(name="a", parent="b")])
+
+
+def test_mirror_twice_is_nothing(figure):
+    q = figure.random(6)
+    assert np.allclose(figure.mirror(figure.mirror(q)), q, atol=1e-12)
+    with pytest.raises(ValueError):
+        gelenk.model("panda").mirror(gelenk.model("panda").rest)
+
+
+def test_centre_of_mass(figure):
+    assert figure.mass == pytest.approx(73)
+    assert 0.8 < figure.centre_of_mass(figure.rest)[1] < 1.2
+    with pytest.raises(ValueError, match="no masses"):
+        gelenk.model("planar").centre_of_mass(gelenk.model("planar").rest)
