@@ -51,6 +51,8 @@ class SharedModel {
   mutable int changes_ = 0;  ///< of the catalogue when they were made
 };
 using ModelPtr = std::shared_ptr<SharedModel>;
+/// The argument `model`; None is none.
+inline py::arg modelArgument() { return py::arg("model").none(false); }
 
 // ---- numbers in: what is no array of real numbers of the wanted shape is a ValueError that begins with
 // `what`

@@ -34,7 +34,9 @@ struct FieldReader {
     const bool first = member == &Goal::joint;
     (first ? out.hasJoint : out.hasOther) = true;
     if (py::isinstance<py::str>(value)) {
-      (first ? out.joint : out.other) = value.cast<std::string>();
+      const std::string joint = value.cast<std::string>();
+      if (joint.empty()) throw std::invalid_argument(name + ": a joint's name is not empty");
+      (first ? out.joint : out.other) = joint;
       return;
     }
     if (!PyIndex_Check(value.ptr()) || PyBool_Check(value.ptr()))
@@ -204,7 +206,7 @@ void addGoals(py::module_& m) {
           [](const GoalValue& g, const SharedModel& model) {
             return goalToText(g.on(model.skeleton(), model.model().masses), model.skeleton());
           },
-          "model"_a, "As `gelenk solve --goal` takes it; numbers exact.")
+          modelArgument(), "As `gelenk solve --goal` takes it; numbers exact.")
       .def("__repr__", &describeGoal);
   m.def(
       "goal_types", &goalTypesTable,

@@ -67,6 +67,7 @@ py::dict compare(const ModelPtr& model, const std::vector<std::string>& solvers,
                  int maxIterations, std::optional<int> restarts, const std::vector<std::string>& effectors,
                  const std::string& goal, const std::string& folder, bool report,
                  const py::object& progress) {
+  if (!model) throw py::type_error("compare wants a Model");
   ComparisonPlan plan{
       .sets = sets, .solvers = {}, .problems = problems, .seed = seed, .tolerance = tolerance};
   plan.budget.maxIterations = maxIterations;

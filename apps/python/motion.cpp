@@ -176,7 +176,7 @@ py::object clipOf(const ModelPtr& model) {
 
 void addMotion(py::module_& m) {
   py::class_<Clip>(m, "Clip", "A motion of a model, sampled at a constant rate.")
-      .def(py::init(&makeClip), "model"_a, "q"_a, "frames_per_second"_a = 30.0, "q: (frames, nq).")
+      .def(py::init(&makeClip), modelArgument(), "q"_a, "frames_per_second"_a = 30.0, "q: (frames, nq).")
       .def_property_readonly("model", [](const Clip& c) { return c.model; })
       .def_property_readonly("frames_per_second", [](const Clip& c) { return c.clip->framesPerSecond; })
       .def_property_readonly(
@@ -215,8 +215,8 @@ void addMotion(py::module_& m) {
           "This clip, then another one of the same model.")
       .def("layered", &overlaid, "layer"_a, "weight"_a = 1.0, "joints"_a = py::tuple(), "additive"_a = false,
            "Another clip laid over this one; joints: those that take part, default all.")
-      .def("retarget", &retarget, "model"_a, py::kw_only(), "scale"_a = py::none(), "keep_feet"_a = false,
-           "keep_hands"_a = false,
+      .def("retarget", &retarget, modelArgument(), py::kw_only(), "scale"_a = py::none(),
+           "keep_feet"_a = false, "keep_hands"_a = false,
            "(Clip of the other model, report) by joints of equal names; scale: of the path.")
       .def("foot_planted", &planted, "feet"_a = py::tuple(), "floor"_a = 0.0,
            "(Clip, report) with feet that stand still; feet: joints at their balls, default CMU's.")
@@ -227,7 +227,7 @@ void addMotion(py::module_& m) {
   m.attr("Model").attr("clip") = py::module_::import("builtins")
                                      .attr("property")(py::cpp_function(&clipOf), py::none(), py::none(),
                                                        "The Clip that came with it, or None.");
-  m.def("save", &save, "path"_a, "model"_a, "clip"_a = py::none(),
+  m.def("save", &save, "path"_a, modelArgument(), "clip"_a = py::none(),
         "Writes a model, its skin and its motion (or another clip) as .glb, .gltf, .bvh, .asf, .amc or .dh.");
   m.def("command", &command,
         "A command of the program in this process, such as command('convert', 'walk.bvh', 'walk.glb'); "

@@ -276,7 +276,7 @@ py::tuple evaluate(const SharedModel& model, const py::object& goals, const py::
 void addOwn(py::module_& m) {
   addProblem(m);
   m.def("_add_solver", &addOwnSolver);
-  m.def("evaluate", &evaluate, "model"_a, "goals"_a, "q"_a, py::kw_only(), "joint"_a = py::none(),
+  m.def("evaluate", &evaluate, modelArgument(), "goals"_a, "q"_a, py::kw_only(), "joint"_a = py::none(),
         "rod_masses"_a = false,
         "(r, J): the stacked, weighted residual target minus current (m,) and its Jacobian (m, nv), dr = -J "
         "dq.");

@@ -286,7 +286,7 @@ void addSkin(py::module_& m) {
       m, "Muscles",
       "Muscle layers between skeleton and skin (docs/muscles.md): muscles(frames) -> vertices. Arms\n"
       "and legs of known names carry them. activation: 0 to 1, contraction without motion.")
-      .def(py::init<ModelPtr, double, bool>(), "model"_a, py::kw_only(), "activation"_a = 0.0,
+      .def(py::init<ModelPtr, double, bool>(), modelArgument(), py::kw_only(), "activation"_a = 0.0,
            "keep_volume"_a = true)
       .def("__call__", &Muscles::operator(), "frames"_a,
            "(vertices, 3), metres; (n, joints, 4, 4) gives (n, vertices, 3).")
@@ -300,7 +300,7 @@ void addSkin(py::module_& m) {
         const py::gil_scoped_release alone;
         return std::make_shared<SharedModel>(withBody(model->model()));
       },
-      "model"_a, "The model with a rounded body around its bones where it has no skin.");
+      modelArgument(), "The model with a rounded body around its bones where it has no skin.");
   py::register_exception<RigRefused>(m, "RigRefused", PyExc_ValueError);
   m.def("rig", &rig, "body"_a, "triangles"_a = py::none(), py::kw_only(), "skeleton"_a = "human",
         "up"_a = py::none(), "front"_a = py::none(), "name"_a = "body", "progress"_a = py::none(),
@@ -311,7 +311,7 @@ void addSkin(py::module_& m) {
         "'y', '-z', ... or three numbers; found out where not given. progress: a function (stage, done); "
         "False\n"
         "stops. Raises RigRefused where the body is none of that kind.");
-  m.def("bind", &bound, "model"_a, "vertices"_a, "triangles"_a, "weights"_a = py::none(),
+  m.def("bind", &bound, modelArgument(), "vertices"_a, "triangles"_a, "weights"_a = py::none(),
         "The model with a mesh bound in its rest pose: weights (vertices, joints), of which the four largest "
         "are\n"
         "kept, or heat weights.");

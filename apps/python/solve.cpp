@@ -185,7 +185,8 @@ std::vector<Goal> targetsOf(int joint, py::handle value) {
   goals.reserve(array.shape(0));
   const double* row = array.data();
   for (py::ssize_t i = 0; i < array.shape(0); ++i, row += matrices ? 16 : width) {
-    Goal goal{.joint = joint};
+    Goal& goal = goals.emplace_back();
+    goal.joint = joint;
     for (py::ssize_t k = 0; k < (matrices ? 16 : width); ++k)
       if (!std::isfinite(row[k]))
         throw std::invalid_argument(fmt::format("targets must be finite numbers; target {} is not", i));
@@ -212,7 +213,6 @@ std::vector<Goal> targetsOf(int joint, py::handle value) {
         goal.kind = width == 4 ? GoalKind::Orientation : GoalKind::Pose;
       }
     }
-    goals.push_back(std::move(goal));
   }
   return goals;
 }
@@ -488,7 +488,7 @@ void addSolve(py::module_& m) {
   addResult(m);
   addBatch(m);
   m.def(
-      "solve", &solveAny, "model"_a, "goals"_a = py::none(), py::kw_only(), "solver"_a = "default",
+      "solve", &solveAny, modelArgument(), "goals"_a = py::none(), py::kw_only(), "solver"_a = "default",
       "joint"_a = py::none(), "start"_a = py::none(), "tolerance"_a = 1e-6, "max_iterations"_a = 200,
       "restarts"_a = 50, "seed"_a = 1, "max_seconds"_a = py::none(), "trace"_a = false,
       "rod_masses"_a = false,
@@ -501,13 +501,13 @@ void addSolve(py::module_& m) {
       "solver's parameters: lambda_=0.1, largest_step=0.5. The same seed gives the same bits as the "
       "program.");
   m.def(
-      "solve_batch", &solveBatchOf, "model"_a, "targets"_a, py::kw_only(), "solver"_a = "default",
+      "solve_batch", &solveBatchOf, modelArgument(), "targets"_a, py::kw_only(), "solver"_a = "default",
       "joint"_a = py::none(), "start"_a = py::none(), "tolerance"_a = 1e-6, "max_iterations"_a = 200,
       "restarts"_a = 50, "seed"_a = 1, "max_seconds"_a = py::none(),
       "Many targets of one joint: (n, 3), (n, 4), (n, 7) or (n, 4, 4). start: (nq,) or (n, nq). Poses of a\n"
       "serial chain go through the processor's lanes side by side, as in `gelenk solve --targets`.");
   m.def(
-      "solutions", &solutions, "model"_a, "target"_a, py::kw_only(), "joint"_a = py::none(),
+      "solutions", &solutions, modelArgument(), "target"_a, py::kw_only(), "joint"_a = py::none(),
       "near"_a = py::none(), "limits"_a = true, "axis"_a = py::none(),
       "Every configuration of an arm of up to six revolute joints that reaches the target (3 or 7 numbers, "
       "or\n"
@@ -515,11 +515,11 @@ void addSolve(py::module_& m) {
       "within_limits (k,), branch (k, 3), complete, class, outside_limits. axis: only this axis of the tip\n"
       "must point as the target says.");
   m.def(
-      "path", &path, "model"_a, "poses"_a, py::kw_only(), "joint"_a = py::none(), "start"_a = py::none(),
-      "jump"_a = 0.5,
+      "path", &path, modelArgument(), "poses"_a, py::kw_only(), "joint"_a = py::none(),
+      "start"_a = py::none(), "jump"_a = 0.5,
       "Joint motion along poses (n, 7) or (n, 4, 4) with the fewest jumps: a dict of q (n, nq; nan where a\n"
       "pose has no solution), jumps (pose, turn, reason), length, largest_step, unreachable.");
-  m.def("judge", &judged, "model"_a, "goals"_a, "q"_a, py::kw_only(), "joint"_a = py::none(),
+  m.def("judge", &judged, modelArgument(), "goals"_a, "q"_a, py::kw_only(), "joint"_a = py::none(),
         "tolerance"_a = 1e-6, "rod_masses"_a = false,
         "What is true of q, whoever proposed it: a dict of solved, finite (and quaternions\n"
         "of length 1), goal_errors (goals, 2), limit_violation.");
@@ -530,7 +530,7 @@ void addSolve(py::module_& m) {
                                           "Drags a model frame by frame: a few steps a frame, warm from the "
                                           "last one. balance: keeps the centre of\n"
                                           "mass over the soles, where the model has both.")
-      .def(py::init<ModelPtr, bool>(), "model"_a, py::kw_only(), "balance"_a = false)
+      .def(py::init<ModelPtr, bool>(), modelArgument(), py::kw_only(), "balance"_a = false)
       .def("reset", &Drag::reset, "q"_a = py::none(), "Begins anew at q (nq; default the model's pose).")
       .def("frame", &Drag::frame, "goals"_a, py::kw_only(), "joint"_a = py::none(), "trace"_a = false,
            "One frame towards the goals, as solve() takes them: a Result.")

@@ -28,3 +28,17 @@ def test_the_page_names_everything(root):
             for member in vars(thing):
                 if not member.startswith("_"):
                     assert re.search(rf"\b{member}\b", text), f"{name}.{member}"
+
+
+def test_the_stub_names_everything(root):
+    stub = (root / "apps/python/gelenk/__init__.pyi").read_text()
+    for name in dir(gelenk):
+        thing = getattr(gelenk, name)
+        if name.startswith("_") or isinstance(thing, types.ModuleType):
+            continue
+        assert re.search(rf"^(def|class) {name}\b", stub, re.M), name
+        if isinstance(thing, type) and not issubclass(thing, Exception):
+            body = re.search(rf"^class {name}\b.*?(?=^\S|\Z)", stub, re.S | re.M).group(0)
+            for member in vars(thing):
+                if not member.startswith("_"):
+                    assert re.search(rf"\b{member}\b", body), f"{name}.{member}"

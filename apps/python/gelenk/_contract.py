@@ -69,6 +69,8 @@ def check(solver, problems=30, seed=1, **parameters):
     if entry is None and solver != "default":
         names = ", ".join(e["name"] for e in _gelenk.solvers())
         raise ValueError(f"no solver is called '{solver}'; there are: {names}")
+    if problems < 1:
+        raise ValueError(f"problems: at least 1, not {problems}")
     found, rng = Contract(solver), np.random.default_rng(seed)
     ask = dict(solver=solver, max_iterations=60, restarts=1, seed=7)
     changed = {p["name"]: False for p in (entry or {"parameters": []})["parameters"]}

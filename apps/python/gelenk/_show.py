@@ -25,6 +25,8 @@ def program():
 
 def _write_scene(model, q, folder):
     """The file that the program opens to have this model in this pose."""
+    if not isinstance(model, _gelenk.Model):
+        raise TypeError(f"expected a Model, found {type(model).__name__}")
     scene = model._scene
     if scene is None:
         raise ValueError(f"'{model.name}' was made in this script, so that no other process can open it: save it with "
