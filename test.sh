@@ -3,6 +3,7 @@
 # it, the window and its monkey included, under ASan and UBSan; the Python module.
 #   ./test.sh            all of it
 #   ./test.sh release    one part: format, release, core, sanitize or python
+#   ./test.sh web        the core in WebAssembly (docs/web.md); not part of "all of it", since its compiler takes 0.8 GB
 set -euo pipefail
 cd "$(dirname "$0")"
 ./install_packages.sh test
@@ -20,6 +21,17 @@ for part in "${parts[@]}"; do
     cmake --preset release -DGELENK_PYTHON=ON -DPython3_EXECUTABLE=/usr/bin/python3 >/dev/null
     cmake --build --preset release --target _gelenk gelenk
     ctest --preset release -R '^Python'
+    continue
+  fi
+  if [ "$part" = web ]; then
+    ./install_packages.sh web
+    apps/web/fetch_sources.sh build-web/sources
+    export NODE_PATH=/usr/share/nodejs  # where emscripten's parser of JavaScript lies
+    cmake --preset web >/dev/null
+    cmake --build --preset web
+    cmake --preset release >/dev/null
+    cmake --build --preset release --target gelenk
+    tests/web/figures_test.py build-web/apps/web/figures.js build/gelenk
     continue
   fi
   cmake --preset "$part" >/dev/null

@@ -10,6 +10,7 @@
 #include "kinematics/motion/motion_clip.h"
 #include "kinematics/notation/mannequin_masses.h"
 #include "kinematics/skeleton.h"
+#include "skinning/blend/skin_choice.h"
 #include "skinning/skin.h"
 
 namespace gelenk {
@@ -19,7 +20,8 @@ struct Model {
   std::string name;
   Skeleton skeleton;
   std::optional<Skin> skin = {};
-  bool planar = false;  ///< moves in the x-y plane: seen from above by default
+  SkinChoice skinning = {};  ///< how its skin is drawn where nobody says otherwise (docs/skinning/README.md)
+  bool planar = false;       ///< moves in the x-y plane: seen from above by default
   Eigen::Vector3d up =
       Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
   std::optional<MotionClip> clip = {};        ///< a motion that came with it, for players; never clamped

@@ -506,10 +506,21 @@ Playback readPlayback(const JsonEntry& from, double& seconds) {
   return playback;
 }
 
+SkinChoice readSkin(const JsonEntry& from) {
+  try {
+    return parseSkinChoice(from.text());
+  } catch (const std::invalid_argument& error) {
+    from.fail("a skinning method, such as cor+twist+smooth", error.what());
+  }
+}
+
 LabSettings readLab(const JsonEntry& from) {
   LabSettings lab;
   lab.compare = from.at("compare").boolean();
   lab.sideBySide = from.at("side_by_side").boolean();
+  if (const auto skins = from.find("skins"))
+    for (const JsonEntry& entry : skins->list()) lab.skins.push_back(readSkin(entry));
+  if (lab.skins.size() > LabSettings::mostSkins) from.at("skins").fail("up to three skins");
   lab.solvers.clear();
   for (const JsonEntry& entry : from.at("solvers").list()) {
     lab.solvers.emplace_back(presentName(entry.text()));
@@ -560,13 +571,17 @@ std::string formatScene(const Document& document, const Model& model) {
             {"q", toJson(edits.q)},
             {"goals", goals},
             {"solver", toJson(document.solver)},
+            {"skin", toString(document.skin)},
             {"view", toJson(document.view, document.theme)}};
   if (Json weights = weightsToJson(edits.weights, model); !weights.is_null())
     tree["weights"] = std::move(weights);
   if (edits.muscles) tree["muscles"] = toJson(*edits.muscles);
   if (edits.clip) tree["clip"] = toJson(*edits.clip, model.skeleton);
   if (model.clip) tree["playback"] = toJson(document.playback, edits.seconds);
+  Json skins = Json::array();
+  for (const SkinChoice& skin : document.lab.skins) skins.push_back(toString(skin));
   tree["lab"] = {{"compare", document.lab.compare},
+                 {"skins", skins},
                  {"side_by_side", document.lab.sideBySide},
                  {"solvers", document.lab.solvers}};
   if (!document.lecture.topic.empty())
@@ -594,6 +609,8 @@ Document parseScene(std::string_view text, const std::string& file, const Model&
   edits.q = readPose(root.at("q"), model.skeleton);
   edits.goals = readGoals(root.at("goals"), model);
   document.solver = readSolver(root.at("solver"));
+  document.skin = {};  // what every scene showed before it said so
+  if (const auto entry = root.find("skin")) document.skin = readSkin(*entry);
   readView(root.at("view"), model.skeleton, document);
   if (tree.wasVersion1 && model.planar) document.view.show.ground = false;  // it was never drawn there
   if (const auto entry = root.find("weights")) readWeights(*entry, model, edits.weights);

@@ -155,7 +155,8 @@ double shortestOther() {
   std::mt19937_64 random(1);
   double shortest = 1e300;
   for (int i = 0; i < 1000; ++i) {
-    const Eigen::Vector3d z(uniform01(random) - 0.5, uniform01(random) - 0.5, uniform01(random) - 0.5);
+    Eigen::Vector3d z;
+    for (double& c : z) c = uniform01(random) - 0.5;  // one after the other: arguments have no order
     shortest = std::min(shortest, (s.step + N * z).norm() / s.step.norm());
   }
   return shortest;

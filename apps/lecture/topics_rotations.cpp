@@ -96,7 +96,8 @@ const std::vector<Quaterniond>& fitStart() {
     std::mt19937_64 random(3);
     std::vector<Quaterniond> q;
     for (int i = 0; i < 3; ++i) {
-      const Vector3d w(uniform01(random) - 0.5, uniform01(random) - 0.5, uniform01(random) - 0.5);
+      Vector3d w;
+      for (double& c : w) c = uniform01(random) - 0.5;  // one after the other: arguments have no order
       q.push_back(expRotation(w));
     }
     return q;

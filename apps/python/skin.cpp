@@ -6,6 +6,7 @@
 #include "apps/document/muscle_settings.h"
 #include "apps/python/binding.h"
 #include "skinning/blend/linear_blend.h"
+#include "skinning/blend/skin_choice.h"
 #include "skinning/io/stl.h"
 #include "skinning/rigging/auto_rig.h"
 #include "skinning/rigging/bone_heat.h"
@@ -91,6 +92,47 @@ py::tuple withNormals(const SkinOf& self, py::handle frames) {
   return py::make_tuple(pointsArray(std::move(out.positions)), pointsArray(std::move(out.normals)));
 }
 
+/// A skin made ready for one of the skinning methods; stands alone.
+struct Blend {
+  std::string choice;
+  PreparedSkin prepared;
+};
+
+Blend prepareBlend(const SkinOf& self, const std::string& text) {
+  const SkinChoice choice = parseSkinChoice(text);
+  const py::gil_scoped_release alone;
+  const Model& model = self.model->model();
+  return {toString(choice), prepareSkin(self.skin(), choice, model.skeleton, bindFrames(model))};
+}
+
+py::tuple blendWithNormals(const Blend& self, py::handle frames) {
+  SkinnedVertices out = blendSkin(self.prepared, framesOf(frames, self.prepared.skin.jointCount()));
+  return py::make_tuple(pointsArray(std::move(out.positions)), pointsArray(std::move(out.normals)));
+}
+
+py::list methodTable() {
+  py::list table;
+  for (const SkinMethod* method : skinMethods())
+    table.append(
+        py::dict("name"_a = method->name, "title"_a = method->title, "reference"_a = method->reference));
+  return table;
+}
+
+void addBlends(py::module_& m) {
+  py::class_<Blend>(m, "Blend", "A skin made ready for a skinning method: blend(frames) -> vertices.")
+      .def(
+          "__call__",
+          [](const Blend& self, py::handle frames) {
+            return posed(frames, self.prepared.skin.jointCount(), self.prepared.skin.mesh.positions.size(),
+                         [&](const Frames& f, SkinnedVertices& out) { out = blendSkin(self.prepared, f); });
+          },
+          "frames"_a, "(vertices, 3), metres; (n, joints, 4, 4) gives (n, vertices, 3).")
+      .def("with_normals", &blendWithNormals, "frames"_a, "(vertices, 3) and unit normals (vertices, 3).")
+      .def_property_readonly("method", [](const Blend& self) { return self.choice; })
+      .def("__repr__", [](const Blend& self) { return "<gelenk.Blend " + self.choice + ">"; });
+  m.def("skin_methods", &methodTable, "The skinning methods: dicts of name, title, reference.");
+}
+
 void addSkins(py::module_& m) {
   py::class_<SkinOf>(m, "Skin",
                      "A mesh bound to a model's joints: skin(frames) -> vertices, linear blend skinning.")
@@ -103,6 +145,10 @@ void addSkins(py::module_& m) {
           },
           "frames"_a, "(vertices, 3), metres, for model.fk(q); (n, joints, 4, 4) gives (n, vertices, 3).")
       .def("with_normals", &withNormals, "frames"_a, "(vertices, 3) and their unit normals (vertices, 3).")
+      .def("method", &prepareBlend, "choice"_a,
+           "The skin by another method: 'dqs', 'cor', ... (skin_methods()), with '+twist' spread along limbs "
+           "and\n"
+           "'+smooth=MM' of the weights: a Blend.")
       .def_property_readonly(
           "vertices",
           [](const py::object& self) {
@@ -281,6 +327,7 @@ ModelPtr bound(const ModelPtr& model, const py::object& vertices, const py::obje
 }  // namespace
 
 void addSkin(py::module_& m) {
+  addBlends(m);
   addSkins(m);
   py::class_<Muscles>(
       m, "Muscles",

@@ -40,6 +40,7 @@ struct Request {
   int smoothing = 0, frames = 0, framesPerSecond = 30;
   bool orthographic = false, wireframe = false, bones = false, jointFrames = false, handles = false;
   bool noGround = false, noShadow = false;
+  std::string skin;    ///< method; empty: as the scene or the model says
   std::string layers;  ///< empty: as the scene says
   bool lattice = false;
   std::string muscleSheet;  ///< name of a limb or its joints
@@ -163,6 +164,7 @@ std::shared_ptr<const MuscleSettings> musclesOf(const Request& request, const Mo
 Session openRequested(const Request& request) {
   auto [model, document] = openDocument({.nameOrFile = request.input, .files = request.files});
   document.edits.q = poseOf(request, *model, document.edits.q);
+  if (!request.skin.empty()) document.skin = parseSkinChoice(request.skin);
   document.edits.muscles = musclesOf(request, *model, document.edits.muscles);
   if (!request.theme.empty()) document.theme = request.theme == "dark" ? Theme::Dark : Theme::Light;
   ViewOptions& show = document.view.show;
@@ -360,6 +362,9 @@ void addRenderCommand(Command& app) {
   command.flag("--bones", request->bones, "Skeleton through a translucent skin");
   command.option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
   command.flag("--joint-frames", request->jointFrames, "Axes of every joint");
+  command.option(
+      "--skin", request->skin,
+      "Skinning method, such as lbs, dqs or cor+twist+smooth; otherwise the scene's or the model's");
   command
       .option("--layers", request->layers,
               "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise "

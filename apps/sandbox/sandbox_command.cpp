@@ -180,6 +180,9 @@ void addSandboxCommand(Command& app) {
   command.option("--scale", a.scale, "Of type and spacing; the monitor's by default").range(0.5, 4.0);
   command.option("--theme", a.theme, "light or dark").oneOf({"light", "dark"}).showDefault();
   command.option("--solver", a.sandbox.solver, "Solver while dragging").showDefault();
+  command.option(
+      "--skin", a.sandbox.skin,
+      "Skinning method, such as lbs, dqs or cor+twist+smooth; otherwise the scene's or the model's");
   command.option("--set", a.sandbox.settings,
                  "A parameter of the solver, such as dls.lambda=0.1 (repeatable)");
   command.flag("--remote", a.remote,

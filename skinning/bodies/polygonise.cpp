@@ -15,11 +15,17 @@ using Eigen::Vector3i;
 
 namespace {
 
+#ifdef __EMSCRIPTEN__
+constexpr int mostThreads = 1;  // a page has none beside its own
+#else
+constexpr int mostThreads = 64;
+#endif
+
 /// body(k) for k in [0, count), shared out in equal runs. Each k must write to its own place only.
 template <typename Body>
 void parallelFor(int count, int threads, const Body& body) {
   std::vector<std::thread> workers;
-  const int runs = std::max(1, std::min(threads, count));
+  const int runs = std::clamp(threads, 1, std::max(1, std::min(mostThreads, count)));
   const auto run = [&](int r) {
     for (int k = r; k < count; k += runs) body(k);
   };

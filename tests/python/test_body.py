@@ -29,6 +29,25 @@ def test_a_skin_is_the_weighted_sum_of_its_bones(figure):
     assert gelenk.Model.from_joints([dict(name="alone", ball=True)]).skin is None
 
 
+@pytest.mark.parametrize("name", [m["name"] for m in gelenk.skin_methods()])
+def test_every_method_keeps_the_bind_pose_and_follows_a_rigid_motion(name, inputs):
+    tube = gelenk.load(inputs / "tube.obj", skeleton=inputs / "tube.skel")
+    skin, blend = tube.skin, tube.skin.method(name)
+    assert blend.method == name
+    # delta mush smooths the surface and gives it back: rounding of some hundred sums
+    assert np.allclose(blend(skin.bind_frames), skin.vertices, atol=1e-9)
+    T = gelenk.pose((0.1, 0.2, 0.3), gelenk.exp((0.3, -0.5, 1.0)))
+    whole = np.c_[skin.vertices, np.ones(len(skin.vertices))] @ T.T
+    assert np.allclose(blend(T @ skin.bind_frames), whole[:, :3], atol=1e-9)
+    positions, normals = blend.with_normals(skin.bind_frames)
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1)
+    bent = tube.fk(tube.random(1))
+    difference = np.abs(blend(bent) - skin(bent)).max()
+    assert difference < 1e-12 if name == "lbs" else difference > 1e-6
+    with pytest.raises(ValueError, match="lbs"):
+        skin.method("nothing")
+
+
 def test_views_keep_what_they_stand_on():
     vertices = gelenk.model("figure").skin.vertices
     frames = gelenk.model("panda").fk(gelenk.model("panda").rest)
