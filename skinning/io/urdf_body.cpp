@@ -130,7 +130,6 @@ UrdfModel openUrdf(const std::string& path) {
                   .skin = {},
                   .name = robot.name,
                   .masses = robot.masses,
-                  .mimics = robot.mimics,
                   .notes = robot.notes};
   const Frames rest = restFrames(robot.skeleton);
   Mesh whole;

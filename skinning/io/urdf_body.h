@@ -16,7 +16,6 @@ struct UrdfModel {
   std::string name = {};                      ///< the robot's own
   std::shared_ptr<const MeshLook> look = {};  ///< of the skin: colours of the URDF, else those of its meshes
   std::optional<Masses> masses = {};
-  std::vector<UrdfMimic> mimics = {};
   std::vector<Note> notes = {};
 };
 

@@ -15,7 +15,6 @@ void readUrdf(const std::string& path, const Companions&, const ImportOptions&, 
   model.look = std::move(urdf.look);
   if (!urdf.name.empty()) model.name = urdf.name;
   if (urdf.masses) model.masses = std::make_shared<const Masses>(*std::move(urdf.masses));
-  model.mimics = std::move(urdf.mimics);
   model.notes = std::move(urdf.notes);
   model.up = Eigen::Vector3d::UnitZ();
 }
