@@ -24,9 +24,8 @@ struct Model {
   bool planar = false;       ///< moves in the x-y plane: seen from above by default
   Eigen::Vector3d up =
       Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
-  std::optional<MotionClip> clip = {};  ///< a motion that came with it, for players; never clamped
-  std::vector<UrdfMimic> mimics = {};   ///< couplings that every pose keeps; solvers move both joints freely
-  std::string clipName = {};            ///< the file's own name of that motion, where it has one
+  std::optional<MotionClip> clip = {};        ///< a motion that came with it, for players; never clamped
+  std::string clipName = {};                  ///< the file's own name of that motion, where it has one
   std::vector<std::string> clipNames = {};    ///< of all motions in the file, among which --clip chooses
   std::shared_ptr<const Masses> masses = {};  ///< null: unknown
   std::vector<FootPoint> soles = {};          ///< what it stands on, where it can keep its balance

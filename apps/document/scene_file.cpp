@@ -31,13 +31,14 @@ constexpr std::array<std::pair<GoalState, const char*>, 4> stateNames{{{GoalStat
 constexpr std::array<std::pair<Theme, const char*>, 2> themeNames{
     {{Theme::Light, "light"}, {Theme::Dark, "dark"}}};
 
-constexpr std::array<std::pair<std::string Companions::*, const char*>, 7> companionNames{
+constexpr std::array<std::pair<std::string Companions::*, const char*>, 8> companionNames{
     {{&Companions::skeleton, "skeleton"},
      {&Companions::weights, "weights"},
      {&Companions::asf, "asf"},
      {&Companions::amc, "amc"},
      {&Companions::mapping, "mapping"},
      {&Companions::clip, "clip"},
+     {&Companions::up, "up"},
      {&Companions::figure, "figure"}}};
 constexpr std::array<std::pair<bool Playback::*, const char*>, 7> playbackNames{
     {{&Playback::loop, "loop"},
@@ -94,7 +95,7 @@ ModelReference readReference(const JsonEntry& model) {
 }
 
 Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
-  const Eigen::VectorXd q = entry.vector(skeleton.nq());
+  Eigen::VectorXd q = entry.vector(skeleton.nq());
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     if (!skeleton.joint(i).ball) continue;
     const int at = skeleton.qIndex(i) + static_cast<int>(skeleton.joint(i).axes.size());
@@ -103,6 +104,7 @@ Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
                              at + 3),
                  fmt::format("length {}", length));
   }
+  skeleton.couple(q);
   return q;
 }
 

@@ -67,10 +67,11 @@ Viewport parseSize(const Request& request) {
 Eigen::VectorXd configurationOf(const Request& request, const Skeleton& skeleton,
                                 const Eigen::VectorXd& otherwise) {
   if (request.q.empty()) return otherwise;
-  if (static_cast<int>(request.q.size()) != skeleton.nq())
+  const std::optional<Eigen::VectorXd> given = configurationFrom(skeleton, request.q);
+  if (!given)
     throw std::invalid_argument(fmt::format("--q: the model has {} configuration values, {} are given",
                                             skeleton.nq(), request.q.size()));
-  Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(request.q.data(), skeleton.nq());
+  Eigen::VectorXd q = *given;
   for (int j = 0; j < skeleton.jointCount(); ++j) {
     if (!skeleton.joint(j).ball) continue;
     const Eigen::Quaterniond rotation = ballRotation(skeleton, q, j);
@@ -101,7 +102,7 @@ Eigen::VectorXd turned(const Skeleton& skeleton, Eigen::VectorXd q, const std::s
         skeleton, q, joint,
         ballRotation(skeleton, q, joint) * Eigen::Quaterniond(Eigen::AngleAxisd(*angle * degrees, axis)));
   else if (!skeleton.joint(joint).axes.empty())
-    q[skeleton.qIndex(joint)] = *angle * degrees;
+    setJointValue(skeleton, q, joint, *angle * degrees);
   else
     throw std::invalid_argument("--turn: joint " + name + " does not move");
   return q;
@@ -335,6 +336,11 @@ void addRenderCommand(Command& app) {
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--clip", request->files.clip,
                  "Which motion of a file that names several; default: the first");
+  command
+      .option(
+          "--up", request->files.up,
+          "The axis that points up where the format does not say it; default: along which the body stands")
+      .oneOf({"y", "z"});
   command.option("--frame", request->frame, "Pose of this frame of the motion, from 1").positive();
   command.flag("--bind-pose", request->bindPose,
                "The pose in which the skin is bound, where that is not the skeleton's rest pose");

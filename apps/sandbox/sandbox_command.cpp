@@ -163,6 +163,11 @@ void addSandboxCommand(Command& app) {
   command.option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
   command.option("--clip", a.sandbox.files.clip,
                  "Which motion of a file that names several; default: the first");
+  command
+      .option(
+          "--up", a.sandbox.files.up,
+          "The axis that points up where the format does not say it; default: along which the body stands")
+      .oneOf({"y", "z"});
   command.option("--mapping", a.sandbox.files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
