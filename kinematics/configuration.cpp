@@ -60,6 +60,20 @@ VectorXd neutral(const Skeleton& skeleton) {
   VectorXd q = VectorXd::Zero(skeleton.nq());
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (skeleton.joint(i).ball) q[ballIndex(skeleton, i)] = 1.0;
+  skeleton.couple(q);
+  return q;
+}
+
+std::optional<VectorXd> configurationFrom(const Skeleton& skeleton, std::span<const double> values) {
+  const auto given = static_cast<int>(values.size());
+  const int followers = static_cast<int>(skeleton.followers().size());
+  if (given != skeleton.nq() && given != skeleton.nq() - followers) return std::nullopt;
+  VectorXd q(skeleton.nq());
+  std::size_t next = 0;
+  for (int i = 0; i < skeleton.jointCount(); ++i)
+    for (int k = 0; k < skeleton.qCount(i); ++k)
+      q[skeleton.qIndex(i) + k] = skeleton.joint(i).coupling && given < skeleton.nq() ? 0.0 : values[next++];
+  skeleton.couple(q);
   return q;
 }
 
@@ -73,6 +87,7 @@ void integrate(const Skeleton& skeleton, const VectorXd& q, const VectorXd& dq, 
     const Quaterniond moved = quaternionAt(q, iq + axes) * expRotation(dq.segment<3>(iv + axes));
     putQuaternion(out, iq + axes, moved.normalized());
   }
+  skeleton.couple(out);
 }
 
 VectorXd integrate(const Skeleton& skeleton, const VectorXd& q, const VectorXd& dq) {
@@ -92,6 +107,7 @@ void difference(const Skeleton& skeleton, const VectorXd& from, const VectorXd& 
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const int axes = static_cast<int>(skeleton.joint(i).axes.size());
     const int iq = skeleton.qIndex(i), iv = skeleton.vIndex(i);
+    if (skeleton.joint(i).coupling) continue;  // its dimension is its source's
     for (int k = 0; k < axes; ++k) dq[iv + k] = to[iq + k] - from[iq + k];
     if (skeleton.joint(i).ball)
       dq.segment<3>(iv + axes) =
@@ -129,6 +145,7 @@ VectorXd randomWithinLimits(const Skeleton& skeleton, std::mt19937_64& random) {
     }
     putQuaternion(q, at, rotation);
   }
+  skeleton.couple(q);
   return q;
 }
 
@@ -153,10 +170,12 @@ void projectToLimits(const Skeleton& skeleton, const VectorXd& q, VectorXd& out)
       rotation = fromSwingTwistCoordinates(intoBall(*joint.ballLimit, swingTwistCoordinates(rotation)));
     putQuaternion(out, at, rotation);
   }
+  skeleton.couple(out);
 }
 
 double limitViolation(const Skeleton& skeleton, const VectorXd& q, int i) {
   const Joint& joint = skeleton.joint(i);
+  if (joint.coupling) return 0.0;
   int at = skeleton.qIndex(i);
   double worst = 0.0;
   for (const AxisDof& dof : joint.axes) {
@@ -181,6 +200,15 @@ double limitViolation(const Skeleton& skeleton, const VectorXd& q) {
 
 Quaterniond ballRotation(const Skeleton& skeleton, const VectorXd& q, int joint) {
   return quaternionAt(q, ballIndex(skeleton, joint));
+}
+
+void setJointValue(const Skeleton& skeleton, VectorXd& q, int joint, double value) {
+  const auto& coupling = skeleton.joint(joint).coupling;
+  if (coupling && coupling->multiplier != 0.0)
+    q[skeleton.qIndex(coupling->source)] = (value - coupling->offset) / coupling->multiplier;
+  else if (!coupling)
+    q[skeleton.qIndex(joint)] = value;
+  skeleton.couple(q);
 }
 
 void setBallRotation(const Skeleton& skeleton, VectorXd& q, int joint, const Quaterniond& rotation) {

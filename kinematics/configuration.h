@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <random>
+#include <span>
 
 #include "kinematics/skeleton.h"
 
@@ -21,6 +23,10 @@ Eigen::VectorXd difference(const Skeleton& skeleton, const Eigen::VectorXd& from
 void difference(const Skeleton& skeleton, const Eigen::VectorXd& from, const Eigen::VectorXd& to,
                 Eigen::VectorXd& out);
 
+/// A configuration from numbers that a user gives: one for every entry of q, or one for every entry but the
+/// followers', who take what their sources say in either case. None where there are neither so many.
+std::optional<Eigen::VectorXd> configurationFrom(const Skeleton& skeleton, std::span<const double> values);
+
 /// Uniform within limits: axes uniform in their range (unlimited rotations in [-pi, pi], unlimited
 /// translations in
 /// [-1, 1] m), limited balls uniform in swing-twist coordinates, free balls uniform over all rotations.
@@ -28,14 +34,14 @@ Eigen::VectorXd randomWithinLimits(const Skeleton& skeleton, std::mt19937_64& ra
 
 /// The nearest configuration within limits, joint by joint: axes are clamped, swings are moved to the nearest
 /// point of their cone (Euclidean in swing-twist coordinates), twists are clamped, quaternions are
-/// normalised.
+/// normalised, followers take what their sources say.
 Eigen::VectorXd projectToLimits(const Skeleton& skeleton, const Eigen::VectorXd& q);
 /// The same into existing storage, which may be q itself.
 void projectToLimits(const Skeleton& skeleton, const Eigen::VectorXd& q, Eigen::VectorXd& out);
 
 /// How far the joint lies outside its limits, 0 within: radians or metres for axes and twists; for swings the
 /// excess of the normalised ellipse radius times the smaller ellipse radius. Judged from the quaternion
-/// itself.
+/// itself. A follower is within its limits where its source is.
 double limitViolation(const Skeleton& skeleton, const Eigen::VectorXd& q, int joint);
 /// Largest violation of all joints.
 double limitViolation(const Skeleton& skeleton, const Eigen::VectorXd& q);
@@ -47,6 +53,10 @@ Eigen::Vector2d nearestOnEllipse(const Eigen::Vector2d& radii, const Eigen::Vect
 Eigen::Quaterniond ballRotation(const Skeleton& skeleton, const Eigen::VectorXd& q, int joint);
 void setBallRotation(const Skeleton& skeleton, Eigen::VectorXd& q, int joint,
                      const Eigen::Quaterniond& rotation);
+
+/// Sets the first axis of a joint; a follower's moves its source, and with it all that follow it, so that it
+/// gets there (nothing where its multiplier is 0).
+void setJointValue(const Skeleton& skeleton, Eigen::VectorXd& q, int joint, double value);
 
 /// A number in [0, 1), the same on every platform for the same state of the generator.
 double uniform01(std::mt19937_64& random);

@@ -22,14 +22,25 @@ inline void forEachDofAbove(const Skeleton& skeleton, int joint, Visit visit) {
     for (int k = 0; k < skeleton.vCount(joint); ++k) visit(skeleton.vIndex(joint) + k);
 }
 
+/// Calls visit(column of the twist, column of its source) for every follower on the path.
+template <typename Visit>
+inline void forEachFollowerAbove(const Skeleton& skeleton, int joint, Visit visit) {
+  const std::vector<int>& followers = skeleton.followers();
+  for (std::size_t k = 0; k < followers.size(); ++k)
+    if (skeleton.isAncestor(followers[k], joint))
+      visit(skeleton.nv() + static_cast<int>(k), skeleton.vIndex(followers[k]));
+}
+
 }  // namespace
 
 void dofTwists(const Skeleton& skeleton, const VectorXd& q, const Frames& frames, Twists& twists) {
-  twists.resize(6, skeleton.nv());
+  const int followers = static_cast<int>(skeleton.followers().size());
+  int follower = skeleton.nv();
+  twists.resize(6, skeleton.nv() + followers);
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
     const int axes = static_cast<int>(joint.axes.size());
-    int column = skeleton.vIndex(i);
+    int column = joint.coupling ? follower++ : skeleton.vIndex(i);
     if (axes == 1 && !joint.ball) {  // the axis is unmoved by its own motion
       const AxisDof& dof = joint.axes[0];
       const Vector3d axis = frames[i].linear() * dof.axis;
@@ -37,6 +48,7 @@ void dofTwists(const Skeleton& skeleton, const VectorXd& q, const Frames& frames
         putRotation(twists, column, axis, frames[i].translation());
       else
         twists.col(column) << axis, Vector3d::Zero();
+      if (joint.coupling) twists.col(column) *= joint.coupling->multiplier;
       continue;
     }
     if (axes > 0) {
@@ -74,12 +86,17 @@ void pointJacobian(const Skeleton& skeleton, const Twists& twists, int joint, co
     const Vector3d omega = twists.col(k).tail<3>();
     J.col(k) = twists.col(k).head<3>() + omega.cross(pointInWorld);
   });
+  forEachFollowerAbove(skeleton, joint, [&](int k, int source) {
+    const Vector3d omega = twists.col(k).tail<3>();
+    J.col(source) += twists.col(k).head<3>() + omega.cross(pointInWorld);
+  });
 }
 
 void rotationJacobian(const Skeleton& skeleton, const Twists& twists, int joint,
                       Eigen::Ref<Matrix3Xd, 0, Eigen::OuterStride<>> J) {
   J.setZero();
   forEachDofAbove(skeleton, joint, [&](int k) { J.col(k) = twists.col(k).tail<3>(); });
+  forEachFollowerAbove(skeleton, joint, [&](int k, int source) { J.col(source) += twists.col(k).tail<3>(); });
 }
 
 Matrix3Xd pointJacobian(const Skeleton& skeleton, const VectorXd& q, const Frames& frames, int joint,

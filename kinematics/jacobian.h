@@ -8,7 +8,8 @@ namespace gelenk {
 
 /// Column k: the twist (v; omega) that tangent dimension k gives to everything below its joint, in world
 /// axes; v is the velocity of the body point that passes through the world's origin. 6 x nv (metres,
-/// radians).
+/// radians). Followers' own motions, times their multipliers, stand behind those, in the order of
+/// Skeleton::followers(): 6 x (nv + followers).
 using Twists = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 /// q: nq, frames: forwardKinematics(skeleton, q). Joints of several axes need q for the axes in between.
@@ -16,7 +17,8 @@ void dofTwists(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames&
 Twists dofTwists(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames);
 
 /// d(world position of the point) / d(dq): column k = v_k + omega_k x p for the ancestors of the joint, else
-/// 0. 3 x nv. pointInJoint: the point in the frame of the joint that carries it.
+/// 0; an ancestor that follows another joint adds its own to that one's column. 3 x nv. pointInJoint: the
+/// point in the frame of the joint that carries it.
 Eigen::Matrix3Xd pointJacobian(const Skeleton& skeleton, const Eigen::VectorXd& q, const Frames& frames,
                                int joint, const Eigen::Vector3d& pointInJoint);
 /// The same from twists that are already there. J must be 3 x nv; columns off the joint's path are set to 0.

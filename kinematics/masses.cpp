@@ -64,6 +64,12 @@ void centreOfMassJacobian(const Skeleton& skeleton, const Masses& masses, const 
       const Vector3d v = twists.col(k).head<3>(), omega = twists.col(k).tail<3>();
       J.col(k) = below(3, i) * v + omega.cross(below.col(i).head<3>());
     }
+  int k = skeleton.nv();
+  for (const int i : skeleton.followers()) {
+    const Vector3d v = twists.col(k).head<3>(), omega = twists.col(k).tail<3>();
+    J.col(skeleton.vIndex(i)) += below(3, i) * v + omega.cross(below.col(i).head<3>());
+    ++k;
+  }
 }
 
 }  // namespace gelenk

@@ -1,5 +1,6 @@
 #include "kinematics/skeleton.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <unordered_set>
@@ -46,6 +47,43 @@ void validate(const Joint& joint, int index) {
 
 }  // namespace
 
+/// Checks them, takes the followers' ranges into their sources', and gives followers their sources' vIndex.
+void Skeleton::addCouplings() {
+  coupled_.assign(joints_.size(), 0);
+  const auto hasOneAxis = [&](int i) { return joints_[i].axes.size() == 1 && !joints_[i].ball; };
+  for (int i = 0; i < jointCount(); ++i) {
+    if (!joints_[i].coupling) continue;
+    const Coupling& c = *joints_[i].coupling;
+    if (c.source < 0 || c.source >= jointCount() || c.source == i)
+      reject(joints_[i], i, "it follows joint " + std::to_string(c.source) + ", which is no other joint");
+    if (joints_[c.source].coupling)
+      reject(joints_[i], i,
+             "it follows '" + joints_[c.source].name + "', which follows another joint itself");
+    if (!hasOneAxis(i) || !hasOneAxis(c.source))
+      reject(joints_[i], i, "couplings are between joints of one axis");
+    if (!std::isfinite(c.multiplier) || !std::isfinite(c.offset))
+      reject(joints_[i], i, "a coupling needs finite numbers");
+    followers_.push_back(i);
+    coupled_[i] = coupled_[c.source] = 1;
+    vIndex_[i] = vIndex_[c.source];
+    if (c.multiplier == 0.0) continue;
+    const AxisDof& own = joints_[i].axes[0];
+    AxisDof& range = joints_[c.source].axes[0];
+    double lower = (own.lower - c.offset) / c.multiplier, upper = (own.upper - c.offset) / c.multiplier;
+    if (lower > upper) std::swap(lower, upper);
+    range.lower = std::max(range.lower, lower);
+    range.upper = std::min(range.upper, upper);
+    if (range.lower > range.upper)
+      reject(joints_[i], i, "its limits leave '" + joints_[c.source].name + "', which it follows, no value");
+  }
+}
+
+Skeleton Skeleton::uncoupled() const {
+  std::vector<Joint> joints = joints_;
+  for (Joint& joint : joints) joint.coupling.reset();
+  return Skeleton(std::move(joints), rest_);
+}
+
 bool AxisDof::isFullTurn() const { return kind == Kind::Rotation && upper - lower >= 2.0 * M_PI - 1e-9; }
 
 Skeleton::Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> rest)
@@ -62,6 +100,7 @@ Skeleton::Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> res
     nq_ += qCount(i);
     nv_ += vCount(i);
   }
+  addCouplings();
 
   rest_ = Eigen::VectorXd::Zero(nq_);
   if (rest && rest->size() != nq_)
@@ -77,6 +116,7 @@ Skeleton::Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> res
     rest_[at] = 1.0;
   }
   if (rest) rest_ = *rest;
+  couple(rest_);
 }
 
 std::optional<int> Skeleton::findJoint(std::string_view name) const {

@@ -36,6 +36,15 @@ struct BallLimit {
   double twistUpper = unlimited;
 };
 
+/// A joint that follows another one, as the second finger of a gripper does:
+///     its value = multiplier * value of the source + offset.
+/// Both have one axis and no ball; the source follows none. Radians and metres.
+struct Coupling {
+  int source = 0;
+  double multiplier = 1.0, offset = 0.0;
+  bool operator==(const Coupling&) const = default;
+};
+
 /// A joint is a fixed offset from its parent followed by a motion:
 ///     parentFromJoint(q) = parentFromZero * axis_1(q_1) * ... * axis_n(q_n) * [ball rotation]
 /// No axes and no ball: a fixed frame, such as an end site. Three translations and a ball: a free root.
@@ -47,6 +56,7 @@ struct Joint {
   std::vector<AxisDof> axes = {};
   bool ball = false;
   std::optional<BallLimit> ballLimit = {};
+  std::optional<Coupling> coupling = {};
 };
 
 /// An articulated model: a tree of joints, validated on construction and constant afterwards.
@@ -54,6 +64,11 @@ struct Joint {
 /// Configuration q (length nq): for each joint in order one value an axis (radians, metres), then, for a
 /// ball, a unit quaternion as (w, x, y, z). Tangent dq (length nv): one value an axis, then three for a ball:
 /// a rotation vector in the joint's own moved frame, q <- q * exp(dq).
+///
+/// A follower (Joint::coupling) has its value in q like every joint, but no dimension of its own in dq: it
+/// moves with its source's. What makes or moves a q keeps couplings as it keeps quaternions of unit length:
+/// integrate, randomWithinLimits, projectToLimits, couple. A source's range is what it and all its followers
+/// allow.
 class Skeleton {
  public:
   Skeleton() = default;  ///< no joints; useful only as a place to assign to
@@ -61,8 +76,9 @@ class Skeleton {
   /// rest: the configuration of the bind pose; neutral (zeros and identities) where not given.
   /// Throws std::invalid_argument, naming the joint, on: no joint, a parent that does not come earlier, a
   /// second root, an empty or repeated name, non-finite or non-rigid offsets, axes that are not unit vectors,
-  /// reversed limits, a rest configuration of the wrong length or with a quaternion that is not of unit
-  /// length.
+  /// reversed limits, a coupling of or to a joint that has not one axis, of a source that follows itself, or
+  /// whose limits leave its source no value, a rest configuration of the wrong length or with a quaternion
+  /// that is not of unit length. The rest configuration is coupled.
   explicit Skeleton(std::vector<Joint> joints, std::optional<Eigen::VectorXd> rest = {});
 
   int jointCount() const { return static_cast<int>(joints_.size()); }
@@ -74,11 +90,27 @@ class Skeleton {
   int parent(int i) const { return joints_[i].parent; }
   const std::vector<int>& children(int i) const { return children_[i]; }
 
-  /// First entry of joint i in q and in dq, and how many it has there.
+  /// First entry of joint i in q and in dq, and how many it has there. A follower's vIndex is its source's.
   int qIndex(int i) const { return qIndex_[i]; }
   int vIndex(int i) const { return vIndex_[i]; }
   int qCount(int i) const { return static_cast<int>(joints_[i].axes.size()) + (joints_[i].ball ? 4 : 0); }
-  int vCount(int i) const { return static_cast<int>(joints_[i].axes.size()) + (joints_[i].ball ? 3 : 0); }
+  int vCount(int i) const {
+    return joints_[i].coupling ? 0 : static_cast<int>(joints_[i].axes.size()) + (joints_[i].ball ? 3 : 0);
+  }
+
+  /// Joints that follow another one, in order.
+  const std::vector<int>& followers() const { return followers_; }
+  /// True for a follower and for a source of one.
+  bool isCoupled(int i) const { return coupled_[i] != 0; }
+  /// Sets every follower's value from its source's. q: nq.
+  void couple(Eigen::VectorXd& q) const {
+    for (const int i : followers_) {
+      const Coupling& c = *joints_[i].coupling;
+      q[qIndex_[i]] = c.multiplier * q[qIndex_[c.source]] + c.offset;
+    }
+  }
+  /// The same joints without couplings: every follower has a dimension of its own. q means the same.
+  Skeleton uncoupled() const;
 
   std::optional<int> findJoint(std::string_view name) const;
   /// Throws std::invalid_argument that lists the names there are.
@@ -90,9 +122,12 @@ class Skeleton {
   const Eigen::VectorXd& rest() const { return rest_; }
 
  private:
+  void addCouplings();
+
   std::vector<Joint> joints_;
   std::vector<std::vector<int>> children_;
-  std::vector<int> qIndex_, vIndex_;
+  std::vector<int> qIndex_, vIndex_, followers_;
+  std::vector<char> coupled_;
   int nq_ = 0, nv_ = 0;
   Eigen::VectorXd rest_;
 };

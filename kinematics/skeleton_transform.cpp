@@ -23,6 +23,12 @@ Skeleton scaled(const Skeleton& skeleton, double factor) {
       rest[skeleton.qIndex(i) + k] *= factor;
     }
   }
+  const auto slides = [&](int i) { return joints[i].axes[0].kind == AxisDof::Kind::Translation; };
+  for (const int i : skeleton.followers()) {
+    Coupling& c = *joints[i].coupling;
+    if (slides(i)) c.multiplier *= factor, c.offset *= factor;
+    if (slides(c.source)) c.multiplier /= factor;
+  }
   return Skeleton(std::move(joints), rest);
 }
 
@@ -47,7 +53,8 @@ StillTranslations withoutStillTranslations(const Skeleton& skeleton, const Motio
     int count = 0;
     while (count < static_cast<int>(axes.size()) && axes[count].kind == AxisDof::Kind::Translation) ++count;
     const auto places = clip.q.middleRows(first, count);
-    if (i == 0 || count == 0 || (places.colwise() - places.col(0)).cwiseAbs().maxCoeff() > tolerance) {
+    if (i == 0 || count == 0 || skeleton.isCoupled(i) ||
+        (places.colwise() - places.col(0)).cwiseAbs().maxCoeff() > tolerance) {
       count = 0;
     } else {
       for (int k = 0; k < count; ++k) joints[i].parentFromZero.translate(axes[k].axis * places(k, 0));

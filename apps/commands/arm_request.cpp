@@ -43,10 +43,11 @@ Goal targetGoal(const std::vector<double>& t, int joint) {
 VectorXd startConfiguration(const std::vector<double>& values, const Skeleton& skeleton,
                             const std::string& option) {
   if (values.empty()) return skeleton.rest();
-  if (static_cast<int>(values.size()) != skeleton.nq())
+  const std::optional<VectorXd> given = configurationFrom(skeleton, values);
+  if (!given)
     throw std::invalid_argument(
         fmt::format("{} needs {} values for this model, {} given", option, skeleton.nq(), values.size()));
-  const VectorXd q = VectorXd::Map(values.data(), skeleton.nq());
+  const VectorXd& q = *given;
   if (!q.allFinite()) throw std::invalid_argument(option + " must be finite numbers");
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (skeleton.joint(i).ball && !(std::abs(ballRotation(skeleton, q, i).norm() - 1.0) < 1e-3))

@@ -8,6 +8,7 @@
 #include "apps/document/session.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/skeleton_transform.h"
+#include "skinning/io/baked_gltf.h"
 #include "skinning/io/obj.h"
 
 namespace gelenk {
@@ -21,6 +22,8 @@ struct Request {
   std::string bvhPositions = "auto";
   std::string end;
   double fps = 0.0;
+  std::string skin;
+  bool bake = false;
   int frame = 0;
 };
 
@@ -60,6 +63,7 @@ Imported importScene(const Request& request) {
   const Session session(model, std::move(document));
   Imported imported{.model = *model};
   if (session.skin()) imported.model.skin = *session.skin();
+  imported.model.skinning = session.document().skin;
   imported.model.clip = MotionClip{.framesPerSecond = 30.0, .q = session.q()};
   return imported;
 }
@@ -75,11 +79,32 @@ Imported importRequested(const Request& request) {
   return importFiles(request.in, request.companions, options);
 }
 
+/// The vertices of every frame instead of bones and weights.
+void writeBaked(const Model& model, const Request& request) {
+  if (!model.skin)
+    throw std::invalid_argument("'" + request.in + "' has no body whose vertices could be written");
+  const MotionClip pose{.framesPerSecond = 30.0, .q = model.skeleton.rest()};
+  const MotionClip clip = model.clip.value_or(pose);
+  const PreparedSkin prepared = prepareSkin(*model.skin, model.skinning, model.skeleton, bindFrames(model));
+  writeBakedGltf(request.out, model.skin->mesh, clip.frameCount(), clip.framesPerSecond, [&](int frame) {
+    const Eigen::VectorXd q = clip.q.col(frame);
+    return blendSkin(prepared, forwardKinematics(model.skeleton, q), &q);
+  });
+  sayNotes(request.in, model.notes);
+  fmt::print("{}: {} vertices by {}, {} frame{} at {:.6g} Hz\n", request.out,
+             model.skin->mesh.positions.size(), toString(model.skinning), clip.frameCount(),
+             clip.frameCount() == 1 ? "" : "s", clip.framesPerSecond);
+}
+
 void run(const Request& request) {
   const auto kind = fileKind(request.out);
   if (!kind)
     throw std::invalid_argument("cannot tell the format of '" + request.out +
                                 "'; known extensions: " + knownExtensions());
+  if (request.bake && (kind != FileKind::Gltf || !request.out.ends_with(".glb")))
+    throw std::invalid_argument("--bake-skin writes a .glb, not '" + request.out + "'");
+  if (request.bake && request.frame > 0)
+    throw std::invalid_argument("--bake-skin writes all frames; leave --frame away, or write one as .obj");
   const auto from = fileKind(request.in);
   if (kind == FileKind::ObjMesh && isMesh(from) && request.companions.skeleton.empty())
     return convertMesh(request);
@@ -96,6 +121,8 @@ void run(const Request& request) {
       request.frame == 0)  // all of them are written
     std::erase_if(imported.model.notes, [](const Note& note) { return note.kind == "several-motions"; });
   demandNoNotes(request.in, imported.model.notes);
+  if (!request.skin.empty()) imported.model.skinning = parseSkinChoice(request.skin);
+  if (request.bake) return writeBaked(imported.model, request);
   ExportOptions options{
       .frame = request.frame, .allMotions = request.companions.clip.empty(), .end = request.end};
   if (!request.unitOut.empty()) options.metresPerUnit = metresPerUnit(request.unitOut);
@@ -135,6 +162,11 @@ void addConvertCommand(Command& app) {
   command.option("--fps", request->fps, "Frame rate of an AMC; default 120").positive();
   command.option("--clip", files.clip,
                  "Which motion of a file that names several; default: all to glTF, else the first");
+  command.option(
+      "--skin", request->skin,
+      "Skinning method of posed bodies (OBJ) and --bake-skin, such as cor+twist; otherwise the model's");
+  command.flag("--bake-skin", request->bake,
+               "Write the vertices of every frame to a .glb, for viewers that only know linear blending");
   command.option("--end", request->end, "Last joint of the chain that a DH table shall hold");
   command.option("--frame", request->frame, "Write only this frame, from 1").positive();
   command.run([request] { run(*request); });

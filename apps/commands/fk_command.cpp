@@ -35,6 +35,8 @@ std::string entriesOf(const Skeleton& skeleton) {
     std::string kinds;
     for (const AxisDof& dof : joint.axes) kinds += dof.kind == AxisDof::Kind::Rotation ? " angle" : " length";
     if (joint.ball) kinds += " w x y z";
+    if (joint.coupling)
+      kinds += " (or left away: it follows " + skeleton.joint(joint.coupling->source).name + ")";
     if (!kinds.empty()) list += (list.empty() ? "" : ", ") + joint.name + ":" + kinds;
   }
   return list;
@@ -43,10 +45,11 @@ std::string entriesOf(const Skeleton& skeleton) {
 /// Quaternions are normalised when they are nearly of unit length; anything else is the user's mistake.
 VectorXd configurationOf(const Skeleton& skeleton, const Request& request, const VectorXd& otherwise) {
   if (request.q.empty()) return otherwise;
-  if (static_cast<int>(request.q.size()) != skeleton.nq())
+  const std::optional<VectorXd> given = configurationFrom(skeleton, request.q);
+  if (!given)
     throw std::invalid_argument(fmt::format("'{}' needs {} values after --q ({}), {} given", request.model,
                                             skeleton.nq(), entriesOf(skeleton), request.q.size()));
-  VectorXd q = VectorXd::Map(request.q.data(), skeleton.nq());
+  VectorXd q = *given;
   for (int i = 0; i < skeleton.jointCount(); ++i)
     for (int k = 0; k < static_cast<int>(skeleton.joint(i).axes.size()); ++k)
       if (request.degrees && skeleton.joint(i).axes[k].kind == AxisDof::Kind::Rotation)
@@ -106,8 +109,7 @@ void printTable(const Model& model, const Frames& frames) {
 void run(const Request& request, const Companions& files) {
   const Opened opened = openDocument({.nameOrFile = request.model, .files = files}, Body::AsItComes);
   const Model& model = *opened.model;
-  VectorXd q = configurationOf(model.skeleton, request, opened.document.edits.q);
-  applyMimics(model.skeleton, model.mimics, q);
+  const VectorXd q = configurationOf(model.skeleton, request, opened.document.edits.q);
   const Frames frames = forwardKinematics(model.skeleton, q);
   if (request.asJson)
     demandNoNotes(request.model, notesOf(model, q));

@@ -239,6 +239,11 @@ void addInfoCommand(Command& app) {
                  "Unit of the file: m dm cm mm in ft, or metres; default: what the format says, else m");
   command.option("--clip", request->companions.clip,
                  "Which motion of a file that names several; default: the first");
+  command
+      .option(
+          "--up", request->companions.up,
+          "The axis that points up where the format does not say it; default: along which the body stands")
+      .oneOf({"y", "z"});
   command.flag("--json", request->asJson, "Print JSON");
   command.run([request] { run(*request); });
 }

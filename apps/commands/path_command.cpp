@@ -64,8 +64,10 @@ std::vector<Isometry3d> readPoses(const std::string& path) {
   return poses;
 }
 
-VectorXd wholeConfiguration(const SerialChain& chain, const VectorXd& q, VectorXd all) {
+VectorXd wholeConfiguration(const Skeleton& skeleton, const SerialChain& chain, const VectorXd& q,
+                            VectorXd all) {
   for (int i = 0; i < chain.n; ++i) all[chain.qIndex[i]] = q[i];
+  skeleton.couple(all);
   return all;
 }
 
@@ -105,7 +107,7 @@ void write(const Request& request, const Model& model, const SerialChain& chain,
   clip.framesPerSecond = request.rate;
   clip.q.resize(model.skeleton.nq(), static_cast<Eigen::Index>(plan.q.size()));
   for (size_t k = 0; k < plan.q.size(); ++k)
-    clip.q.col(static_cast<Eigen::Index>(k)) = wholeConfiguration(chain, plan.q[k], rest);
+    clip.q.col(static_cast<Eigen::Index>(k)) = wholeConfiguration(model.skeleton, chain, plan.q[k], rest);
   exportMotion(out, model.skeleton, model.skin ? &*model.skin : nullptr, model.name, clip);
 }
 
@@ -119,7 +121,7 @@ void printGreedy(const Model& model, int joint, const SerialChain& chain, const 
   for (const SolverEntry& entry : solverCatalogue()) {
     const auto solver = entry.make();
     IkProblem problem{.skeleton = &model.skeleton,
-                      .start = wholeConfiguration(chain, plan.q[0], model.skeleton.rest())};
+                      .start = wholeConfiguration(model.skeleton, chain, plan.q[0], model.skeleton.rest())};
     problem.goals = {{.kind = GoalKind::Pose, .joint = joint}};
     if (!solver->whyUnsupported(problem).empty()) continue;
     solver->prepare(model.skeleton);

@@ -22,6 +22,7 @@ struct Options {
   std::string poses = "standard";
   std::vector<std::string> methods;
   std::string out = "skins";
+  int pictureSize = 260;
   bool withoutTimes = false, withoutPictures = false;
 };
 
@@ -112,9 +113,10 @@ std::string page(const SkinComparison& comparison, const SkinTrials& trials, con
 /// One sheet of pictures a method, the poses in rows of six.
 class Sheets {
  public:
-  explicit Sheets(const SkinTrials& trials) : trials_(trials) {}
+  Sheets(const SkinTrials& trials, int size) : trials_(trials), size_(size) {}
   void add(const std::string& method, const SkinPoseCase& pose, const Mesh& mesh, const SkinnedVertices& at) {
-    constexpr int columns = 6, size = 260;
+    constexpr int columns = 6;
+    const int size = size_;
     const int rows = (static_cast<int>(trials_.poses.size()) + columns - 1) / columns;
     auto& sheet =
         sheets_.try_emplace(method, columns * size, rows * size, std::array<std::uint8_t, 3>{250, 249, 246})
@@ -140,6 +142,7 @@ class Sheets {
 
  private:
   const SkinTrials& trials_;
+  int size_;  ///< pixels a pose
   std::map<std::string, ShadedPicture> sheets_;
 };
 
@@ -183,7 +186,7 @@ void run(const Options& options) {
   std::filesystem::create_directories(options.out, error);
   if (error) throw std::runtime_error("cannot make the folder " + options.out + ": " + error.message());
 
-  Sheets sheets(trials);
+  Sheets sheets(trials, options.pictureSize);
   const bool terminal = isatty(STDERR_FILENO);
   const SkinComparison comparison = compareSkins(
       model, methods, trials, !options.withoutTimes,
@@ -220,6 +223,9 @@ void addSkinsCommand(Command& app) {
               "combinations")
       .commas();
   command.option("-o,--out", options->out, "Folder for table, page and pictures").showDefault();
+  command.option("--picture-size", options->pictureSize, "Pixels of a pose in the sheets")
+      .range(32, 2000)
+      .showDefault();
   command.flag("--no-times", options->withoutTimes, "Leave out times and largest steps");
   command.flag("--no-pictures", options->withoutPictures, "Leave out the sheets of pictures");
   command.run([options] { run(*options); });

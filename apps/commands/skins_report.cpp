@@ -244,7 +244,9 @@ SkinCell measure(const PreparedSkin& prepared, const SkinPoseCase& pose,
   const std::vector<double> errors = normalErrors(mesh, at.positions, at.normals);
   std::vector<double> blended;
   for (std::size_t v = 0; v < errors.size(); ++v)
-    if (prepared.skin.influences[v].weights[1] > 0.0) blended.push_back(errors[v] / degree);
+    if (prepared.skin.influences[v].weights[1] > 0.0 &&
+        (mesh.positions[v] - pose.centre).norm() < pose.radius)
+      blended.push_back(errors[v] / degree);
   if (!blended.empty()) {
     double sum = 0.0;
     for (const double e : blended) sum += e;

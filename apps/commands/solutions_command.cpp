@@ -68,6 +68,7 @@ std::vector<Told> tell(const CompleteSet& set, const ArmSolutions& found, const 
     Told t{.q = s.q.head(n), .withinLimits = s.withinLimits, .branch = branchName(s), .free = s.free};
     VectorXd all = problem.start;
     for (int i = 0; i < n; ++i) all[set.chain().qIndex[i]] = t.q[i];
+    problem.skeleton->couple(all);
     const Judgement verdict = judge(problem, all);
     t.position = verdict.goals[0].position;
     t.orientation = verdict.goals[0].orientation;

@@ -101,6 +101,7 @@ std::vector<VectorXd> solveInLanes(const BatchProblem& problem, const std::vecto
   for (int i = 0; i < count; ++i) {
     all.push_back(starts[starts.size() == 1 ? 0 : i]);
     for (int k = 0; k < n; ++k) all[i][solver.chain().qIndex[k]] = answers[i].q[k];
+    problem.skeleton.couple(all[i]);
   }
   return all;
 }

@@ -83,7 +83,8 @@ std::vector<TypedGoal> goalsAskedFor(const Request& request, const Model& model)
 Eigen::VectorXd startOf(const Request& request, const Skeleton& skeleton, const Eigen::VectorXd& otherwise) {
   if (request.start.empty()) return otherwise;
   std::vector<double> values = request.start;
-  if (request.degrees() && static_cast<int>(values.size()) == skeleton.nq()) {
+  if (const auto q = configurationFrom(skeleton, values); q && request.degrees()) {
+    values.assign(q->begin(), q->end());
     const std::vector<char> angle = coordinateIsAngle(skeleton);
     for (std::size_t k = 0; k < values.size(); ++k)
       if (angle[k]) values[k] *= M_PI / 180.0;

@@ -23,6 +23,7 @@ Eigen::VectorXd checkedConfiguration(const Skeleton& skeleton, Eigen::VectorXd q
                                               what, skeleton.joint(i).name, length));
     if (std::abs(length - 1.0) > 1e-12) setBallRotation(skeleton, q, i, rotation.normalized());
   }
+  skeleton.couple(q);
   return q;
 }
 

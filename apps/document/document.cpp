@@ -32,6 +32,7 @@ std::span<const ViewOptionName> viewOptionNames() {
 Document newDocument(const Model& model, ModelReference reference) {
   Document document{.model = std::move(reference)};
   document.edits.q = model.skeleton.rest();
+  document.skin = model.skinning;
   if (model.skin) {
     document.edits.weights = SharedRows<Influences>(model.skin->influences);
     if (auto muscles = defaultMuscleSettings(limbsOf(model)); !muscles.limbs.empty())

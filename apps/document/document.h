@@ -15,6 +15,7 @@
 #include "apps/document/muscle_settings.h"
 #include "apps/document/shared_rows.h"
 #include "apps/document/theme.h"
+#include "skinning/blend/skin_choice.h"
 #include "skinning/skin.h"
 #include "solvers/problem/ik_problem.h"
 
@@ -106,6 +107,9 @@ struct Playback {
 struct LabSettings {
   static constexpr std::size_t mostSolvers = 4;
   bool compare = false, sideBySide = false;
+  std::vector<SkinChoice> skins =
+      {};  ///< drawn beside the body, coloured by their distance from it; up to three
+  static constexpr std::size_t mostSkins = 3;
   std::vector<std::string> solvers{"pseudo-inverse", "dls", "sdls", "exact-hessian"};
 };
 
@@ -121,6 +125,7 @@ struct Document {
   ModelReference model = {};
   Edits edits = {};
   SolverChoice solver = {};
+  SkinChoice skin = {};  ///< how the skin follows its bones
   View view = {};
   Theme theme = Theme::Light;  ///< a preference of the user, which goes from one model to the next
   Playback playback = {};

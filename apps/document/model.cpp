@@ -11,6 +11,7 @@
 #include "apps/document/model_files.h"
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/notation/robots.h"
+#include "skinning/blend/weight_smoothing.h"
 #include "skinning/bodies/body_around.h"
 #include "skinning/bodies/mannequin_body.h"
 #include "skinning/io/skin_cache.h"
@@ -25,6 +26,7 @@ struct BuiltIn {
 
 Model figureModel() {
   Model model{.name = "figure", .skeleton = mannequin()};
+  model.skinning = {.method = SkinMethodKind::Cor, .twist = true, .smoothing = defaultSmoothing};
   model.skin = cachedSkin(cacheFolder(), "figure", mannequinSkinKey(model.skeleton),
                           [&] { return makeMannequinSkin(model.skeleton); });
   model.masses = std::make_shared<const Masses>(mannequinMasses(model.skeleton));

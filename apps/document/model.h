@@ -10,6 +10,7 @@
 #include "kinematics/motion/motion_clip.h"
 #include "kinematics/notation/mannequin_masses.h"
 #include "kinematics/skeleton.h"
+#include "skinning/blend/skin_choice.h"
 #include "skinning/skin.h"
 
 namespace gelenk {
@@ -19,12 +20,12 @@ struct Model {
   std::string name;
   Skeleton skeleton;
   std::optional<Skin> skin = {};
-  bool planar = false;  ///< moves in the x-y plane: seen from above by default
+  SkinChoice skinning = {};  ///< how its skin is drawn where nobody says otherwise (docs/skinning/README.md)
+  bool planar = false;       ///< moves in the x-y plane: seen from above by default
   Eigen::Vector3d up =
       Eigen::Vector3d::UnitY();  ///< against gravity; figures stand along y, robots and planar scenes along z
-  std::optional<MotionClip> clip = {};  ///< a motion that came with it, for players; never clamped
-  std::vector<UrdfMimic> mimics = {};   ///< couplings that every pose keeps; solvers move both joints freely
-  std::string clipName = {};            ///< the file's own name of that motion, where it has one
+  std::optional<MotionClip> clip = {};        ///< a motion that came with it, for players; never clamped
+  std::string clipName = {};                  ///< the file's own name of that motion, where it has one
   std::vector<std::string> clipNames = {};    ///< of all motions in the file, among which --clip chooses
   std::shared_ptr<const Masses> masses = {};  ///< null: unknown
   std::vector<FootPoint> soles = {};          ///< what it stands on, where it can keep its balance

@@ -128,7 +128,14 @@ void standWhereMotionBegins(Model& model) {
 }
 
 /// The axis against gravity, which few formats say. Values stay as they are in the file.
-void findUp(Model& model) {
+void findUp(const FileFormat& format, const std::string& wanted, Model& model) {
+  if (!wanted.empty() && format.saysUp)
+    throw std::invalid_argument(std::string(format.description) +
+                                " says which axis is up; another cannot be given");
+  if (!wanted.empty() && wanted != "y" && wanted != "z")
+    throw std::invalid_argument("the axis that points up is y or z, not '" + wanted + "'");
+  if (!wanted.empty()) model.up = wanted == "z" ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  if (!wanted.empty() || format.saysUp || model.planar) return;
   MotionClip some{.framesPerSecond = 1.0, .q = {}};  // frames enough to find it standing
   if (model.clip) {
     const int frames = model.clip->frameCount(), step = std::max(1, frames / 200);
@@ -137,7 +144,7 @@ void findUp(Model& model) {
   model.up = upOf(model.skeleton, some, standingParts(model.skeleton));
   if (model.up.z() > 0.5)
     tellFact(model.notes, "up-axis",
-             "the body stands along z, which is taken as up (convert --up-in z turns it to y)");
+             "the body stands along z, which is taken as up (--up chooses; convert --up-in z turns it)");
 }
 
 /// Largest extent of the body (else of the joints) in the pose it stands in, metres.
@@ -221,9 +228,11 @@ std::vector<Note> modelNotes(const Model& model) {
   std::vector<bool> moved(skeleton.jointCount(), false);
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
-    const bool own = joint.ball || std::any_of(joint.axes.begin(), joint.axes.end(),
+    const Joint& mover = joint.coupling ? skeleton.joint(joint.coupling->source) : joint;
+    const bool own = mover.ball || std::any_of(mover.axes.begin(), mover.axes.end(),
                                                [](const AxisDof& dof) { return dof.lower < dof.upper; });
-    if (!own && !joint.axes.empty() && !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
+    if (!own && !joint.coupling && !joint.axes.empty() &&
+        !(joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0))
       locked.push_back(joint.name);
     moved[i] = own || (joint.parent >= 0 && moved[joint.parent]);
     if (!moved[i] && i > 0) unmoved.push_back(joint.name);
@@ -260,7 +269,7 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
   Imported result{.model = {.name = stem(nameOrFile), .skeleton = {}}};
   format.read(nameOrFile, companions, options, result);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);
-  if (!format.saysUp && !result.model.planar) findUp(result.model);
+  findUp(format, companions.up, result.model);
   tell(result.model.notes, modelNotes(result.model));
   if (options.zUp) {
     std::erase_if(result.model.notes, [](const Note& note) { return note.kind == "up-axis"; });

@@ -12,6 +12,7 @@ struct Companions {
   std::string mapping = {};  ///< BonePath lines; default: CMU's bones on Pinocchio's human
   std::string figure = {};   ///< of a tutorial pose
   std::string clip = {};     ///< which motion of a file that names several; default: the first
+  std::string up = {};       ///< y or z where a format does not say it; default: along which the body stands
   bool operator==(const Companions&) const = default;
 };
 

@@ -31,13 +31,14 @@ constexpr std::array<std::pair<GoalState, const char*>, 4> stateNames{{{GoalStat
 constexpr std::array<std::pair<Theme, const char*>, 2> themeNames{
     {{Theme::Light, "light"}, {Theme::Dark, "dark"}}};
 
-constexpr std::array<std::pair<std::string Companions::*, const char*>, 7> companionNames{
+constexpr std::array<std::pair<std::string Companions::*, const char*>, 8> companionNames{
     {{&Companions::skeleton, "skeleton"},
      {&Companions::weights, "weights"},
      {&Companions::asf, "asf"},
      {&Companions::amc, "amc"},
      {&Companions::mapping, "mapping"},
      {&Companions::clip, "clip"},
+     {&Companions::up, "up"},
      {&Companions::figure, "figure"}}};
 constexpr std::array<std::pair<bool Playback::*, const char*>, 7> playbackNames{
     {{&Playback::loop, "loop"},
@@ -94,7 +95,7 @@ ModelReference readReference(const JsonEntry& model) {
 }
 
 Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
-  const Eigen::VectorXd q = entry.vector(skeleton.nq());
+  Eigen::VectorXd q = entry.vector(skeleton.nq());
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     if (!skeleton.joint(i).ball) continue;
     const int at = skeleton.qIndex(i) + static_cast<int>(skeleton.joint(i).axes.size());
@@ -103,6 +104,7 @@ Eigen::VectorXd readPose(const JsonEntry& entry, const Skeleton& skeleton) {
                              at + 3),
                  fmt::format("length {}", length));
   }
+  skeleton.couple(q);
   return q;
 }
 
@@ -504,10 +506,21 @@ Playback readPlayback(const JsonEntry& from, double& seconds) {
   return playback;
 }
 
+SkinChoice readSkin(const JsonEntry& from) {
+  try {
+    return parseSkinChoice(from.text());
+  } catch (const std::invalid_argument& error) {
+    from.fail("a skinning method, such as cor+twist+smooth", error.what());
+  }
+}
+
 LabSettings readLab(const JsonEntry& from) {
   LabSettings lab;
   lab.compare = from.at("compare").boolean();
   lab.sideBySide = from.at("side_by_side").boolean();
+  if (const auto skins = from.find("skins"))
+    for (const JsonEntry& entry : skins->list()) lab.skins.push_back(readSkin(entry));
+  if (lab.skins.size() > LabSettings::mostSkins) from.at("skins").fail("up to three skins");
   lab.solvers.clear();
   for (const JsonEntry& entry : from.at("solvers").list()) {
     lab.solvers.emplace_back(presentName(entry.text()));
@@ -558,13 +571,17 @@ std::string formatScene(const Document& document, const Model& model) {
             {"q", toJson(edits.q)},
             {"goals", goals},
             {"solver", toJson(document.solver)},
+            {"skin", toString(document.skin)},
             {"view", toJson(document.view, document.theme)}};
   if (Json weights = weightsToJson(edits.weights, model); !weights.is_null())
     tree["weights"] = std::move(weights);
   if (edits.muscles) tree["muscles"] = toJson(*edits.muscles);
   if (edits.clip) tree["clip"] = toJson(*edits.clip, model.skeleton);
   if (model.clip) tree["playback"] = toJson(document.playback, edits.seconds);
+  Json skins = Json::array();
+  for (const SkinChoice& skin : document.lab.skins) skins.push_back(toString(skin));
   tree["lab"] = {{"compare", document.lab.compare},
+                 {"skins", skins},
                  {"side_by_side", document.lab.sideBySide},
                  {"solvers", document.lab.solvers}};
   if (!document.lecture.topic.empty())
@@ -592,6 +609,8 @@ Document parseScene(std::string_view text, const std::string& file, const Model&
   edits.q = readPose(root.at("q"), model.skeleton);
   edits.goals = readGoals(root.at("goals"), model);
   document.solver = readSolver(root.at("solver"));
+  document.skin = {};  // what every scene showed before it said so
+  if (const auto entry = root.find("skin")) document.skin = readSkin(*entry);
   readView(root.at("view"), model.skeleton, document);
   if (tree.wasVersion1 && model.planar) document.view.show.ground = false;  // it was never drawn there
   if (const auto entry = root.find("weights")) readWeights(*entry, model, edits.weights);

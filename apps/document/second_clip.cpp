@@ -22,7 +22,8 @@ bool sameJoints(const Skeleton& a, const Skeleton& b) {
 }
 
 Imported open(const std::string& path, const std::string& modelFile, Companions companions) {
-  companions.clip.clear();  // it is the model's
+  companions.clip.clear();  // these are the model's
+  companions.up.clear();
   if (fileKind(path) != FileKind::Amc) return importFiles(path);
   const auto kind = fileKind(modelFile);
   companions.amc = path;

@@ -112,7 +112,7 @@ void Session::changeWeights(const WeightChange& change) {
 void Session::place(const Eigen::VectorXd& q) {
   asOpened_ = false;
   document_.edits.q = q;
-  applyMimics(skeleton(), model().mimics, document_.edits.q);
+  skeleton().couple(document_.edits.q);
   forwardKinematics(skeleton(), document_.edits.q, frames_);
   anchorSurfaceGoals();
 }

@@ -79,6 +79,7 @@ class Session {
   const Document& document() const { return document_; }
   const Edits& edits() const { return document_.edits; }
   View& view() { return document_.view; }
+  SkinChoice& skinChoice() { return document_.skin; }
   Theme& theme() { return document_.theme; }
   Playback& playback() { return document_.playback; }
   LabSettings& lab() { return document_.lab; }

@@ -431,7 +431,7 @@ void addModel(py::module_& m) {
           "coupled",
           [](const SharedModel& m, py::handle q) {
             VectorXd out = configuration(m.skeleton(), q);
-            applyMimics(m.skeleton(), m.model().mimics, out);
+            m.skeleton().couple(out);
             return toArray(out);
           },
           "q"_a, "(nq,) with what a URDF's mimic joints follow put in, as `gelenk fk` does.")

@@ -40,6 +40,7 @@ struct Request {
   int smoothing = 0, frames = 0, framesPerSecond = 30;
   bool orthographic = false, wireframe = false, bones = false, jointFrames = false, handles = false;
   bool noGround = false, noShadow = false;
+  std::string skin;    ///< method; empty: as the scene or the model says
   std::string layers;  ///< empty: as the scene says
   bool lattice = false;
   std::string muscleSheet;  ///< name of a limb or its joints
@@ -66,10 +67,11 @@ Viewport parseSize(const Request& request) {
 Eigen::VectorXd configurationOf(const Request& request, const Skeleton& skeleton,
                                 const Eigen::VectorXd& otherwise) {
   if (request.q.empty()) return otherwise;
-  if (static_cast<int>(request.q.size()) != skeleton.nq())
+  const std::optional<Eigen::VectorXd> given = configurationFrom(skeleton, request.q);
+  if (!given)
     throw std::invalid_argument(fmt::format("--q: the model has {} configuration values, {} are given",
                                             skeleton.nq(), request.q.size()));
-  Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(request.q.data(), skeleton.nq());
+  Eigen::VectorXd q = *given;
   for (int j = 0; j < skeleton.jointCount(); ++j) {
     if (!skeleton.joint(j).ball) continue;
     const Eigen::Quaterniond rotation = ballRotation(skeleton, q, j);
@@ -100,7 +102,7 @@ Eigen::VectorXd turned(const Skeleton& skeleton, Eigen::VectorXd q, const std::s
         skeleton, q, joint,
         ballRotation(skeleton, q, joint) * Eigen::Quaterniond(Eigen::AngleAxisd(*angle * degrees, axis)));
   else if (!skeleton.joint(joint).axes.empty())
-    q[skeleton.qIndex(joint)] = *angle * degrees;
+    setJointValue(skeleton, q, joint, *angle * degrees);
   else
     throw std::invalid_argument("--turn: joint " + name + " does not move");
   return q;
@@ -162,6 +164,7 @@ std::shared_ptr<const MuscleSettings> musclesOf(const Request& request, const Mo
 Session openRequested(const Request& request) {
   auto [model, document] = openDocument({.nameOrFile = request.input, .files = request.files});
   document.edits.q = poseOf(request, *model, document.edits.q);
+  if (!request.skin.empty()) document.skin = parseSkinChoice(request.skin);
   document.edits.muscles = musclesOf(request, *model, document.edits.muscles);
   if (!request.theme.empty()) document.theme = request.theme == "dark" ? Theme::Dark : Theme::Light;
   ViewOptions& show = document.view.show;
@@ -333,6 +336,11 @@ void addRenderCommand(Command& app) {
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--clip", request->files.clip,
                  "Which motion of a file that names several; default: the first");
+  command
+      .option(
+          "--up", request->files.up,
+          "The axis that points up where the format does not say it; default: along which the body stands")
+      .oneOf({"y", "z"});
   command.option("--frame", request->frame, "Pose of this frame of the motion, from 1").positive();
   command.flag("--bind-pose", request->bindPose,
                "The pose in which the skin is bound, where that is not the skeleton's rest pose");
@@ -354,6 +362,9 @@ void addRenderCommand(Command& app) {
   command.flag("--bones", request->bones, "Skeleton through a translucent skin");
   command.option("--weights-of", request->weightsOf, "Skinning weights of this joint as colours");
   command.flag("--joint-frames", request->jointFrames, "Axes of every joint");
+  command.option(
+      "--skin", request->skin,
+      "Skinning method, such as lbs, dqs or cor+twist+smooth; otherwise the scene's or the model's");
   command
       .option("--layers", request->layers,
               "Muscle layers on known limbs: none, ffd (volumes without muscles) or muscle; otherwise "

@@ -294,11 +294,8 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
 /// name: the vertex shader, and but for depth the fragment shader.
 const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const BodyInstance& body,
                                                   bool wireframe) {
-  const bool inTexture = body.mesh->storage() == PoseStorage::Texture;
   const std::string vertex = name + ".vert", fragment = (name == "depth" ? "nothing" : name) + ".frag";
-  const std::string defines = std::string(inTexture ? "POSE_IN_TEXTURE " : "") +
-                              (wireframe ? "WIREFRAME " : "") +
-                              (isLayered(body) ? layerDefines(*body.pose) : "");
+  const std::string defines = (wireframe ? "WIREFRAME " : "") + poseDefines(*body.pose, isLayered(body));
   return program(name + " " + defines,
                  {.folder = rendererShaders(), .vertex = vertex, .fragment = fragment, .defines = defines});
 }

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "apps/render/colour.h"
 #include "apps/render/scene_marks.h"
 #include "apps/render/signs.h"
+#include "skinning/blend/limb_chains.h"
+#include "skinning/io/prepared_cache.h"
+#include "skinning/io/skin_cache.h"
 
 namespace gelenk {
 namespace {
@@ -26,9 +30,7 @@ SceneView::SceneView(const Session& session, Ground ground) {
   const Frames rest = restFrames(model.skeleton);
   Eigen::AlignedBox3d box;
   if (session.skin()) {
-    mesh_ = std::make_unique<SkinnedMeshGl>(*session.skin());
-    posedBounds_ = std::make_unique<PosedBounds>(*session.skin());
-    meshVersion_ = session.weightsVersion();
+    prepare(session, false);
     for (const Eigen::Vector3d& p : linearBlendSkin(*model.skin, rest).positions) box.extend(p);
   }
   if (box.isEmpty()) box = boxOf(rest);
@@ -48,24 +50,37 @@ SceneView::SceneView(const Session& session, Ground ground) {
 }
 
 Eigen::AlignedBox3d SceneView::boundsAt(const Session& session, const Frames& frames) const {
-  return posedBounds_ ? (*posedBounds_)(poseSkin(*session.skin(), frames)) : boxOf(frames);
+  return posedBounds_ ? (*posedBounds_)(poseSkin(prepared_->skin, frames)) : boxOf(frames);
 }
 
 void SceneView::follow(const Session& session, const Frames& frames, bool ownPose, bool stroke) {
   const int version = session.weightsVersion();
-  if (mesh_ && meshVersion_ != version) {
-    mesh_ = std::make_unique<SkinnedMeshGl>(*session.skin());
-    posedBounds_ = std::make_unique<PosedBounds>(*session.skin());
-    meshVersion_ = version;
-    surfaceIsCurrent_ = false;
-  }
-  if (settings_ != session.edits().muscles || (rig_ && rigVersion_ != version && !stroke)) bind(session);
+  prepare(session, stroke);
+  const bool rigIsOld = rig_ && (rigVersion_ != version || rigChoice_ != choice_);
+  if (settings_ != session.edits().muscles || (rigIsOld && !stroke)) bind(session);
   ownPose_ = ownPose;
   if (!sameFrames(frames_, frames)) {
     frames_ = frames;
     surfaceIsCurrent_ = limbsAreCurrent_ = false;
   }
   bounds_ = boundsAt(session, frames_);
+}
+
+/// Anew where method or weights changed. While weights are being painted the skin is a plain linear blend,
+/// which needs the least of it.
+void SceneView::prepare(const Session& session, bool stroke) {
+  if (!session.skin()) return;
+  const SkinChoice wanted = stroke ? SkinChoice{} : session.document().skin;
+  if (prepared_ && choice_ == wanted && meshVersion_ == session.weightsVersion()) return;
+  const bool isTheModels = session.weightsVersion() == 0;  // edited weights change all the time
+  prepared_ = std::make_unique<PreparedSkin>(
+      cachedPreparedSkin(isTheModels ? cacheFolder() : "", session.model().name, *session.skin(), wanted,
+                         session.skeleton(), bindFrames(session.model())));
+  mesh_ = std::make_unique<SkinnedMeshGl>(*prepared_);
+  posedBounds_ = std::make_unique<PosedBounds>(prepared_->skin);
+  choice_ = wanted;
+  meshVersion_ = session.weightsVersion();
+  surfaceIsCurrent_ = false;
 }
 
 /// Anew after switching on, and where weights or proportions changed, because the rest lattice did.
@@ -75,18 +90,24 @@ void SceneView::bind(const Session& session) {
   muscleFault_.clear();
   if (!settings_ || !settings_->enabled || !session.skin()) {
     rig_.reset();
+    layered_.reset();
     layeredMesh_.reset();
     return;
   }
-  if (rig_ && rigVersion_ == session.weightsVersion() && sameProportions(*before, *settings_))
+  if (rig_ && rigVersion_ == session.weightsVersion() && rigChoice_ == choice_ &&
+      sameProportions(*before, *settings_))
     return applyControls(*rig_, *settings_);
   try {
-    rig_ = std::make_unique<MuscleRig>(makeMuscleRig(session.model(), *session.skin(), *settings_));
-    layeredMesh_ = std::make_unique<SkinnedMeshGl>(rig_->body());
+    rig_ = std::make_unique<MuscleRig>(makeMuscleRig(session.model(), prepared_->skin, *settings_));
+    layered_ = std::make_unique<LayeredSkin>(
+        prepareLayers(rig_->body(), *prepared_->method, bindFrames(session.model()), prepared_->spread));
+    layeredMesh_ = std::make_unique<SkinnedMeshGl>(*layered_, rig_->body());
+    rigChoice_ = choice_;
     rigVersion_ = session.weightsVersion();
   } catch (const std::invalid_argument& error) {
     muscleFault_ = error.what();
     rig_.reset();
+    layered_.reset();
     layeredMesh_.reset();
   }
 }
@@ -102,9 +123,9 @@ const SkinnedVertices& SceneView::surface(const Session& session) {
   if (!session.skin())
     surface_ = {};
   else if (rig_)
-    skinWithMuscles(rig_->body(), frames_, limbPoses(), surface_);
+    skinWithMuscles(*layered_, rig_->body(), frames_, limbPoses(), surface_, knownPose(session));
   else
-    linearBlendSkin(*session.skin(), frames_, surface_);
+    blendSkin(*prepared_, poseBones(*prepared_, frames_, knownPose(session)), surface_);
   surfaceIsCurrent_ = true;
   return surface_;
 }
@@ -129,12 +150,12 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
   if (show.skin || show.wireframe) {
     SkinnedMeshGl* mesh = mesh_.get();
     if (rig_) {
-      poseSkin(rig_->body(), frames_, limbPoses(), pose_);
+      const Frames frames = withEnds(frames_, limbPoses());
+      poseSkin(*layered_, poseBones(layered_->outside, frames, knownPose(session)), limbPoses(), pose_);
       layeredMesh_->setSculpture(*rig_);
       mesh = layeredMesh_.get();
     } else {
-      poseSkin(*session.skin(), frames_, pose_);
-      pose_.layers.clear();
+      poseSkin(*prepared_, poseBones(*prepared_, frames_, knownPose(session)), pose_);
     }
     BodyInstance body{.mesh = mesh, .pose = &pose_, .wireframe = show.wireframe};
     auto& colours = extras.vertexColours;
@@ -146,6 +167,7 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
     }
     scene.bodies.push_back(body);
   }
+  addSkinsBeside(session, scene);
   if (rig_ && settings_->split)
     extras.ghosts.push_back({.worldFromJoint = framesBeside(session, frames_, size_),
                              .tint = {0.80f, 0.76f, 0.71f},
@@ -153,10 +175,70 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
   ghostPoses_.resize(extras.ghosts.size());
   for (std::size_t i = 0; i < extras.ghosts.size(); ++i) {
     const Ghost& ghost = extras.ghosts[i];
-    poseSkin(*session.skin(), ghost.worldFromJoint, ghostPoses_[i]);
+    poseSkin(*prepared_, poseBones(*prepared_, ghost.worldFromJoint), ghostPoses_[i]);
     scene.bodies.push_back({.mesh = mesh_.get(),
                             .pose = &ghostPoses_[i],
                             .tint = {ghost.tint.x(), ghost.tint.y(), ghost.tint.z(), ghost.opacity}});
+  }
+}
+
+SkinFacts SceneView::factsOf(const SkinChoice& choice, const SkinnedVertices& at,
+                             const SkinnedVertices& own) const {
+  const Mesh& rest = prepared_->skin.mesh;
+  SkinFacts facts{.choice = choice, .section = smallestSection(sections_, at.positions)};
+  Mesh posed{.positions = at.positions, .triangles = rest.triangles, .normals = {}};
+  if (const double volume = enclosedVolume(rest); volume > 0.0)
+    facts.volume = enclosedVolume(posed) / volume - 1.0;
+  for (std::size_t v = 0; v < at.positions.size(); ++v)
+    facts.farthest = std::max(facts.farthest, (at.positions[v] - own.positions[v]).norm());
+  return facts;
+}
+
+/// Other methods in the same pose, each a step further to the side, coloured by the distance from the body's
+/// own skin: black none, yellow 20 mm.
+void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
+  skinFacts_.clear();
+  const std::vector<SkinChoice>& wanted = session.document().lab.skins;
+  if (wanted.empty()) return;
+  if (sections_.empty())
+    for (const LimbChain& limb : limbChains(session.skeleton())) {
+      const Frames bound = bindFrames(session.model());
+      for (std::size_t k = 0; k + 1 < limb.joints.size(); ++k)
+        for (SkinSection& section : sectionsAlong(prepared_->skin.mesh, bound[limb.joints[k]].translation(),
+                                                  bound[limb.joints[k + 1]].translation(), 9))
+          sections_.push_back(std::move(section));
+    }
+  const SkinnedVertices& own = surface(session);
+  const Eigen::Vector3d top = session.model().up * (0.06 * size_ + session.model().up.dot(bounds_.center()) +
+                                                    0.5 * session.model().up.cwiseAbs().dot(bounds_.sizes()));
+  const auto above = [&](const Eigen::Vector3d& shift) {
+    const Eigen::Vector3d up = session.model().up;
+    return Eigen::Vector3d(bounds_.center() - up.dot(bounds_.center()) * up + top + shift);
+  };
+  skinFacts_.push_back(factsOf(session.document().skin, own, own));
+  skinFacts_.back().above = above(Eigen::Vector3d::Zero());
+  skinsBeside_.resize(wanted.size());
+  SkinnedVertices at;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    SkinBeside& beside = skinsBeside_[i];
+    if (!beside.mesh || beside.choice != wanted[i] || beside.version != session.weightsVersion()) {
+      beside.choice = wanted[i];
+      beside.version = session.weightsVersion();
+      beside.prepared =
+          prepareSkin(*session.skin(), wanted[i], session.skeleton(), bindFrames(session.model()));
+      beside.mesh = std::make_unique<SkinnedMeshGl>(beside.prepared);
+    }
+    blendSkin(beside.prepared, poseBones(beside.prepared, frames_, knownPose(session)), at);
+    const Frames shifted = framesBeside(session, frames_, static_cast<double>(i + 1) * size_);
+    poseSkin(beside.prepared, poseBones(beside.prepared, shifted, knownPose(session)), beside.pose);
+    std::vector<float> distance(at.positions.size());
+    for (std::size_t v = 0; v < distance.size(); ++v)
+      distance[v] = static_cast<float>(std::min(1.0, (at.positions[v] - own.positions[v]).norm() / 0.02));
+    beside.mesh->setColours(viridisColours(distance));
+    scene.bodies.push_back(
+        {.mesh = beside.mesh.get(), .pose = &beside.pose, .surface = SurfaceColour::Vertex});
+    skinFacts_.push_back(factsOf(wanted[i], at, own));
+    skinFacts_.back().above = above(shifted[0].translation() - frames_[0].translation());
   }
 }
 

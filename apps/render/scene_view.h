@@ -8,6 +8,8 @@
 #include "apps/document/session.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
+#include "skinning/blend/skin_measures.h"
+#include "skinning/muscles/layered_blend.h"
 #include "skinning/muscles/muscle_control.h"
 
 namespace gelenk {
@@ -29,6 +31,15 @@ struct PictureExtras {
   std::vector<double> limitGlow = {};                              ///< a joint, 0 to 1: limits that light up
   int latticePlane = -1, latticePoint = -1;           ///< of the limb whose lattice is shown, drawn stronger
   std::optional<GoalId> hovered = {}, selected = {};  ///< drawn larger; with all that belongs to them
+};
+
+/// A skin drawn beside the body by another method, and what is measured of it.
+struct SkinFacts {
+  SkinChoice choice = {};
+  double volume = 0.0;    ///< change of the body's volume since rest, of it
+  double section = 1.0;   ///< smallest section across a limb's bone, of rest's
+  double farthest = 0.0;  ///< largest distance of a vertex from the body's own, metres
+  Eigen::Vector3d above = Eigen::Vector3d::Zero();  ///< where its name stands
 };
 
 /// The one way from a document to a picture, for window, offscreen, replay and `gelenk render`. Holds what is
@@ -69,12 +80,31 @@ class SceneView {
   /// The picture. It points into this object and is valid until the next call.
   RenderScene compose(const Session& session, PictureExtras extras = {});
 
+  /// The body's own skin first, then those beside it (LabSettings::skins), as they were composed last.
+  const std::vector<SkinFacts>& skinFacts() const { return skinFacts_; }
+  /// The skin as the document's method has it; nullptr without one.
+  const PreparedSkin* prepared() const { return prepared_.get(); }
+
  private:
+  struct SkinBeside {
+    SkinChoice choice;
+    int version = -1;  ///< of the weights
+    PreparedSkin prepared;
+    std::unique_ptr<SkinnedMeshGl> mesh;
+    SkinPose pose;
+  };
+  void addSkinsBeside(const Session& session, RenderScene& scene);
+  SkinFacts factsOf(const SkinChoice& choice, const SkinnedVertices& at, const SkinnedVertices& own) const;
+  void prepare(const Session& session, bool stroke);
+  const Eigen::VectorXd* knownPose(const Session& session) const { return ownPose_ ? &session.q() : nullptr; }
   void bind(const Session& session);
   void addBodies(const Session& session, PictureExtras& extras, RenderScene& scene);
   void addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene);
   Eigen::AlignedBox3d boundsAt(const Session& session, const Frames& frames) const;
 
+  std::unique_ptr<PreparedSkin> prepared_;
+  SkinChoice choice_, rigChoice_;  ///< that prepared_ and rig_ stand on
+  std::unique_ptr<LayeredSkin> layered_;
   std::unique_ptr<SkinnedMeshGl> mesh_, layeredMesh_;
   std::unique_ptr<PosedBounds> posedBounds_;
   int meshVersion_ = 0, rigVersion_ = 0;  ///< Session::weightsVersion() that they stand on
@@ -94,6 +124,9 @@ class SceneView {
 
   SkinPose pose_;
   std::vector<SkinPose> ghostPoses_;
+  std::vector<SkinBeside> skinsBeside_;
+  std::vector<SkinFacts> skinFacts_;
+  std::vector<SkinSection> sections_;  ///< across the limbs' bones
 };
 
 }  // namespace gelenk

@@ -57,7 +57,8 @@ class ModelPanel final : public Panel {
 
  private:
   static float slidersHeight(const Sandbox::State& s) {
-    const int rows = s.session->skeleton().vCount(*s.selectedJoint());
+    const Skeleton& skeleton = s.session->skeleton();
+    const int i = *s.selectedJoint(), rows = skeleton.joint(i).coupling ? 2 : skeleton.vCount(i);
     const float row =
         ImGui::GetFrameHeightWithSpacing() + s.gui.fonts().small->FontSize + ImGui::GetStyle().ItemSpacing.y;
     return static_cast<float>(std::max(rows, 1)) * row + ImGui::GetTextLineHeightWithSpacing() + 22 * s.scale;
@@ -157,13 +158,32 @@ class ModelPanel final : public Panel {
       const bool angle = axis.kind == AxisDof::Kind::Rotation;
       const std::string label = fmt::format("{} ({:.2g}, {:.2g}, {:.2g})", angle ? "turn about" : "along",
                                             axis.axis.x(), axis.axis.y(), axis.axis.z());
-      changed |= slider(sandbox, fmt::format("##axis{}", k).c_str(), label,
-                        q[skeleton.qIndex(i) + static_cast<int>(k)], axis.lower, axis.upper, angle);
+      const std::string id = fmt::format("##axis{}", k);
+      if (!joint.coupling) {
+        changed |= slider(sandbox, id.c_str(), label, q[skeleton.qIndex(i) + static_cast<int>(k)], axis.lower,
+                          axis.upper, angle);
+        continue;
+      }
+      double value = q[skeleton.qIndex(i)];
+      const auto [lower, upper] = rangeOf(skeleton, i);
+      if (slider(sandbox, id.c_str(), label, value, lower, upper, angle)) {
+        setJointValue(skeleton, q, i, value);
+        changed = true;
+      }
+      ImGui::TextColored(s.colours().textDim, "moves with %s",
+                         skeleton.joint(joint.coupling->source).name.c_str());
     }
     if (joint.ball) changed |= ball(sandbox, i, q);
     if (joint.axes.empty() && !joint.ball)
       ImGui::TextColored(s.colours().textDim, "A fixed frame: nothing to move.");
     if (changed) s.session->setPose(q);
+  }
+
+  /// What a follower's source allows it.
+  static std::pair<double, double> rangeOf(const Skeleton& skeleton, int follower) {
+    const Coupling& c = *skeleton.joint(follower).coupling;
+    const AxisDof& source = skeleton.joint(c.source).axes[0];
+    return std::minmax({c.multiplier * source.lower + c.offset, c.multiplier * source.upper + c.offset});
   }
 
   /// Swing x, swing y and twist of a ball joint, as angles 2 asin(c / 2).

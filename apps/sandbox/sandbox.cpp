@@ -92,6 +92,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
     adopt(std::make_unique<Session>(std::move(model), reference), false);
     s.theme() = options.theme;
     s.session->setSolver(withParameters({options.solver}, options.settings).front());
+    if (!options.skin.empty()) s.session->skinChoice() = parseSkinChoice(options.skin);
   }
   if (isLecture)
     for (const auto& panel : s.panels) panel->openFile(*this, options.model);

@@ -23,7 +23,9 @@ struct SandboxOptions {
   int width = 1280, height = 800;  ///< pixels
   double scale = 1.0;              ///< of type and spacing
   Theme theme = Theme::Light;
-  std::string solver = "drag";             ///< with or without values of parameters in brackets
+  std::string solver = "drag";
+  std::string skin = {};  ///< method (skin_choice.h); empty: the scene's or the model's             ///< with
+                          ///< or without values of parameters in brackets
   std::vector<std::string> settings = {};  ///< values of its parameters, "dls.lambda=0.1"
   std::function<void()> chooseFiles = {};  ///< asks for files to open; empty: the sandbox's own dialog
 };

@@ -163,6 +163,11 @@ void addSandboxCommand(Command& app) {
   command.option("--amc", a.sandbox.files.amc, "Motion for the ASF skeleton");
   command.option("--clip", a.sandbox.files.clip,
                  "Which motion of a file that names several; default: the first");
+  command
+      .option(
+          "--up", a.sandbox.files.up,
+          "The axis that points up where the format does not say it; default: along which the body stands")
+      .oneOf({"y", "z"});
   command.option("--mapping", a.sandbox.files.mapping,
                  "Which bones lie on which joints: lines 'bone ... : joint joint ...'");
   command.option("--replay", a.replay, "Play a file of input, frame by frame (docs/sandbox.md)");
@@ -175,6 +180,9 @@ void addSandboxCommand(Command& app) {
   command.option("--scale", a.scale, "Of type and spacing; the monitor's by default").range(0.5, 4.0);
   command.option("--theme", a.theme, "light or dark").oneOf({"light", "dark"}).showDefault();
   command.option("--solver", a.sandbox.solver, "Solver while dragging").showDefault();
+  command.option(
+      "--skin", a.sandbox.skin,
+      "Skinning method, such as lbs, dqs or cor+twist+smooth; otherwise the scene's or the model's");
   command.option("--set", a.sandbox.settings,
                  "A parameter of the solver, such as dls.lambda=0.1 (repeatable)");
   command.flag("--remote", a.remote,

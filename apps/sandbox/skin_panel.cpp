@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/skin_comparison.h"
 
 namespace gelenk {
 namespace {
@@ -24,8 +27,7 @@ class SkinPanel final : public Panel {
         ImGui::TableNextColumn();
         check(label, value, explanation);
       };
-      cell("Skin", show.skin,
-           "The body: linear blend skinning, v = Σ wᵢ Tᵢ Tᵢ,rest⁻¹ v_rest, in the vertex shader.");
+      cell("Skin", show.skin, "The body, posed in the vertex shader by the method below.");
       cell("Skeleton", show.skeleton, "Slim bones seen through the body.");
       cell("Wireframe", show.wireframe, "The triangles' edges over the surface.");
       cell("Joint frames", show.jointFrames, "Axes of every joint's frame: x red, y green, z blue.");
@@ -45,6 +47,10 @@ class SkinPanel final : public Panel {
     ImGui::TextColored(s.colours().textDim, "%zu vertices · %zu triangles", skin.mesh.positions.size(),
                        skin.mesh.triangles.size());
     for (const Note& note : s.session->model().notes) ImGui::TextWrapped("%s", note.line().c_str());
+    heading(s, "SKINNING");
+    method(s);
+    heading(s, "SIDE BY SIDE");
+    drawSkinComparison(sandbox);
     heading(s, "WEIGHTS");
     check(
         "Colour by the selected joint's weight", show.weights,
@@ -53,6 +59,39 @@ class SkinPanel final : public Panel {
   }
 
  private:
+  void method(Sandbox::State& s) {
+    SkinChoice& choice = s.session->skinChoice();
+    if (ImGui::BeginCombo("##method", std::string(skinMethod(choice.method).title).c_str())) {
+      for (const SkinMethod* method : skinMethods()) {
+        if (method->shader.empty()) continue;  // on the processor only: gelenk skins
+        if (ImGui::Selectable(std::string(method->title).c_str(), method->kind == choice.method))
+          choice.method = method->kind;
+        tooltip(std::string(method->reference).c_str());
+      }
+      ImGui::EndCombo();
+    }
+    tooltip(
+        "How the motions of a vertex's bones are blended: linearly, as dual quaternions, or about its centre "
+        "of rotation.");
+    ImGui::Checkbox("Spread twist along limbs", &choice.twist);
+    tooltip(
+        "A limb's bones take back their own axial turn where they begin and follow their child's where they "
+        "end.");
+    double millimetres = 1e3 * choice.smoothing;
+    static constexpr double none = 0.0, most = 100.0;
+    if (!editing_) pending_ = millimetres;
+    ImGui::SliderScalar("##smoothing", ImGuiDataType_Double, &pending_, &none, &most,
+                        "weights smoothed over %.0f mm");
+    editing_ = ImGui::IsItemActive();
+    if (ImGui::IsItemDeactivatedAfterEdit()) choice.smoothing = 1e-3 * std::round(pending_);
+    tooltip(
+        "Standard deviation of the smoothing along the surface. Only with methods that blend rotations: "
+        "linear blending's twists get worse.");
+    ImGui::TextColored(s.colours().textDim, "%s", toString(choice).c_str());
+    if (s.session->model().skinning != choice && ImGui::SmallButton("Back to the model's own"))
+      choice = s.session->model().skinning;
+  }
+
   static void scaleBar(const Sandbox::State& s) {
     colourBar(s);
     ImGui::PushFont(s.gui.fonts().small);
@@ -61,6 +100,9 @@ class SkinPanel final : public Panel {
     ImGui::TextColored(s.colours().textDim, "1");
     ImGui::PopFont();
   }
+
+  double pending_ = 0.0;  ///< millimetres, while the slider is held
+  bool editing_ = false;
 
   static void weights(Sandbox& sandbox, const Skin& skin) {
     Sandbox::State& s = sandbox.state();

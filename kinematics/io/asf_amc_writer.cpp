@@ -22,7 +22,7 @@ struct PlannedBone {
 };
 
 bool isEnd(const Skeleton& skeleton, int i) {
-  return i > 0 && skeleton.vCount(i) == 0 && skeleton.children(i).empty();
+  return i > 0 && skeleton.qCount(i) == 0 && skeleton.children(i).empty();
 }
 
 /// Names in an ASF are words, and '#' begins a comment.

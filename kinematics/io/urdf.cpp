@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "kinematics/configuration.h"
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 
@@ -217,24 +218,21 @@ class Reader {
       if (!joint.placed)
         fail(joint.element, "a joint below the root link '" + root + "'",
              "'" + joint.name + "' on a cycle of links");
-    robot_.skeleton = Skeleton(list, Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
-    couple();
-    Eigen::VectorXd coupled = robot_.skeleton.rest();
-    applyMimics(robot_.skeleton, robot_.mimics, coupled);
-    if (!coupled.allFinite()) throw ParseError(file_, 0, "mimics with a finite rest pose", "an overflow");
-    robot_.skeleton = Skeleton(std::move(list), coupled);
+    couple(list);
+    const Skeleton skeleton(list, Eigen::Map<const Eigen::VectorXd>(rest.data(), rest.size()));
+    if (!skeleton.rest().allFinite())
+      throw ParseError(file_, 0, "mimics with a finite rest pose", "an overflow");
+    const bool coupled = !skeleton.followers().empty();
+    robot_.skeleton =
+        coupled ? Skeleton(std::move(list), projectToLimits(skeleton, skeleton.rest())) : skeleton;
     if (masses_.total() > 0.0) robot_.masses = std::move(masses_);
   }
 
-  /// Mimics in an order in which every source is set before what follows it.
-  void couple() {
-    const Skeleton& skeleton = robot_.skeleton;
-    struct Coupling {
-      UrdfMimic mimic;
-      const TiXmlElement* element;
-    };
-    std::vector<Coupling> open;
-    std::set<int> following;
+  /// Takes the mimics into the joints, each by the joint at the end of its chain, which mimics none.
+  void couple(std::vector<Joint>& list) {
+    std::map<int, Coupling> written;
+    std::map<int, const TiXmlElement*> elements;
+    std::vector<int> followers;
     for (const JointElement& source : joints_) {
       const TiXmlElement* element = source.element->FirstChildElement("mimic");
       if (!element) continue;
@@ -242,35 +240,75 @@ class Reader {
       const auto known = std::find_if(joints_.begin(), joints_.end(),
                                       [&](const JointElement& joint) { return joint.name == name; });
       if (known == joints_.end()) fail(element, "a joint that exists", "'" + name + "'");
-      UrdfMimic mimic{.joint = source.index, .source = known->index};
       if (source.type == "fixed" || known->type == "fixed") {
         tell(
             robot_.notes, "mimic-ignored",
             "joint '" + source.name + "' mimics '" + name + "', but a fixed joint has no value: passed over");
+        tellIfLocked(list[source.index]);
         continue;
       }
-      for (const int joint : {mimic.joint, mimic.source})
-        if (skeleton.joint(joint).axes.size() != 1)
+      Coupling coupling{.source = known->index};
+      for (const int joint : {source.index, coupling.source})
+        if (list[joint].axes.size() != 1)
           fail(element, "a mimic between joints of one degree of freedom",
-               "'" + skeleton.joint(joint).name + "' of " + std::to_string(skeleton.vCount(joint)));
-      if (element->Attribute("multiplier")) mimic.multiplier = number(element, "multiplier");
-      if (element->Attribute("offset")) mimic.offset = number(element, "offset");
-      tell(robot_.notes, "mimic",
-           "joint '" + source.name + "' mimics '" + name + "' (" + exactNumber(mimic.multiplier) +
-               " times its value plus " + exactNumber(mimic.offset) +
-               "): poses keep this, solvers move both freely");
-      open.push_back({mimic, element});
-      following.insert(mimic.joint);
+               "'" + list[joint].name + "' of " +
+                   std::to_string(list[joint].axes.size() + (list[joint].ball ? 3 : 0)));
+      if (element->Attribute("multiplier")) coupling.multiplier = number(element, "multiplier");
+      if (element->Attribute("offset")) coupling.offset = number(element, "offset");
+      written[source.index] = coupling;
+      elements[source.index] = element;
+      followers.push_back(source.index);
     }
-    while (!open.empty()) {
-      const auto ready = std::find_if(open.begin(), open.end(),
-                                      [&](const Coupling& c) { return !following.count(c.mimic.source); });
-      if (ready == open.end())
-        fail(open.front().element, "mimics that lead to a joint of its own", "a circle of them");
-      following.erase(ready->mimic.joint);
-      robot_.mimics.push_back(ready->mimic);
-      open.erase(ready);
+    for (const int joint : followers) {
+      Coupling coupling = written[joint];
+      for (std::size_t steps = 0; written.count(coupling.source); ++steps) {
+        if (steps > written.size())
+          fail(elements[joint], "mimics that lead to a joint of its own", "a circle of them");
+        const Coupling& next = written[coupling.source];
+        coupling = {.source = next.source,
+                    .multiplier = coupling.multiplier * next.multiplier,
+                    .offset = coupling.multiplier * next.offset + coupling.offset};
+      }
+      if (!std::isfinite(coupling.multiplier) || !std::isfinite(coupling.offset))
+        fail(elements[joint], "mimics with finite numbers", "an overflow along their chain");
+      list[joint].coupling = coupling;
     }
+    std::map<int, AxisDof> ranges;  // of sources, as far as followers were looked at
+    for (const int joint : followers)
+      fitLimits(list[joint],
+                ranges.try_emplace(list[joint].coupling->source, list[list[joint].coupling->source].axes[0])
+                    .first->second,
+                list[list[joint].coupling->source].name);
+    if (!followers.empty()) {
+      std::vector<std::string> names;
+      for (const int joint : followers)
+        names.push_back(list[joint].name + " follows " + list[list[joint].coupling->source].name);
+      tellFact(robot_.notes, "mimic", "joints that move with others: " + listed(names));
+    }
+  }
+
+  /// A follower's limits hold its source too. Where they leave it no way at all (copied from the other
+  /// finger, say, which turns against it), they are passed over, as other programs do with all of them.
+  void fitLimits(Joint& follower, AxisDof& range, const std::string& source) {
+    const Coupling& c = *follower.coupling;
+    AxisDof& own = follower.axes[0];
+    if (c.multiplier == 0.0) return;
+    double lower = (own.lower - c.offset) / c.multiplier, upper = (own.upper - c.offset) / c.multiplier;
+    if (lower > upper) std::swap(lower, upper);
+    lower = std::max(lower, range.lower), upper = std::min(upper, range.upper);
+    if (lower < upper || (lower == upper && range.lower == range.upper)) {
+      range.lower = lower, range.upper = upper;
+      return;
+    }
+    tell(robot_.notes, "mimic-limits",
+         "joint '" + follower.name + "' mimics '" + source + "', but its own limits, " +
+             exactNumber(own.lower) + " to " + exactNumber(own.upper) + ", leave that no way: passed over");
+    own.lower = -unlimited, own.upper = unlimited;
+  }
+
+  void tellIfLocked(const Joint& joint) {
+    if (!joint.axes.empty() && joint.axes[0].lower == 0.0 && joint.axes[0].upper == 0.0)
+      tell(robot_.notes, "limits-zero", "joint '" + joint.name + "' has limits 0 to 0: it cannot move");
   }
 
   Joint makeJoint(const JointElement& source, const std::string& name, int parent,
@@ -306,8 +344,6 @@ class Reader {
       const TiXmlElement* limit = child(source.element, "limit");
       dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
       dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
-      if (dof.lower == 0.0 && dof.upper == 0.0)
-        tell(robot_.notes, "limits-zero", "joint '" + source.name + "' has limits 0 to 0: it cannot move");
       if (dof.lower > dof.upper)
         fail(limit, "lower <= upper", exactNumber(dof.lower) + " and " + exactNumber(dof.upper));
     } else if (type != "continuous") {
@@ -316,6 +352,7 @@ class Reader {
     }
     rest.push_back(std::clamp(0.0, dof.lower, dof.upper));
     joint.axes.push_back(dof);
+    if (!source.element->FirstChildElement("mimic")) tellIfLocked(joint);
     return joint;
   }
 
@@ -370,11 +407,6 @@ class Reader {
 };
 
 }  // namespace
-
-void applyMimics(const Skeleton& skeleton, std::span<const UrdfMimic> mimics, Eigen::Ref<Eigen::VectorXd> q) {
-  for (const UrdfMimic& mimic : mimics)
-    q[skeleton.qIndex(mimic.joint)] = mimic.multiplier * q[skeleton.qIndex(mimic.source)] + mimic.offset;
-}
 
 UrdfRobot parseUrdf(std::string_view text, const std::string& file) {
   return Reader(plainText(text, file), file).read();

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,37 +23,28 @@ struct UrdfVisual {
   int line = 0;
 };
 
-/// A joint that a robot's mechanics couple to another one: q[joint] = multiplier q[source] + offset, both
-/// joints of one dof.
-struct UrdfMimic {
-  int joint = 0, source = 0;
-  double multiplier = 1.0, offset = 0.0;
-};
-
 struct UrdfRobot {
   std::string name;
-  Skeleton skeleton;  ///< mimicking joints are free in it; the rest pose keeps the couplings
+  Skeleton skeleton;  ///< with the mimics as couplings
   std::vector<UrdfVisual> visuals;
   std::optional<Masses> masses = {};  ///< of the links' <inertial>; none where no link has one above 0
-  std::vector<UrdfMimic> mimics;      ///< sources before what follows them
   std::vector<Note> notes;
 };
-
-/// Sets what mimics to what it mimics, chains of them too. q: nq.
-void applyMimics(const Skeleton& skeleton, std::span<const UrdfMimic> mimics, Eigen::Ref<Eigen::VectorXd> q);
 
 /// A robot description (ROS). Links are frames: the root link becomes the fixed root joint, named after the
 /// link, every URDF joint one joint of its name whose frame is its child link's. revolute and continuous turn
 /// about the axis, prismatic slides along it, planar slides along two axes and turns about its normal,
 /// floating moves freely, fixed has no dof. rpy = (r, p, y): R = Rz(y) Ry(p) Rx(r). Metres and radians, z
 /// mostly up. Zeros outside limits are allowed: the rest configuration is then the nearest end of the range.
+/// What mimics a joint that mimics another one follows the last of them (Coupling); its limits hold for that
+/// too.
 ///
 /// Throws ParseError: XML that is not well formed or nests deeper than 200, a root element other than robot,
 /// missing names, parents or children, unknown links or joint types, a link with two parents, no or two root
 /// links, a cycle, numbers that are none, an axis of length zero, reversed limits, a name used twice, a mimic
 /// of no joint, of itself, of a joint that mimics in a circle, or between joints of several dofs, an
 /// <inertial> without a mass or with one below 0. Notes: a mimic on a fixed joint or towards one, which is
-/// passed over; limits of 0 to 0.
+/// passed over; limits of a follower that leave its source no value, likewise; limits of 0 to 0.
 UrdfRobot readUrdf(const std::string& path);
 UrdfRobot parseUrdf(std::string_view text, const std::string& file);
 

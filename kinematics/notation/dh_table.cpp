@@ -235,7 +235,7 @@ namespace {
 std::vector<int> movingChain(const Skeleton& skeleton, int& end) {
   std::vector<int> moving, leaves;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
-    if (skeleton.vCount(i) > 0) moving.push_back(i);
+    if (skeleton.qCount(i) > 0) moving.push_back(i);
     if (skeleton.children(i).empty()) leaves.push_back(i);
   }
   if (moving.empty())
@@ -250,6 +250,10 @@ std::vector<int> movingChain(const Skeleton& skeleton, int& end) {
                                   skeleton.joint(i).name + "' is not on the way to '" +
                                   skeleton.joint(end).name + "'. Name the end of the chain to be written");
     }
+    if (skeleton.joint(i).coupling)
+      throw std::invalid_argument("a Denavit-Hartenberg table has no couplings; joint '" +
+                                  skeleton.joint(i).name + "' follows '" +
+                                  skeleton.joint(skeleton.joint(i).coupling->source).name + "'");
     if (skeleton.joint(i).ball || skeleton.vCount(i) != 1)
       throw std::invalid_argument(
           "a Denavit-Hartenberg row has one degree of freedom, turning or sliding; joint '" +

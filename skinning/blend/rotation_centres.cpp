@@ -88,7 +88,9 @@ std::vector<Vector3d> rotationCentres(const Skin& skin, std::vector<bool>* blend
                      second = ordered ? in.weights[k] : in.weights[i];
         for (const Bin& bin : found->second) {
           const double unlike = first * bin.second - second * bin.first;
-          const double share = first * second * std::exp(-unlike * unlike * bySquare);
+          const double distance = unlike * unlike * bySquare;
+          if (distance > 40.0) continue;  // e^-40 of what the vertex's own triangles count
+          const double share = first * second * std::exp(-distance);
           mass += share * bin.mass;
           place += share * bin.place;
         }

@@ -164,7 +164,7 @@ std::vector<double> edgeAngles(const MeshEdges& edges, const std::vector<Vector3
     const Vector3d left = along.cross(positions[c] - positions[a]),
                    right = (positions[d] - positions[a]).cross(along);
     const double length = along.norm();
-    angles.push_back(length > 0.0 ? std::atan2(right.cross(left).dot(along) / length, left.dot(right)) : 0.0);
+    angles.push_back(length > 0.0 ? std::atan2(left.cross(right).dot(along) / length, left.dot(right)) : 0.0);
   }
   return angles;
 }

@@ -29,6 +29,18 @@ Mesh welded(const Mesh& mesh, std::vector<int>& of) {
   return out;
 }
 
+/// Four weights that are continuous along the surface: where a fifth bone becomes the fourth, both have lost
+/// all that they had, because the fifth largest weight is taken off the others. Dropping it as it is would
+/// make a crease there.
+void keepFour(std::vector<std::pair<int, double>>& row) {
+  if (row.size() <= 4) return;
+  std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  const double fifth = row[4].second < row[0].second ? row[4].second : 0.0;  // five alike: no telling
+  row.resize(4);
+  for (auto& [joint, weight] : row) weight -= fifth;
+  std::erase_if(row, [](const auto& entry) { return !(entry.second > 0.0); });
+}
+
 }  // namespace
 
 Skin smoothWeights(Skin skin, double length) {
@@ -63,6 +75,7 @@ Skin smoothWeights(Skin skin, double length) {
     for (int v = 0; v < n; ++v)
       if (w[v] > 1e-5) rows[v].emplace_back(joint, w[v]);
   }
+  for (auto& row : rows) keepFour(row);
   for (std::size_t v = 0; v < of.size(); ++v)
     if (!rows[of[v]].empty()) skin.influences[v] = exactInfluences(rows[of[v]]);
   return skin;

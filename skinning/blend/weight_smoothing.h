@@ -9,9 +9,9 @@ inline constexpr double defaultSmoothing = 0.03;
 
 /// The skin with weights smoothed over a length (metres) along its surface: two implicit steps of the heat
 /// equation, dw/dt = laplacian w, that together take t = length^2 / 2, so that a weight which is 1 in one
-/// place alone spreads with the standard deviation `length` in each direction. The four largest are kept.
-/// Vertices in one place stay alike. A length of 0 changes nothing. Throws std::invalid_argument where it is
-/// negative or not finite.
+/// place alone spreads with the standard deviation `length` in each direction. Four are kept, continuously
+/// along the surface (less the fifth largest). Vertices in one place stay alike. A length of 0 changes
+/// nothing. Throws std::invalid_argument where it is negative or not finite.
 Skin smoothWeights(Skin skin, double length);
 
 }  // namespace gelenk

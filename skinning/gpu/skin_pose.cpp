@@ -10,6 +10,8 @@ void poseSkin(const Skin& skin, const Frames& worldFromJoint, SkinPose& out) {
     throw std::invalid_argument("the skin has " + std::to_string(skin.jointFromRestWorld.size()) +
                                 " joints, the pose has " + std::to_string(worldFromJoint.size()) + " frames");
   out.layers.clear();
+  out.jointRows = 3;
+  out.method = {};
   out.rows.resize(12 * worldFromJoint.size());
   for (std::size_t i = 0; i < worldFromJoint.size(); ++i) {
     const Eigen::Isometry3d skinned = worldFromJoint[i] * skin.jointFromRestWorld[i];
@@ -58,9 +60,32 @@ int firstLinkRow(const MuscleSkin& body, int limb) {
   return firstLayerRow(body, limb) + 3 * (6 * links(body.limbs[limb]) + 9);
 }
 
-void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs,
-              SkinPose& out) {
-  poseSkin(body.skin, worldFromJoint, out);
+void poseSkin(const PreparedSkin& prepared, const PosedBones& bones, SkinPose& out) {
+  out.layers.clear();
+  out.method = prepared.method->shader;
+  out.jointRows = prepared.spread.empty() ? 4 : 7;
+  const std::size_t stride = 4 * static_cast<std::size_t>(out.jointRows);
+  out.rows.assign(stride * bones.worldFromRest.size(), 0.0f);
+  for (std::size_t i = 0; i < bones.worldFromRest.size(); ++i) {
+    const Eigen::Isometry3d& skinned = bones.worldFromRest[i];
+    Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(&out.rows[stride * i]) =
+        skinned.matrix().topRows<3>().cast<float>();
+    Eigen::Map<Eigen::Vector4f>(&out.rows[stride * i + 12]) =
+        Eigen::Quaterniond(skinned.linear()).coeffs().cast<float>();
+  }
+  for (std::size_t b = 0; b < prepared.spread.bones.size(); ++b) {
+    const TwistBone& bone = prepared.spread.bones[b];
+    const BoneTwist& twist = bones.twists[b];
+    Eigen::Matrix<double, 9, 1> row;
+    row << bone.axis, 1.0 / bone.length, bone.head, twist.atHead, twist.atEnd - twist.atHead;
+    Eigen::Map<Eigen::Matrix<float, 9, 1>>(&out.rows[stride * static_cast<std::size_t>(bone.joint) + 16]) =
+        row.cast<float>();
+  }
+}
+
+namespace {
+
+void appendLayers(const std::vector<LimbPose>& limbs, SkinPose& out) {
   for (const LimbPose& limb : limbs) {
     for (const FfdPlane& plane : limb.planes) append(out.layers, plane);
     appendRigid(out.layers, limb.worldFromNearEnd);
@@ -72,8 +97,26 @@ void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::v
                              [](const LimbPose& limb) { return !limb.displacement.empty(); });
 }
 
-std::string layerDefines(const SkinPose& pose) {
-  return pose.layers.empty() ? "" : pose.sculpted ? "LAYERS SCULPTED" : "LAYERS";
+}  // namespace
+
+void poseSkin(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs,
+              SkinPose& out) {
+  poseSkin(body.skin, worldFromJoint, out);
+  appendLayers(limbs, out);
+}
+
+void poseSkin(const LayeredSkin& layered, const PosedBones& bones, const std::vector<LimbPose>& limbs,
+              SkinPose& out) {
+  poseSkin(layered.outside, bones, out);
+  appendLayers(limbs, out);
+}
+
+std::string poseDefines(const SkinPose& pose, bool layered) {
+  std::string words = pose.rowCount() > maxBlockRows ? "POSE_IN_TEXTURE " : "";
+  if (!pose.method.empty()) words += "PREPARED " + std::string(pose.method) + " ";
+  if (pose.jointRows == 7) words += "TWIST ";
+  if (layered) words += pose.sculpted ? "LAYERS SCULPTED " : "LAYERS ";
+  return words;
 }
 
 SkinPose unposed(int jointCount) {

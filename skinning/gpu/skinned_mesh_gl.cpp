@@ -22,11 +22,18 @@ struct LayerVertex {
   float uvw[3], weight;
   float normal[3];
   std::uint16_t planeRow, linkRow;  ///< of SkinPose::layers
+  std::uint16_t endJoint, unused;   ///< E of the displacement form
+};
+struct SlopeVertex {
+  float weightsU[3], centreX;  ///< slopes of the first three weights along the first tangent
+  float weightsV[3], centreY;
+  float centreU[3], centreZ;
+  float centreV[3];
 };
 struct SculptureVertex {
   float columns[4][3];  ///< displacement, d/du, d/dv, d/dw
 };
-static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 32 &&
+static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 36 &&
               sizeof(SculptureVertex) == 48);
 
 template <class T>
@@ -56,8 +63,9 @@ std::vector<InfluenceVertex> influenceVertices(const std::vector<Influences>& in
   return vertices;
 }
 
-std::vector<LayerVertex> layerVertices(const MuscleSkin& body) {
-  std::vector<LayerVertex> vertices(body.vertices.size(), LayerVertex{{0, 0, 0}, 0.0f, {0, 0, 0}, 0, 0});
+std::vector<LayerVertex> layerVertices(const MuscleSkin& body, const std::vector<int>& ends) {
+  std::vector<LayerVertex> vertices(body.vertices.size(),
+                                    LayerVertex{{0, 0, 0}, 0.0f, {0, 0, 0}, 0, 0, 0, 0});
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const LimbVertex& from = body.vertices[v];
     if (from.limb < 0) continue;
@@ -70,10 +78,30 @@ std::vector<LayerVertex> layerVertices(const MuscleSkin& body) {
     to.weight = static_cast<float>(from.weight);
     to.planeRow = static_cast<std::uint16_t>(firstLayerRow(body, from.limb) + 3 * plane);
     to.linkRow = static_cast<std::uint16_t>(firstLinkRow(body, from.limb) + 3 * std::max(from.volume / 2, 0));
+    if (!ends.empty()) to.endJoint = static_cast<std::uint16_t>(ends[v]);
     for (int k = 0; k < 3; ++k) {
       to.uvw[k] = static_cast<float>(from.uvw[k]);
       to.normal[k] = static_cast<float>(from.normal[k]);
     }
+  }
+  return vertices;
+}
+
+std::vector<SlopeVertex> slopeVertices(const PreparedSkin& prepared) {
+  std::vector<SlopeVertex> vertices(prepared.slopes.size(), SlopeVertex{});
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    SlopeVertex& to = vertices[v];
+    for (int k = 0; k < 3; ++k) {
+      to.weightsU[k] = static_cast<float>(prepared.slopes[v](k, 0));
+      to.weightsV[k] = static_cast<float>(prepared.slopes[v](k, 1));
+      if (prepared.centres.empty()) continue;
+      to.centreU[k] = static_cast<float>(prepared.centreSlopes[v](k, 0));
+      to.centreV[k] = static_cast<float>(prepared.centreSlopes[v](k, 1));
+    }
+    if (prepared.centres.empty()) continue;
+    to.centreX = static_cast<float>(prepared.centres[v].x());
+    to.centreY = static_cast<float>(prepared.centres[v].y());
+    to.centreZ = static_cast<float>(prepared.centres[v].z());
   }
   return vertices;
 }
@@ -120,8 +148,8 @@ std::vector<Triangle> indicesByCorner(std::vector<Triangle> triangles, int verte
 
 }  // namespace
 
-PoseStorage poseStorage(int jointCount) {
-  return jointCount <= maxBlockJoints ? PoseStorage::UniformBlock : PoseStorage::Texture;
+PoseStorage poseStorage(const SkinPose& pose) {
+  return pose.rowCount() <= maxBlockRows ? PoseStorage::UniformBlock : PoseStorage::Texture;
 }
 
 namespace {
@@ -156,18 +184,18 @@ GlTexture poseTexture(int lines) {
 
 void PoseGl::upload(const SkinPose& pose) {
   if (!pose.layers.empty()) writeBlock(layers_, maxLayerRows * 16, pose.layers);
-  storage_ = poseStorage(pose.jointCount());
+  storage_ = poseStorage(pose);
   if (storage_ == PoseStorage::UniformBlock) return writeBlock(block_, maxBlockJoints * 48, pose.rows);
-  const int joints = pose.jointCount(), full = joints / maxBlockJoints, rest = joints % maxBlockJoints;
+  const int full = pose.rowCount() / maxBlockRows, rest = pose.rowCount() % maxBlockRows;
   if (textureLines_ < full + 1) {
     texture_ = poseTexture(full + 1);
     textureLines_ = full + 1;
   }
   glBindTexture(GL_TEXTURE_2D, texture_);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 3 * maxBlockJoints, full, GL_RGBA, GL_FLOAT, pose.rows.data());
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, maxBlockRows, full, GL_RGBA, GL_FLOAT, pose.rows.data());
   if (rest > 0)
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, full, 3 * rest, 1, GL_RGBA, GL_FLOAT,
-                    &pose.rows[12 * static_cast<std::size_t>(full) * maxBlockJoints]);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, full, rest, 1, GL_RGBA, GL_FLOAT,
+                    &pose.rows[4 * static_cast<std::size_t>(full) * maxBlockRows]);
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
@@ -200,7 +228,7 @@ std::vector<SkinnedMeshGl::Attributes> SkinnedMeshGl::attributes(bool layered) c
       {shape_,
        sizeof(ShapeVertex),
        {{0, 3, GL_FLOAT, offsetof(ShapeVertex, position)}, {1, 3, GL_FLOAT, offsetof(ShapeVertex, normal)}}},
-      {layered ? outside_ : influences_,
+      {layered && outside_ != 0 ? outside_ : influences_,
        sizeof(InfluenceVertex),
        {{2, 4, GL_UNSIGNED_SHORT, offsetof(InfluenceVertex, joints)},
         {3, 4, GL_FLOAT, offsetof(InfluenceVertex, weights)}}},
@@ -210,7 +238,14 @@ std::vector<SkinnedMeshGl::Attributes> SkinnedMeshGl::attributes(bool layered) c
                    sizeof(LayerVertex),
                    {{5, 4, GL_FLOAT, offsetof(LayerVertex, uvw)},
                     {6, 3, GL_FLOAT, offsetof(LayerVertex, normal)},
-                    {7, 2, GL_UNSIGNED_SHORT, offsetof(LayerVertex, planeRow)}}});
+                    {7, 3, GL_UNSIGNED_SHORT, offsetof(LayerVertex, planeRow)}}});
+  if (slopes_ != 0)
+    all.push_back({slopes_,
+                   sizeof(SlopeVertex),
+                   {{12, 4, GL_FLOAT, offsetof(SlopeVertex, weightsU)},
+                    {13, 4, GL_FLOAT, offsetof(SlopeVertex, weightsV)},
+                    {14, 4, GL_FLOAT, offsetof(SlopeVertex, centreU)},
+                    {15, 3, GL_FLOAT, offsetof(SlopeVertex, centreV)}}});
   if (layered && sculpture_ != 0)
     all.push_back(
         {sculpture_,
@@ -248,16 +283,35 @@ SkinnedMeshGl::SkinnedMeshGl(const Skin& skin)
 }
 
 SkinnedMeshGl::SkinnedMeshGl(const MuscleSkin& body) : SkinnedMeshGl(body.skin) {
+  outside_ = GlBuffer::create();
+  fill(GL_ARRAY_BUFFER, outside_, influenceVertices(body.outside));
+  addLayers(body, {});
+}
+
+SkinnedMeshGl::SkinnedMeshGl(const PreparedSkin& prepared) : SkinnedMeshGl(prepared.skin) {
+  if (prepared.method->shader.empty())
+    throw std::invalid_argument("the skinning method '" + std::string(prepared.method->name) +
+                                "' is on the processor only");
+  slopes_ = GlBuffer::create();
+  fill(GL_ARRAY_BUFFER, slopes_, slopeVertices(prepared));
+  attach(false, triangleArray_);
+}
+
+SkinnedMeshGl::SkinnedMeshGl(const LayeredSkin& layered, const MuscleSkin& body)
+    : SkinnedMeshGl(layered.outside) {
+  addLayers(body, layered.endJoint);
+}
+
+/// ends: E of every vertex in displacement form; empty: layers inside the sum.
+void SkinnedMeshGl::addLayers(const MuscleSkin& body, const std::vector<int>& ends) {
   const int limbs = static_cast<int>(body.limbs.size());
   if (const int rows = firstLayerRow(body, limbs); rows > maxLayerRows)
     throw std::invalid_argument("the muscle layers of " + std::to_string(limbs) + " limbs need " +
                                 std::to_string(rows) + " rows, the shader holds " +
                                 std::to_string(maxLayerRows));
   layeredArray_ = GlVertexArray::create();
-  outside_ = GlBuffer::create();
   layers_ = GlBuffer::create();
-  fill(GL_ARRAY_BUFFER, outside_, influenceVertices(body.outside));
-  fill(GL_ARRAY_BUFFER, layers_, layerVertices(body));
+  fill(GL_ARRAY_BUFFER, layers_, layerVertices(body, ends));
   attach(true, layeredArray_);
   glBindVertexArray(layeredArray_);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
@@ -359,8 +413,7 @@ FeedbackSkinning::FeedbackSkinning(const SkinnedMeshGl& mesh, const SkinPose& ki
       layered_(mesh.hasLayers() && !kind.layers.empty()),
       captured_(GlBuffer::create()),
       unseen_(1, 1) {
-  const std::string defines = std::string(mesh.storage() == PoseStorage::Texture ? "POSE_IN_TEXTURE " : "") +
-                              (layered_ ? layerDefines(kind) : "");
+  const std::string defines = poseDefines(kind, layered_);
   program_ = ShaderProgram({.folder = skinningShaders(),
                             .vertex = "read_back.vert",
                             .fragment = "nothing.frag",

@@ -16,7 +16,7 @@ namespace gelenk {
 /// with so many in a line.
 enum class PoseStorage { UniformBlock, Texture };
 inline constexpr int maxBlockJoints = 341;  ///< 16,384 bytes / 48
-PoseStorage poseStorage(int jointCount);
+PoseStorage poseStorage(const SkinPose& pose);
 
 /// One pose in GPU memory, rewritten every frame.
 class PoseGl {
@@ -49,12 +49,17 @@ class SkinnedMeshGl {
   /// The same, ready to be drawn with and without its muscle layers. Throws std::invalid_argument where the
   /// limbs need more rows than the shader holds (14 limbs of two links).
   explicit SkinnedMeshGl(const MuscleSkin& body);
+  /// For the shader's part of a method: attributes 12 to 15 hold slopes of the weights and the centre of
+  /// rotation. Poses come from poseSkin of the same skin. Throws std::invalid_argument for a method that the
+  /// shader does not have.
+  explicit SkinnedMeshGl(const PreparedSkin& prepared);
+  /// The same with muscle layers in displacement form.
+  SkinnedMeshGl(const LayeredSkin& layered, const MuscleSkin& body);
 
   bool hasLayers() const { return layeredArray_ != 0; }
   int vertexCount() const { return vertexCount_; }
   int triangleCount() const { return triangleCount_; }
   int jointCount() const { return jointCount_; }
-  PoseStorage storage() const { return poseStorage(jointCount_); }
 
   /// One colour a vertex, linear light in [0, 1]: weights of a joint, an error, a volume. Grey until set.
   /// Throws std::invalid_argument on another length.
@@ -83,10 +88,12 @@ class SkinnedMeshGl {
   struct Attributes;  ///< a buffer of them, and how a vertex array reads it
   std::vector<Attributes> attributes(bool layered) const;
   void attach(bool layered, GLuint array, GLuint copies = 0) const;
+  void addLayers(const MuscleSkin& body, const std::vector<int>& ends);
   void requireOnePerVertex(std::size_t count) const;
 
   GlVertexArray triangleArray_, layeredArray_, cornerArray_;
-  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, sculpture_, cornerIndices_, corners_;
+  GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, slopes_, sculpture_, cornerIndices_,
+      corners_;
   std::vector<FfdLattice> displacements_;  ///< that sculpture_ holds
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };

@@ -892,7 +892,7 @@ class Writer {
     for (int f = 0; f < count; ++f) {
       forwardKinematics(skeleton, source.clip.q.col(f), frames);
       for (int i = 0; i < skeleton.jointCount(); ++i) {
-        if (skeleton.vCount(i) == 0) continue;
+        if (skeleton.qCount(i) == 0) continue;
         const int parent = skeleton.parent(i);
         const Isometry3d local = parent < 0 ? frames[i] : frames[parent].inverse(Eigen::Isometry) * frames[i];
         Quaterniond r = Quaterniond(local.linear()).normalized();
@@ -919,7 +919,7 @@ class Writer {
       animation.channels.push_back(channel);
     };
     for (int i = 0; i < skeleton.jointCount(); ++i) {
-      if (skeleton.vCount(i) == 0) continue;
+      if (skeleton.qCount(i) == 0) continue;
       const auto& axes = skeleton.joint(i).axes;
       const bool moves = std::any_of(axes.begin(), axes.end(), [](const AxisDof& dof) {
         return dof.kind == AxisDof::Kind::Translation;

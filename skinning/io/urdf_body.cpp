@@ -124,11 +124,7 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
 
 UrdfModel openUrdf(const std::string& path) {
   UrdfRobot robot = readUrdf(path);
-  UrdfModel model{.skeleton = robot.skeleton,
-                  .skin = {},
-                  .masses = robot.masses,
-                  .mimics = robot.mimics,
-                  .notes = robot.notes};
+  UrdfModel model{.skeleton = robot.skeleton, .skin = {}, .masses = robot.masses, .notes = robot.notes};
   const Frames rest = restFrames(robot.skeleton);
   Mesh whole;
   std::vector<Influences> influences;

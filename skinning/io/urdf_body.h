@@ -13,7 +13,6 @@ struct UrdfModel {
   Skeleton skeleton;
   std::optional<Skin> skin = {};
   std::optional<Masses> masses = {};
-  std::vector<UrdfMimic> mimics = {};
   std::vector<Note> notes = {};
 };
 

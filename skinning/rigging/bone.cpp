@@ -32,7 +32,7 @@ std::vector<Bone> allBones(const Skeleton& skeleton, const Frames& frames) {
       const Bone bone{i, at, frames[child].translation()};
       if (bone.length() > shortest) bones.push_back(bone);
     }
-    if (!skeleton.children(i).empty() || skeleton.vCount(i) == 0) continue;
+    if (!skeleton.children(i).empty() || skeleton.qCount(i) == 0) continue;
     const int parent = skeleton.parent(i);
     const Vector3d before =
         parent < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(at - frames[parent].translation());

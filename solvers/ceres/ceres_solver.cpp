@@ -65,11 +65,12 @@ std::vector<Block> makeBlocks(const Skeleton& skeleton, bool sine) {
   int offset = 0;
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
+    if (joint.coupling) continue;
     const int axes = static_cast<int>(joint.axes.size());
     for (int k = 0; k < axes; ++k) {
       const AxisDof& dof = joint.axes[k];
-      const Range range =
-          dof.isFullTurn() ? Range{-unlimited, unlimited, sine} : Range{dof.lower, dof.upper, sine};
+      const bool wraps = dof.isFullTurn() && !skeleton.isCoupled(i);
+      const Range range = wraps ? Range{-unlimited, unlimited, sine} : Range{dof.lower, dof.upper, sine};
       blocks.push_back(
           {Block::Kind::Axis, i, skeleton.qIndex(i) + k, skeleton.vIndex(i) + k, 1, offset, {range}});
       offset += 1;
@@ -135,6 +136,7 @@ class Chart {
             fromSwingTwistCoordinates({swing.x(), swing.y(), block.ranges[2].fromParameter(x[2])}));
       }
     }
+    skeleton_.couple(q);
   }
   void configuration(VectorXd& q) const {
     configuration([&](std::size_t i) { return x_.data() + blocks_[i].offset; }, q);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "kinematics/jacobian.h"
@@ -68,6 +69,10 @@ class CountedEvaluator {
   };
   std::vector<DofGroup> pathTo(int joint) const;
   GoalBend bendOf(std::size_t goal);
+  /// Goals are looked at where every follower has a dimension of its own; what they say there is added up by
+  /// the dimensions that move.
+  const Skeleton& free() const { return uncoupled_ ? *uncoupled_ : *problem_.skeleton; }
+  void foldColumns(const Eigen::MatrixXd& ofFree, Eigen::MatrixXd& out) const;
 
   const IkProblem& problem_;
   int rows_ = 0;
@@ -76,6 +81,11 @@ class CountedEvaluator {
   Frames frames_;
   Twists twists_;
   Eigen::MatrixXd J_, H_;
+  std::optional<Skeleton> uncoupled_;  ///< where the skeleton has couplings
+  std::vector<int> moves_;      ///< by dimension of free(): the one of skeleton() that it moves with ...
+  std::vector<double> factor_;  ///< ... and times what
+  Eigen::MatrixXd foldedJ_, foldedH_;
+  Eigen::VectorXd unfolded_;
   Eigen::Matrix3Xd A_, B_, C_;  ///< scratch, 3 x nv
   bool jacobianIsCurrent_ = false;
   Counters counters_;

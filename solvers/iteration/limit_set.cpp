@@ -29,7 +29,7 @@ LimitSet::LimitSet(const Skeleton& skeleton) : skeleton_(&skeleton) {
     for (int k = 0; k < axes; ++k) {
       const AxisDof& dof = joint.axes[k];
       if (!std::isfinite(dof.lower) && !std::isfinite(dof.upper)) continue;
-      if (dof.isFullTurn()) {
+      if (dof.isFullTurn() && !skeleton.isCoupled(i)) {
         wrapping_.push_back(skeleton.qIndex(i) + k);
         wrapLower_.push_back(dof.lower);
         wrapUpper_.push_back(dof.upper);
@@ -51,10 +51,11 @@ void LimitSet::moveTo(const VectorXd& q) {
   for (Block& block : blocks_) block.taken = 0;
   for (int i = 0; i < skeleton_->jointCount(); ++i) {
     const Joint& joint = skeleton_->joint(i);
+    if (joint.coupling) continue;  // its source's range holds its own
     const int axes = static_cast<int>(joint.axes.size());
     for (int k = 0; k < axes; ++k) {
       const AxisDof& dof = joint.axes[k];
-      if (dof.isFullTurn()) continue;
+      if (dof.isFullTurn() && !skeleton_->isCoupled(i)) continue;
       const double value = q[skeleton_->qIndex(i) + k];
       const int at = skeleton_->vIndex(i) + k;
       if (std::isfinite(dof.lower))

@@ -7,7 +7,8 @@
 
 namespace gelenk {
 
-/// The joints that a problem's goals depend on: those on the way from the root to what a goal looks at. All
+/// The joints that a problem's goals depend on: those on the way from the root to what a goal looks at, those
+/// that such a joint follows, and their followers. All
 /// others are none of a solver's business: they stay, bit for bit, where the start has them, or on the limit
 /// next to it where the start is beyond.
 class MovingJoints {

@@ -217,6 +217,10 @@ std::shared_ptr<const Skeleton> shrunk(const Skeleton& skeleton, double share) {
   std::vector<Joint> joints = skeleton.joints();
   for (Joint& joint : joints) {
     for (AxisDof& dof : joint.axes) {
+      if (joint.coupling) {  // its range is in its source's already
+        dof.lower = -unlimited, dof.upper = unlimited;
+        continue;
+      }
       const double reach = dof.kind == AxisDof::Kind::Rotation ? M_PI : 1.0;
       const double lower = std::isfinite(dof.lower) ? dof.lower : -reach,
                    upper = std::isfinite(dof.upper) ? dof.upper : reach;

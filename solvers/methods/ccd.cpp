@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "kinematics/configuration.h"
 #include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/iteration/attempt.h"
+#include "solvers/methods/line_search.h"
 
 namespace gelenk {
 namespace {
@@ -20,6 +22,9 @@ using Eigen::VectorXd;
 struct Effector {
   Vector3d point;
   Matrix3d rotation;
+
+  Effector(const Frames& frames, const Goal& goal)
+      : point(frames[goal.joint] * goal.pointInJoint), rotation(frames[goal.joint].linear()) {}
 
   void turn(const Vector3d& about, const Matrix3d& by) {
     point = about + by * (point - about);
@@ -56,26 +61,68 @@ class Sweep {
  public:
   Sweep(const Goal& goal, CountedEvaluator& at, double arm)
       : skeleton_(at.skeleton()),
-        frames_(at.frames()),
+        frames_(&at.frames()),
         q_(at.q()),
         goal_(goal),
-        effector_{frames_[goal.joint] * goal.pointInJoint, frames_[goal.joint].linear()},
+        effector_(at.frames(), goal),
         wanted_{goal.kind != GoalKind::Orientation, goal.kind != GoalKind::Position, arm * arm, goal.target,
                 goal.orientation.normalized().toRotationMatrix()} {
-    dofTwists(skeleton_, q_, frames_, twists_);
+    dofTwists(skeleton_, q_, *frames_, twists_);
   }
 
   const VectorXd& run() {
     for (int j = goal_.joint; j >= 0; j = skeleton_.parent(j)) {
       const Joint& joint = skeleton_.joint(j);
+      if (const int source = sourceOf(j); source >= 0) {
+        moveTogether(source);
+        continue;
+      }
       if (joint.ball) turnBall(j);
       for (int k = static_cast<int>(joint.axes.size()) - 1; k >= 0; --k)
         moveAxis(joint.axes[k], skeleton_.qIndex(j) + k, skeleton_.vIndex(j) + k);
     }
+    skeleton_.couple(q_);
     return q_;
   }
 
  private:
+  /// What a joint on the path moves together with others there by; -1: alone.
+  int sourceOf(int j) const {
+    if (!skeleton_.isCoupled(j)) return -1;
+    if (const auto& coupling = skeleton_.joint(j).coupling) return coupling->source;
+    for (const int follower : skeleton_.followers())
+      if (skeleton_.joint(follower).coupling->source == j && skeleton_.isAncestor(follower, goal_.joint))
+        return j;
+    return -1;
+  }
+
+  /// The value of the source, once a sweep, that brings the effector nearest while all that follow it move
+  /// too.
+  void moveTogether(int source) {
+    if (std::count(together_.begin(), together_.end(), source)) return;
+    together_.push_back(source);
+    const AxisDof& dof = skeleton_.joint(source).axes[0];
+    const double now = q_[skeleton_.qIndex(source)],
+                 around = dof.kind == AxisDof::Kind::Rotation ? M_PI : 1.0;
+    const auto place = [&](double value) {
+      q_[skeleton_.qIndex(source)] = value;
+      skeleton_.couple(q_);
+      forwardKinematics(skeleton_, q_, moved_);
+      effector_ = Effector(moved_, goal_);
+    };
+    const double best = lowestOn(
+        std::max(dof.lower, now - around), std::min(dof.upper, now + around), now, [&](double value) {
+          place(value);
+          return (wanted_.position ? (effector_.point - wanted_.point).squaredNorm() : 0.0) +
+                 (wanted_.orientation ? 0.5 * wanted_.orientationWeight *
+                                            (effector_.rotation - wanted_.rotation).squaredNorm()
+                                      : 0.0);
+        });
+    place(best);
+    frames_ = &moved_;
+    dofTwists(skeleton_, q_, moved_, twists_);
+  }
+
   /// Dofs above have not moved in this sweep, so the twists of its beginning still hold.
   void moveAxis(const AxisDof& dof, int iq, int iv) {
     const Vector3d v = twists_.col(iv).head<3>(), omega = twists_.col(iv).tail<3>();
@@ -93,8 +140,8 @@ class Sweep {
   }
 
   void turnBall(int j) {
-    const Vector3d about = frames_[j].translation();
-    const Matrix3d& world = frames_[j].linear();
+    const Vector3d about = (*frames_)[j].translation();
+    const Matrix3d& world = (*frames_)[j].linear();
     Matrix3d turn = Matrix3d::Identity();
     if (!wanted_.orientation) {
       const Vector3d from = effector_.point - about, to = wanted_.point - about;
@@ -121,9 +168,11 @@ class Sweep {
   }
 
   const Skeleton& skeleton_;
-  const Frames& frames_;
+  const Frames* frames_;
+  Frames moved_;  ///< after joints moved together
   VectorXd q_;
   const Goal& goal_;
+  std::vector<int> together_;  ///< sources moved in this sweep
   Twists twists_;
   Effector effector_;
   Wanted wanted_;

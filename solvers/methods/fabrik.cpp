@@ -8,6 +8,7 @@
 #include "kinematics/limits.h"
 #include "kinematics/rotation.h"
 #include "solvers/iteration/attempt.h"
+#include "solvers/methods/line_search.h"
 
 namespace gelenk {
 namespace {
@@ -65,6 +66,7 @@ class FabrikChain {
       const bool turns =
           joint.ball || std::any_of(joint.axes.begin(), joint.axes.end(),
                                     [](const AxisDof& d) { return d.kind == AxisDof::Kind::Rotation; });
+      if (joint.coupling) slides_ = slides_ || joint.axes[0].kind == AxisDof::Kind::Translation;
       if (!turns) {
         since = since * jointMotion(skeleton, q, *j);  // translations are held where they are
         continue;
@@ -87,17 +89,12 @@ class FabrikChain {
 
   bool hasPivots() const { return !pivots_.empty(); }
   bool isFree() const { return free_; }
+  /// A sliding joint on the path follows another one: the lengths between pivots are none.
+  bool changesLength() const { return slides_; }
 
   /// Places the points at the configuration.
   void moveTo(const VectorXd& q) {
-    Isometry3d above = Isometry3d::Identity();
-    for (size_t i = 0; i < pivots_.size(); ++i) {
-      const Isometry3d here =
-          above * pivots_[i].fromParentPivot * jointMotion(skeleton_, q, pivots_[i].joint);
-      points_[i] = here.translation();
-      above = here;
-    }
-    points_.back() = above * tip_;
+    placeAt(q, points_);
     for (size_t i = 0; i + 1 < points_.size(); ++i) lengths_[i] = (points_[i + 1] - points_[i]).norm();
   }
 
@@ -122,14 +119,61 @@ class FabrikChain {
   }
 
  private:
+  void placeAt(const VectorXd& q, std::vector<Vector3d>& points) const {
+    Isometry3d above = Isometry3d::Identity();
+    for (size_t i = 0; i < pivots_.size(); ++i) {
+      const Isometry3d here =
+          above * pivots_[i].fromParentPivot * jointMotion(skeleton_, q, pivots_[i].joint);
+      points[i] = here.translation();
+      above = here;
+    }
+    points.back() = above * tip_;
+  }
+
   /// Root first: each joint turns its next place towards points_[i + 1], within its limits.
   void turnTowardsPoints(VectorXd& q) {
     Isometry3d above = Isometry3d::Identity();
     for (size_t i = 0; i < pivots_.size(); ++i) {
       const Isometry3d zero = above * pivots_[i].fromParentPivot;
-      turnJoint(i, zero, q);
+      if (const int source = sourceOf(pivots_[i].joint); source >= 0)
+        turnTogether(i, source, q);
+      else
+        turnJoint(i, zero, q);
       above = zero * jointMotion(skeleton_, q, pivots_[i].joint);
     }
+    skeleton_.couple(q);
+  }
+
+  /// What the joint turns together with others on the path by; -1: it turns alone.
+  int sourceOf(int joint) const {
+    if (!skeleton_.isCoupled(joint)) return -1;
+    if (const auto& coupling = skeleton_.joint(joint).coupling) return coupling->source;
+    for (const Pivot& pivot : pivots_)
+      if (const auto& coupling = skeleton_.joint(pivot.joint).coupling; coupling && coupling->source == joint)
+        return joint;
+    return -1;
+  }
+
+  /// At the first of them: the source's value that brings all places below closest to where they are wanted.
+  void turnTogether(size_t i, int source, VectorXd& q) {
+    for (size_t k = 0; k < i; ++k)
+      if (sourceOf(pivots_[k].joint) == source) return;
+    const AxisDof& dof = skeleton_.joint(source).axes[0];
+    const auto place = [&](double value) {
+      q[skeleton_.qIndex(source)] = value;
+      skeleton_.couple(q);
+      placeAt(q, here_);
+    };
+    const double now = q[skeleton_.qIndex(source)];
+    const double around = dof.kind == AxisDof::Kind::Rotation ? M_PI : 1.0;
+    place(lowestOn(std::max(dof.lower, now - around), std::min(dof.upper, now + around), now,
+                   [&](double value) {
+                     place(value);
+                     double sum = 0.0;
+                     for (size_t k = i + 1; k < points_.size(); ++k)
+                       sum += (here_[k] - points_[k]).squaredNorm();
+                     return sum;
+                   }));
   }
 
   void turnJoint(size_t i, const Isometry3d& zero, VectorXd& q) {
@@ -201,6 +245,7 @@ class FabrikChain {
   std::vector<Vector3d> points_;     ///< of the pivots and the effector: where the passes want them
   std::vector<Vector3d> here_;       ///< where they are
   std::vector<double> lengths_;
+  bool slides_ = false;  ///< see changesLength
   bool free_ = true;     ///< unlimited balls alone
   bool inPlane_ = true;  ///< hinges about parallel axes alone
 };
@@ -213,6 +258,7 @@ class Fabrik final : public IkSolver {
     if (problem.goals.size() != 1 || problem.goals[0].kind != GoalKind::Position)
       return "solves exactly one position goal";
     const FabrikChain chain(*problem.skeleton, problem.goals[0], neutral(*problem.skeleton), p_);
+    if (chain.changesLength()) return "a joint on the path slides as another one moves";
     return chain.hasPivots() ? "" : "no joint on the path turns";
   }
 

@@ -226,8 +226,17 @@ class Newton1dSolver final : public IkSolver {
       return report;
     }
     at.moveTo(projectToLimits(*problem.skeleton, problem.start));
+    const Skeleton& skeleton = *problem.skeleton;
+    int one = 0;  // the joint that moves
+    while (skeleton.vCount(one) == 0) ++one;
+    const int iq = skeleton.qIndex(one);
+    const auto configuration = [&](double value) {
+      VectorXd q = VectorXd::Constant(skeleton.nq(), value);
+      skeleton.couple(q);
+      return q;
+    };
     const auto gradient = [&](double q) {  // of half the squared residual: -J^T r
-      at.moveTo(VectorXd::Constant(1, q));
+      at.moveTo(configuration(q));
       return -at.jacobian().col(0).dot(at.residual());
     };
     report.why = Stop::Budget;
@@ -237,23 +246,22 @@ class Newton1dSolver final : public IkSolver {
         break;
       }
       if (at.seconds() > budget.maxSeconds) break;
-      const double q = at.q()[0], residual = at.residual().norm();
+      const double q = at.q()[iq], residual = at.residual().norm();
       const double g = gradient(q), slope = (gradient(q + delta_) - g) / delta_;
       const double dq = -g / slope;
       if (trace != TraceLevel::Off)
-        report.trace.push_back(
-            {.q = trace == TraceLevel::Full ? VectorXd(VectorXd::Constant(1, q)) : VectorXd(),
-             .residual = residual,
-             .stepNorm = std::abs(dq),
-             .damping = 0.0,
-             .seconds = at.seconds()});
+        report.trace.push_back({.q = trace == TraceLevel::Full ? configuration(q) : VectorXd(),
+                                .residual = residual,
+                                .stepNorm = std::abs(dq),
+                                .damping = 0.0,
+                                .seconds = at.seconds()});
       if (slope == 0.0 || !std::isfinite(dq)) {
-        at.moveTo(VectorXd::Constant(1, q));
+        at.moveTo(configuration(q));
         report.why = Stop::Failure;
         break;
       }
-      at.moveTo(projectToLimits(*problem.skeleton, VectorXd::Constant(1, q + dq)));
-      if (std::abs(at.q()[0] - q) < 1e-12) {
+      at.moveTo(projectToLimits(*problem.skeleton, configuration(q + dq)));
+      if (std::abs(at.q()[iq] - q) < 1e-12) {
         report.why = at.withinTolerance() ? Stop::Converged : whyAtRest(problem, at.q());
         break;
       }

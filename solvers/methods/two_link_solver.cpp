@@ -58,6 +58,7 @@ std::optional<Chain> shoulderAbove(const Skeleton& skeleton, const Frames& frame
   const bool hinge = isHinge(skeleton.joint(chain.elbow));
   for (int i = skeleton.parent(chain.elbow); i >= 0; i = skeleton.parent(i)) {
     const Joint& joint = skeleton.joint(i);
+    if (skeleton.isCoupled(i)) continue;
     chain.shoulder = i;
     if (canAim(joint)) return chain;
     chain.inPlane =
@@ -81,6 +82,7 @@ std::optional<Chain> chainAbove(const Skeleton& skeleton, const Goal& goal, cons
     double longest = 1e-9;
     for (int i = turnsHand ? hand.parent : goal.joint; i >= 0; i = skeleton.parent(i)) {
       const Joint& joint = skeleton.joint(i);
+      if (skeleton.isCoupled(i)) continue;  // it does not turn alone
       if (balls ? !joint.ball || !joint.axes.empty() : !isHinge(joint)) continue;
       const std::optional<Chain> chain =
           shoulderAbove(skeleton, frames, {.elbow = i, .turnsHand = turnsHand});

@@ -13,7 +13,7 @@ bool sameJoints(const std::vector<Joint>& a, const std::vector<Joint>& b) {
   if (a.size() != b.size()) return false;
   for (size_t j = 0; j < a.size(); ++j) {
     if (a[j].parent != b[j].parent || a[j].ball != b[j].ball || a[j].axes.size() != b[j].axes.size() ||
-        a[j].parentFromZero.matrix() != b[j].parentFromZero.matrix())
+        a[j].parentFromZero.matrix() != b[j].parentFromZero.matrix() || a[j].coupling != b[j].coupling)
       return false;
     for (size_t k = 0; k < a[j].axes.size(); ++k)
       if (!sameDof(a[j].axes[k], b[j].axes[k])) return false;

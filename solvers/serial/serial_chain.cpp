@@ -134,6 +134,12 @@ SerialChainResult extractSerialChain(const Skeleton& skeleton, int tipJoint) {
       result.whyNot = "joint '" + joint.name + "' on the path is a ball joint; only one-axis dofs are solved";
       return result;
     }
+    if (joint.coupling) {
+      result.whyNot = "joint '" + joint.name + "' on the path follows '" +
+                      skeleton.joint(joint.coupling->source).name +
+                      "'; only joints that move alone are solved";
+      return result;
+    }
     for (size_t k = 0; k < joint.axes.size(); ++k) {
       const AxisDof& dof = joint.axes[k];
       if (chain.n == maxChainDofs) {

@@ -604,6 +604,7 @@ class SerialPose final : public IkSolver {
                                                   .seed = budget.seed,
                                                   .method = parameters_});
     for (int i = 0; i < chain.n; ++i) report.q[chain.qIndex[i]] = answer.q[i];
+    problem.skeleton->couple(report.q);
     report.why = answer.why;
     report.counters = answer.counters;
     report.residual = std::sqrt(goal.weight) * std::hypot(answer.positionError, answer.orientationError);
@@ -621,6 +622,7 @@ class SerialPose final : public IkSolver {
     const auto record = [&](const ChainVector& dofs) {
       ChainJacobian J;
       for (int i = 0; i < chain.n; ++i) q[chain.qIndex[i]] = dofs[i];
+      problem.skeleton->couple(q);
       if (!report.trace.empty()) report.trace.back().stepNorm = (q - before).norm();
       before = q;
       report.trace.push_back(

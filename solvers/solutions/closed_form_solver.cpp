@@ -87,6 +87,7 @@ class ClosedForm final : public IkSolver {
       const double distance = (s.q - start).norm();
       if (!s.withinLimits || distance >= bestDistance) continue;
       for (int i = 0; i < chain.n; ++i) q[chain.qIndex[i]] = s.q[i];
+      problem.skeleton->couple(q);
       ++report.counters.forwardKinematics;
       if (!judge(problem, q).solved) continue;
       bestDistance = distance;

@@ -47,6 +47,7 @@ void DragDescent::build(std::span<const int> joints, const Vector3d& origin) {
   for (const TreeNode& node : tree_.nodes()) {
     const Skeleton& skeleton = tree_.skeleton();
     const int v = skeleton.vIndex(node.joint) + node.qIndex - skeleton.qIndex(node.joint);
+    if (skeleton.joint(node.joint).coupling) continue;  // its source's posture is its own
     for (int k = 0; k < node.dofs(); ++k) s_[node.dof + k] = stiffnessOfDof_[v + k];
   }
   points_.clear();
@@ -148,12 +149,30 @@ void DragDescent::gather() {
   tree_.endGather();
 }
 
-/// U: what the blocks' models add to the Hessian beside the tree. After gradientAndHessian.
+/// A row of U of zeros: entry k stands at 4 k of what is returned.
+double* DragDescent::addRow(double sign) {
+  const int n = tree_.dofCount();
+  if (rows_ % 4 == 0) {
+    U_.resize(static_cast<std::size_t>(rows_ + 4) * n);
+    std::fill(U_.end() - 4 * n, U_.end(), 0.0);
+  }
+  double* to = U_.data() + static_cast<std::ptrdiff_t>(rows_ / 4) * 4 * n + rows_ % 4;
+  sign_.push_back(sign);
+  ++rows_;
+  return to;
+}
+
+/// U: couplings, and what the blocks' models add to the Hessian beside the tree. After gradientAndHessian.
 void DragDescent::collectRows(StepKind kind) {
   rows_ = 0;
+  sign_.clear();
+  for (const TreeCoupling& c : tree_.couplings()) {
+    double* to = addRow(0.0);
+    to[4 * tree_.node(c.follower).dof] = 1.0;
+    to[4 * tree_.node(c.source).dof] = -c.multiplier;
+  }
   if (blocks_.empty()) return;
   const int n = tree_.dofCount();
-  sign_.clear();
   for (const double wanted : {1.0, -1.0})
     for (const TreeBlock& block : blocks_) {
       if (block.weight == 0.0) continue;
@@ -170,19 +189,13 @@ void DragDescent::collectRows(StepKind kind) {
           tree_.slopeOf(pose_, sums_[block.firstSum + j], shares_,
                         slopes_.data() + static_cast<std::ptrdiff_t>(j) * n);
         sloped = true;
-        if (rows_ % 4 == 0) {
-          U_.resize(static_cast<std::size_t>(rows_ + 4) * n);
-          std::fill(U_.end() - 4 * n, U_.end(), 0.0);
-        }
-        double* to = U_.data() + static_cast<std::ptrdiff_t>(rows_ / 4) * 4 * n + rows_ % 4;
+        double* to = addRow(wanted);
         for (int j = 0; j < sums; ++j) {
           const Vector3d c = factor * sums_[block.firstSum + j].scale * model.row[r].c[j];
           if (c.isZero(0.0)) continue;
           const Vector3d* slope = slopes_.data() + static_cast<std::ptrdiff_t>(j) * n;
           for (int k = 0; k < n; ++k) to[4 * k] += c.dot(slope[k]);
         }
-        sign_.push_back(wanted);
-        ++rows_;
       }
     }
 }
@@ -221,7 +234,7 @@ bool DragDescent::factorRows() {
       pivot -= l * Si[j];
       Si[j] = l;
     }
-    if (!(pivot * sign_[i] > 0.0)) return false;
+    if (!(pivot * (sign_[i] < 0.0 ? -1.0 : 1.0) > 0.0)) return false;
     Si[i] = pivot;
   }
   return true;
@@ -242,6 +255,7 @@ void DragDescent::solveSystem(double* x) {
     for (int k = 0; k < n; ++k) sum += x[k] * four(V + 4 * k);
     four(t + 4 * p) = sum;
   }
+  for (std::size_t i = 0; i < tree_.couplings().size(); ++i) t[i] += held_[i];
   for (int i = 0; i < rows_; ++i)
     for (int j = 0; j < i; ++j) t[i] -= S_[static_cast<std::size_t>(i) * m + j] * t[j];
   for (int i = 0; i < rows_; ++i) t[i] /= S_[static_cast<std::size_t>(i) * m + i];
@@ -259,10 +273,12 @@ void DragDescent::solveSystem(double* x) {
   for (int k = 0; k < n; ++k) x[k] -= z_[k];
 }
 
-/// (H + U^T S U) d at dof k, d_ the step.
-double DragDescent::modelSlope(int k) const {
-  double sum = H_.rowTimes(k, d_.data());
+/// (H + U^T S U + mu) d at dof k and what follows it, d_ the step.
+double DragDescent::modelSlope(int k, double mu) const {
+  double sum = H_.rowTimes(k, d_.data()) + mu * d_[k];
   for (int r = 0; r < rows_; ++r) sum += rowEntry(r, k) * Ud_[r];
+  for (const TreeCoupling& c : tree_.couplings())
+    if (tree_.node(c.source).dof == k) sum += c.multiplier * modelSlope(tree_.node(c.follower).dof, mu);
   return sum;
 }
 
@@ -294,6 +310,11 @@ void DragDescent::assemble(const Settings& settings, StepKind kind) {
   tree_.gradientAndHessian(pose_, kind == StepKind::ExactHessian ? 1.0 : 0.0, g_.data(), H_);
   collectRows(kind);
   addRegulariser(settings);
+  for (const TreeCoupling& c : tree_.couplings()) {  // the same steps solve it: they keep the coupling
+    double& ofFollower = g_[tree_.node(c.follower).dof];
+    g_[tree_.node(c.source).dof] += c.multiplier * ofFollower;
+    ofFollower = 0.0;
+  }
 }
 
 void DragDescent::derivatives(const Settings& settings, double beta, double* gradient, TreeMatrix& H) {
@@ -415,12 +436,15 @@ bool DragDescent::factorWithActiveSet(double mu) {
   if (anyFixedMoves_)
     for (int k = 0; k < W_.size(); ++k)
       if (state_[k] == DofState::Fixed && value_[k] != 0.0) W_.subtractColumn(k, value_[k], x_.data());
+  held_.assign(rows_, 0.0);
   for (int p = 0; p < packs; ++p) {
     double* V = V_.data() + static_cast<std::ptrdiff_t>(p) * 4 * n;
     if (anyFixedMoves_) {
       Double4 moved = {};
       for (int k = 0; k < n; ++k)
         if (state_[k] == DofState::Fixed) moved += value_[k] * four(V + 4 * k);
+      for (int i = 0; i < 4 && 4 * p + i < rows_; ++i)
+        if (sign_[4 * p + i] == 0.0) held_[4 * p + i] = moved[i];
       for (int i = 0; i < 4 && 4 * p + i < rows_; ++i) moved[i] *= sign_[4 * p + i];
       for (int k = 0; k < n; ++k) {
         const Double4 product = four(V + 4 * k) * moved;
@@ -517,8 +541,7 @@ bool DragDescent::solve(double mu, double reach, StepOutcome& outcome) {
   curvature_ = -slope_;
   if (anyFixedMoves_)
     for (int k = 0; k < n; ++k)
-      if (state_[k] == DofState::Fixed && value_[k] != 0.0)
-        curvature_ += d_[k] * (modelSlope(k) + mu * d_[k] + g_[k]);
+      if (state_[k] == DofState::Fixed && value_[k] != 0.0) curvature_ += d_[k] * (modelSlope(k, mu) + g_[k]);
   return true;
 }
 

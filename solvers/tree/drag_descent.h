@@ -46,6 +46,9 @@ struct TreeBlock {
 /// (H + U^T S U) d = -g, S = diag(+-1), is solved by H and the small matrix S + U H^-1 U^T (Woodbury). Where
 /// its pivots have not the signs of S, the whole is not positive definite (Haynsworth 1968).
 ///
+/// A dof that follows another one, d_f = multiplier d_s, is such a row with 0 in S: the step of least model
+/// cost among those that keep it.
+///
 /// Limits inside the step: a box dof at its bound with outward gradient is locked; a swing on its cone with
 /// outward gradient is left the one dof along the ellipse; dofs that the step would carry across their limit
 /// are put on it and the others solved again (at most three times); the step is applied with projection.
@@ -130,7 +133,8 @@ class DragDescent {
   void collectRows(StepKind kind);
   bool factorRows();
   void solveSystem(double* x);
-  double modelSlope(int k) const;
+  double modelSlope(int k, double mu = 0.0) const;
+  double* addRow(double sign);
   double regulariser(const Settings& settings, const TreePose& pose) const;
   void addRegulariser(const Settings& settings);
   void assemble(const Settings& settings, StepKind kind);
@@ -166,9 +170,10 @@ class DragDescent {
   std::vector<double> tangentLength_;
   bool anyFixedMoves_ = false;
 
-  int rows_ = 0;                   ///< of U: those of sign +1, then those of sign -1
+  int rows_ = 0;                   ///< of U: couplings (sign 0), those of sign +1, then those of sign -1
   std::vector<double> U_, V_, Y_;  ///< four rows at a time, side by side for each dof
   std::vector<double> sign_, S_, Ud_, z_;
+  std::vector<double> held_;             ///< by row: what dofs fixed at a value leave of a coupling
   std::vector<Eigen::Vector3d> slopes_;  ///< dy / d(dof) of a block's sums, one after the other
 
   double cost_ = 0.0, slope_ = 0.0, curvature_ = 0.0;

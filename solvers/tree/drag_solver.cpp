@@ -37,6 +37,7 @@ std::vector<double> postureStiffness(const Skeleton& skeleton) {
   };
   for (int i = 0; i < skeleton.jointCount(); ++i) {
     const Joint& joint = skeleton.joint(i);
+    if (joint.coupling) continue;  // its source's posture is its own
     int k = skeleton.vIndex(i);
     for (const AxisDof& dof : joint.axes)
       s[k++] = dof.kind == AxisDof::Kind::Translation ? 0.5 : byRange(0.5 * (dof.upper - dof.lower));

@@ -68,7 +68,7 @@ GELENK_INLINE double swingCosine(double x, double y) {
 }  // namespace
 
 GoalTree::GoalTree(const Skeleton& skeleton, double unit) : skeleton_(&skeleton), unit_(unit) {
-  nodes_.reserve(skeleton.nv());
+  nodes_.reserve(skeleton.nv() + skeleton.followers().size());
   dofParent_.reserve(skeleton.nv());
   order_.reserve(skeleton.jointCount());
   onPath_.resize(skeleton.jointCount());
@@ -85,7 +85,7 @@ void GoalTree::build(std::span<const int> joints, const Vector3d& origin) {
   nodes_.clear();
   dofParent_.clear();
   dofs_ = coordinates_ = 0;
-  int deepest = 0;
+  int deepest = 1;
   order_.clear();
   if (onPath_[0]) order_.push_back(0);
   while (!order_.empty()) {  // depth first: a joint's whole subtree before its sibling
@@ -105,54 +105,89 @@ void GoalTree::build(std::span<const int> joints, const Vector3d& origin) {
 
     const int axes = static_cast<int>(joint.axes.size());
     for (int k = 0; k < axes + (joint.ball ? 1 : 0); ++k) {
-      TreeNode node;
-      node.parent = parent;
-      node.joint = i;
-      node.qIndex = skeleton_->qIndex(i) + k;
-      node.dof = dofs_;
-      node.coordinate = coordinates_;
-      node.depth = parent < 0 ? 0 : nodes_[parent].depth + nodes_[parent].dofs();
-      node.offsetRotation = offset.linear();
-      node.offset = offset.translation();
-      node.offsetTurns = !node.offsetRotation.isIdentity(0.0);
-      node.offsetIsIdentity = parent >= 0 && !node.offsetTurns && node.offset.isZero(0.0);
-      node.coordinateAxis = -1;
-      node.lower = -unlimited;
-      node.upper = unlimited;
-      if (k < axes) {
-        const AxisDof& dof = joint.axes[k];
-        const bool turns = dof.kind == AxisDof::Kind::Rotation;
-        node.motion = turns ? TreeMotion::RotationAxis : TreeMotion::TranslationAxis;
-        node.axis = dof.axis;
-        for (int a = 0; a < 3; ++a)
-          if (dof.axis == Vector3d::Unit(a)) node.coordinateAxis = a;
-        node.lower = turns ? dof.lower : dof.lower / unit_;
-        node.upper = turns ? dof.upper : dof.upper / unit_;
-      } else if (joint.ballLimit) {
-        node.motion = TreeMotion::LimitedBall;
-        setSwingLimit(*joint.ballLimit, node);
-      } else {
-        node.motion = TreeMotion::FreeBall;
-      }
-      for (int d = 0; d < node.dofs(); ++d)
-        dofParent_.push_back(d > 0        ? dofs_ + d - 1
-                             : parent < 0 ? -1
-                                          : nodes_[parent].dof + nodes_[parent].dofs() - 1);
-      dofs_ += node.dofs();
-      coordinates_ += node.coordinates();
+      const TreeNode& node = addNode(i, k, parent, offset);
       deepest = std::max(deepest, node.depth + node.dofs());
-      parent = static_cast<int>(nodes_.size());
-      nodes_.push_back(node);
+      parent = static_cast<int>(nodes_.size()) - 1;
       offset = Isometry3d::Identity();
     }
     carrier_[i] = parent;
     carrierFromJoint_[i] = offset;
   }
+  addCouplings();
   sums_.resize(nodes_.size());
   below_.resize(nodes_.size());
   twistOfDof_.resize(dofs_);
   twistStride_ = TreeMatrix::padded(deepest);
   twists_.assign(6 * twistStride_, 0.0);
+}
+
+/// The joint's axis k, or its ball. offset: of the motion's zero from the parent node.
+TreeNode& GoalTree::addNode(int i, int k, int parent, const Isometry3d& offset) {
+  const Joint& joint = skeleton_->joint(i);
+  TreeNode& node = nodes_.emplace_back();
+  node.parent = parent;
+  node.joint = i;
+  node.qIndex = skeleton_->qIndex(i) + k;
+  node.dof = dofs_;
+  node.coordinate = coordinates_;
+  node.depth = parent < 0 ? 0 : nodes_[parent].depth + nodes_[parent].dofs();
+  node.offsetRotation = offset.linear();
+  node.offset = offset.translation();
+  node.offsetTurns = !node.offsetRotation.isIdentity(0.0);
+  node.offsetIsIdentity = parent >= 0 && !node.offsetTurns && node.offset.isZero(0.0);
+  node.coordinateAxis = -1;
+  node.lower = -unlimited;
+  node.upper = unlimited;
+  if (k < static_cast<int>(joint.axes.size())) {
+    const AxisDof& dof = joint.axes[k];
+    const bool turns = dof.kind == AxisDof::Kind::Rotation;
+    node.motion = turns ? TreeMotion::RotationAxis : TreeMotion::TranslationAxis;
+    node.axis = dof.axis;
+    for (int a = 0; a < 3; ++a)
+      if (dof.axis == Vector3d::Unit(a)) node.coordinateAxis = a;
+    if (!joint.coupling) {  // else its source's range holds its own
+      node.lower = turns ? dof.lower : dof.lower / unit_;
+      node.upper = turns ? dof.upper : dof.upper / unit_;
+    }
+  } else if (joint.ballLimit) {
+    node.motion = TreeMotion::LimitedBall;
+    setSwingLimit(*joint.ballLimit, node);
+  } else {
+    node.motion = TreeMotion::FreeBall;
+  }
+  for (int d = 0; d < node.dofs(); ++d)
+    dofParent_.push_back(d > 0        ? dofs_ + d - 1
+                         : parent < 0 ? -1
+                                      : nodes_[parent].dof + nodes_[parent].dofs() - 1);
+  dofs_ += node.dofs();
+  coordinates_ += node.coordinates();
+  return node;
+}
+
+void GoalTree::addCouplings() {
+  couplings_.clear();
+  const auto nodeOf = [&](int joint) {
+    int at = nodeCount() - 1;
+    while (at >= 0 && nodes_[at].joint != joint) --at;
+    return at;
+  };
+  const auto metres = [&](int joint) {  // a unit of its coordinate, radians for turns
+    return skeleton_->joint(joint).axes[0].kind == AxisDof::Kind::Translation ? unit_ : 1.0;
+  };
+  for (const int i : skeleton_->followers()) {
+    const int follower = nodeOf(i);
+    if (follower < 0) continue;
+    const Coupling& c = *skeleton_->joint(i).coupling;
+    int source = nodeOf(c.source);
+    if (source < 0) {  // none of the goals hangs on its place
+      addNode(c.source, 0, -1, Isometry3d::Identity());
+      source = nodeCount() - 1;
+    }
+    couplings_.push_back({.follower = follower,
+                          .source = source,
+                          .multiplier = c.multiplier * metres(c.source) / metres(i),
+                          .offset = c.offset / metres(i)});
+  }
 }
 
 bool GoalTree::project(const TreeNode& node, double* c) {
@@ -223,9 +258,13 @@ void GoalTree::store(const TreePose& pose, VectorXd& q) const {
       case TreeMotion::FreeBall: std::copy_n(pose.frames[i].q.data(), 4, value); break;
     }
   }
+  skeleton_->couple(q);
 }
 
 void GoalTree::place(TreePose& pose) const {
+  for (const TreeCoupling& c : couplings_)
+    pose.coordinates[nodes_[c.follower].coordinate] =
+        c.multiplier * pose.coordinates[nodes_[c.source].coordinate] + c.offset;
   for (int i = 0; i < nodeCount(); ++i) {
     const TreeNode& node = nodes_[i];
     TreePose::NodeFrame& frame = pose.frames[i];

@@ -42,6 +42,12 @@ struct TreeNode {
   }
 };
 
+/// The coordinate of a node that follows another one: c = multiplier * c of the source + offset.
+struct TreeCoupling {
+  int follower = 0, source = 0;  ///< nodes of one axis
+  double multiplier = 1.0, offset = 0.0;
+};
+
 /// A point, or a direction, fixed to a node and drawn to a target t by the cost 1/2 weight |t - x|^2, which
 /// goes on with the same slope where |t - x| > cut: weight cut (|t - x| - cut / 2). (Huber 1964)
 struct TreePoint {
@@ -103,6 +109,9 @@ class GoalTree {
   std::span<const TreeNode> nodes() const { return nodes_; }
   std::span<TreeNode> nodes() { return nodes_; }
   std::span<const int> dofParents() const { return dofParent_; }
+  /// Of the nodes that follow others. Followers are dofs like all others here, without limits; place() holds
+  /// them to their sources. A source beside the goals' paths is a node of its own that carries nothing.
+  std::span<const TreeCoupling> couplings() const { return couplings_; }
 
   /// The last node at or above the joint, -1 where nothing moves it. The joint's path must be part of the
   /// structure.
@@ -125,7 +134,7 @@ class GoalTree {
   void load(const Eigen::VectorXd& q, TreePose& pose) const;
   /// Writes the joints of the tree into q; all others stay as they are.
   void store(const TreePose& pose, Eigen::VectorXd& q) const;
-  /// The frames from the coordinates.
+  /// The frames from the coordinates, after followers took what their sources say.
   void place(TreePose& pose) const;
 
   /// Moves the node's coordinates into its limits: box, or nearest point of the swing's ellipse. True where
@@ -165,11 +174,15 @@ class GoalTree {
     Eigen::Matrix3d P;
   };
 
+  void addCouplings();
+  TreeNode& addNode(int joint, int k, int parent, const Eigen::Isometry3d& offset);
+
   const Skeleton* skeleton_;
   double unit_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   int dofs_ = 0, coordinates_ = 0;
   std::vector<TreeNode> nodes_;
+  std::vector<TreeCoupling> couplings_;
   std::vector<int> dofParent_, carrier_, order_;
   std::vector<char> onPath_;
   std::vector<Eigen::Isometry3d> carrierFromJoint_;

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 TEST(Configuration, DifferenceUndoesIntegrate) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 200; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 12);
+    const Skeleton skeleton = testing::randomTree(random, 12, i);
     const VectorXd q = randomWithinLimits(skeleton, random);
     const VectorXd dq = VectorXd::Random(skeleton.nv());  // |rotation| < sqrt 3 < pi
     EXPECT_LE((difference(skeleton, q, integrate(skeleton, q, dq)) - dq).norm(), 1e-13);
@@ -24,7 +24,7 @@ TEST(Configuration, DifferenceUndoesIntegrate) {
 TEST(Configuration, RandomOnesKeepLimitsAndProjectionLeavesThemAlone) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 300; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 12);
+    const Skeleton skeleton = testing::randomTree(random, 12, i);
     const VectorXd q = randomWithinLimits(skeleton, random);
     EXPECT_LE(limitViolation(skeleton, q), 1e-12);
     EXPECT_LE(difference(skeleton, q, projectToLimits(skeleton, q)).norm(), 1e-12);

@@ -33,7 +33,7 @@ Isometry3d worldFromJointByProducts(const Skeleton& skeleton, const VectorXd& q,
 TEST(ForwardKinematics, EqualsTheProductOfItsFactors) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 100; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 15);
+    const Skeleton skeleton = testing::randomTree(random, 15, i);
     const VectorXd q = randomWithinLimits(skeleton, random);
     const Frames frames = forwardKinematics(skeleton, q);
     for (int k = 0; k < skeleton.jointCount(); ++k)
@@ -45,7 +45,7 @@ TEST(Jacobian, MatchesCentralDifferencesOnEveryKindOfJoint) {
   std::mt19937_64 random(2);
   constexpr double h = 1e-6;  // truncation h^2, rounding 1e-16 / h: both below 1e-9
   for (int i = 0; i < 50; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 10);
+    const Skeleton skeleton = testing::randomTree(random, 10, i);
     const VectorXd q = randomWithinLimits(skeleton, random);
     const Frames frames = forwardKinematics(skeleton, q);
     const int joint = skeleton.jointCount() - 1;

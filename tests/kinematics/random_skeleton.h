@@ -43,4 +43,38 @@ inline Skeleton randomSkeleton(std::mt19937_64& random, int joints) {
   return Skeleton(list);
 }
 
+/// The same tree, in which joints of one axis follow others, below, beside or above them; sliders among them.
+inline Skeleton withCouplings(const Skeleton& skeleton, std::mt19937_64& random) {
+  std::vector<Joint> joints = skeleton.joints();
+  std::vector<int> single;
+  for (int i = 1; i < skeleton.jointCount(); ++i) {
+    Joint& joint = joints[i];
+    if (joint.ball || joint.axes.size() > 1) {  // more of them than by chance
+      if (random() % 2) continue;
+      joint.ball = false;
+      joint.ballLimit.reset();
+      joint.axes = {{random() % 4 ? AxisDof::Kind::Rotation : AxisDof::Kind::Translation, randomUnit(random),
+                     -1.2, 1.5}};
+    }
+    if (joint.axes.size() == 1) single.push_back(i);
+  }
+  for (std::size_t k = 0; k + 1 < single.size(); ++k) {
+    const int follower = single[k], source = single[k + 1 + random() % (single.size() - k - 1)];
+    if (joints[source].coupling || joints[follower].coupling || random() % 3 == 0) continue;
+    joints[follower].coupling = {.source = source,
+                                 .multiplier = (random() % 2 ? 1.0 : -1.0) * (0.3 + uniform01(random)),
+                                 .offset = 0.4 * (uniform01(random) - 0.5)};
+    joints[follower].axes[0].lower = -3.0, joints[follower].axes[0].upper = 2.0;
+  }
+  for (Joint& joint : joints)  // none follows a follower
+    if (joint.coupling && joints[joint.coupling->source].coupling) joint.coupling.reset();
+  return Skeleton(joints);
+}
+
+/// Trees of every kind of joint; every second one with couplings.
+inline Skeleton randomTree(std::mt19937_64& random, int joints, int number) {
+  const Skeleton skeleton = randomSkeleton(random, joints);
+  return number % 2 ? withCouplings(skeleton, random) : skeleton;
+}
+
 }  // namespace gelenk::testing

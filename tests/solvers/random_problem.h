@@ -193,6 +193,21 @@ inline Skeleton randomWristArm(std::mt19937_64& random) {
   return toSkeleton(table);
 }
 
+/// A finger whose last two joints bend as the second does: turned sideways by the first, or all in one plane.
+inline Skeleton tendonFinger(bool inPlane) {
+  std::vector<Joint> joints;
+  for (int i = 0; i <= 4; ++i) {
+    Joint joint{.name = "f" + std::to_string(i), .parent = i - 1};
+    if (i > 0) joint.parentFromZero.translation().x() = i < 3 ? 0.5 : 0.3;
+    if (i < 4)
+      joint.axes = {{AxisDof::Kind::Rotation,
+                     i == 0 && !inPlane ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ(), -1.5, 1.6}};
+    if (i == 2 || i == 3) joint.coupling = {.source = 1, .multiplier = i == 2 ? 0.7 : 0.5, .offset = 0.1};
+    joints.push_back(joint);
+  }
+  return Skeleton(joints);
+}
+
 /// Balls in a row, all unlimited or all with a swing cone and a twist range; one bone in eight has no length.
 inline Skeleton randomBallChain(std::mt19937_64& random) {
   const int bones = 1 + static_cast<int>(random() % 12);

@@ -58,6 +58,9 @@ std::vector<ContractModel> contractModels() {
   for (int i = 0; i < 4; ++i) add(testing::randomWristArm(random), testing::chainProblem);
   for (int i = 0; i < 6; ++i) add(testing::randomBallChain(random), testing::chainProblem);
   for (const bool balls : {false, true}) add(testing::fork(balls), testing::forkProblem);
+  for (int i = 0; i < 2; ++i)
+    add(testing::withCouplings(testing::randomSkeleton(random, 6 + 4 * i), random), testing::problemOn);
+  for (const bool inPlane : {false, true}) add(testing::tendonFinger(inPlane), testing::chainProblem);
   for (int n = 1; n <= 4; ++n) add(testing::straightChain(n, n % 2 ? unlimited : 1.5), testing::chainProblem);
   return models;
 }
@@ -174,14 +177,21 @@ TEST_P(SolverContract, JointsOffTheGoalsPathsStay) {
     const Skeleton& skeleton = *owned.skeleton;
     if (owned.problem.goals.empty()) return;
     for (int i = 0; i < skeleton.jointCount(); ++i) {
+      const auto sourceOf = [&](int j) {
+        const auto& coupling = skeleton.joint(j).coupling;
+        return coupling ? coupling->source : j;
+      };
       bool below = false;
       for (const Goal& goal : owned.problem.goals) {
         below = below || goal.kind == GoalKind::Posture;
-        for (int j = goal.joint; j >= 0; j = skeleton.parent(j)) below = below || j == i;
+        for (int j = goal.joint; j >= 0; j = skeleton.parent(j)) below = below || sourceOf(j) == sourceOf(i);
       }
       const VectorXd& start = owned.problem.start;
       const Joint& joint = skeleton.joint(i);
-      if (below || limitViolation(skeleton, start, i) > 0.0) continue;
+      if (below || limitViolation(skeleton, start, sourceOf(i)) > 0.0) continue;
+      VectorXd coupled = start;
+      skeleton.couple(coupled);
+      if (coupled[skeleton.qIndex(i)] != start[skeleton.qIndex(i)]) continue;  // it cannot stay so
       if (joint.ball && std::abs(ballRotation(skeleton, start, i).norm() - 1.0) > 1e-12) continue;
       const int n = static_cast<int>(joint.axes.size()) + (joint.ball ? 4 : 0);
       EXPECT_EQ(report.q.segment(skeleton.qIndex(i), n), start.segment(skeleton.qIndex(i), n)) << joint.name;

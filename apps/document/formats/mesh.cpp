@@ -9,7 +9,7 @@
 #include "kinematics/io/text_file.h"
 #include "kinematics/motion/skeleton_transfer.h"
 #include "kinematics/skeleton_transform.h"
-#include "skinning/blend/linear_blend.h"
+#include "skinning/blend/skin_choice.h"
 #include "skinning/io/nurbs.h"
 #include "skinning/io/obj.h"
 #include "skinning/io/pinocchio_weights.h"
@@ -162,10 +162,12 @@ void writeObjFile(const std::string& path, Imported& imported, const ExportOptio
   const Model& model = imported.model;
   if (!model.skin) throw std::invalid_argument("'" + model.name + "' has no body to write as OBJ");
   Mesh mesh = model.skin->mesh;
-  if (model.clip || options.frame > 0 || !restsAsBound(model))
-    mesh.positions =
-        linearBlendSkin(*model.skin, forwardKinematics(model.skeleton, poseOf(imported, options.frame)))
-            .positions;
+  if (model.clip || options.frame > 0 || !restsAsBound(model)) {
+    const Eigen::VectorXd q = poseOf(imported, options.frame);
+    mesh.positions = blendSkin(prepareSkin(*model.skin, model.skinning, model.skeleton, bindFrames(model)),
+                               forwardKinematics(model.skeleton, q), &q)
+                         .positions;
+  }
   for (auto& p : mesh.positions) p /= options.metresPerUnit.value_or(1.0);
   writeObj(path, mesh);
 }

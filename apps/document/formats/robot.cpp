@@ -13,7 +13,6 @@ void readUrdf(const std::string& path, const Companions&, const ImportOptions&, 
   model.skeleton = std::move(urdf.skeleton);
   model.skin = std::move(urdf.skin);
   if (urdf.masses) model.masses = std::make_shared<const Masses>(*std::move(urdf.masses));
-  model.mimics = std::move(urdf.mimics);
   model.notes = std::move(urdf.notes);
   model.up = Eigen::Vector3d::UnitZ();
 }

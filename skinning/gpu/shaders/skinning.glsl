@@ -18,7 +18,7 @@ vec4 poseRow(int index) { return poseRows[index]; }
 // The weights of the bones outside the limb then sum to 1 - W.
 layout(location = 5) in vec4 limbParameters;  // u, v, w and W
 layout(location = 6) in vec3 limbNormal;      // m = J_rest^T n_rest
-layout(location = 7) in uvec2 limbRows;       // of the first of its four planes, and of its link's matrix
+layout(location = 7) in uvec3 limbRows;       // of the first of its four planes, of its link's matrix; joint of its end frame E
 layout(std140) uniform Layers { vec4 layerRows[1024]; };
 #ifdef SCULPTED
 // Where its fixed (u, v, w) meet the freely displaced control points, in the link's own frame: displacement and d/du, d/dv, d/dw.
@@ -67,6 +67,26 @@ void deformLimb(out vec3 x, out vec3 n) {
 }
 #endif
 
+#ifdef PREPARED
+#include "skin_bones.glsl"
+#include "skin_methods.glsl"
+
+// Posed position and unit normal by the method whose part defines blendSkin(); layers in displacement form,
+// x' = S(x) + W (F(x) - E x), where S knows the limb as its end frame E alone.
+void skinVertex(out vec3 position, out vec3 normal) {
+  blendSkin(position, normal);
+  normal = normalize(normal);
+#ifdef LAYERS
+  float W = limbParameters.w;
+  if (W > 0.0) {
+    vec3 limbPosition, limbUnitNormal;
+    deformLimb(limbPosition, limbUnitNormal);
+    position += W * (limbPosition - moved(motionOf(int(limbRows.z)), restPosition));
+    normal = normalize(mix(normal, limbUnitNormal, W));
+  }
+#endif
+}
+#else
 // Posed position, and unit normal by the cofactors of the blended matrix: they equal det(M) M^-T, which keeps a normal
 // perpendicular to its surface where the blend of rotations is no rotation any more.
 void skinVertex(out vec3 position, out vec3 normal) {
@@ -93,3 +113,4 @@ void skinVertex(out vec3 position, out vec3 normal) {
 #endif
   normal = normalize(normal);
 }
+#endif

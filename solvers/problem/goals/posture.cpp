@@ -2,7 +2,8 @@
 #include "kinematics/rotation.h"
 #include "solvers/problem/goal_type.h"
 
-// A preference: r = difference(q, posture), nv rows, radians and metres. The drag solver leaves it out; its
+// A preference: r = difference(q, posture), nv rows, radians and metres, then those of joints that follow
+// others. The drag solver leaves it out; its
 // own posture term always pulls towards the skeleton's rest pose.
 namespace gelenk {
 namespace {
@@ -14,9 +15,12 @@ using Eigen::VectorXd;
 constexpr GoalField fields[] = {
     {"posture", "the configuration to stay near", GoalField::Meaning::Posture, &Goal::posture}};
 
-int rows(const Skeleton& skeleton) { return skeleton.nv(); }
+int rows(const Skeleton& skeleton) { return skeleton.nv() + static_cast<int>(skeleton.followers().size()); }
 void residual(const Goal& goal, const GoalPlace& at, Eigen::Ref<VectorXd> r) {
-  r = difference(at.skeleton, at.q, goal.posture);
+  r.head(at.skeleton.nv()) = difference(at.skeleton, at.q, goal.posture);
+  int k = at.skeleton.nv();
+  for (const int i : at.skeleton.followers())
+    r[k++] = goal.posture[at.skeleton.qIndex(i)] - at.q[at.skeleton.qIndex(i)];
 }
 void jacobian(const Goal&, const GoalMotion&, Eigen::Ref<MatrixXd> J) { J.setIdentity(); }
 void hessian(const Goal&, const GoalBend& at, MatrixXd& H) {

@@ -158,6 +158,7 @@ TEST_F(RealFiles, InfoFkAndSolveTakeEverythingThatTheSandboxOpens) {
                                   {{assets + "tutorial_figure.figure"}, "joint5"},
                                   {{assets + "tutorial_stride.pose"}, "joint5"},
                                   {{inputs + "two_arms.urdf"}, "ltip"},
+                                  {{inputs + "mimic_pair.urdf"}, ""},
                                   {{inputs + "five_dof.dh"}, ""}};
   for (const Openable& one : all) {
     SCOPED_TRACE(one.words[0]);
@@ -188,6 +189,9 @@ TEST_F(RealFiles, ABodyThatStandsAlongZIsShownStandingAndTold) {
   EXPECT_TRUE(note->fact);
   EXPECT_EQ(standing.model.up, Eigen::Vector3d::UnitY());
   EXPECT_FALSE(noteOf(standing.model.notes, "up-axis"));
+  EXPECT_EQ(importFiles(inputs + "standing_z.bvh", {.up = "y"}).model.up, Eigen::Vector3d::UnitY());
+  EXPECT_THAT(refusal([&] { importFiles(inputs + "two_arms.urdf", {.up = "y"}); }),
+              HasSubstr("says which axis"));
   EXPECT_EQ(importFiles(inputs + "standing_z.bvh", {}, {.zUp = true}).model.up, Eigen::Vector3d::UnitY());
 }
 

@@ -100,7 +100,11 @@ Document armDocument(const Model& model) {
   document.view.selectedJoint = "hand_l";
   document.theme = Theme::Dark;
   document.playback = {.speed = -0.1 / 3, .loop = false, .goalsOnTop = true, .contacts = false};
-  document.lab = {.compare = true, .sideBySide = true, .solvers = {"dls", "qp"}};
+  document.skin = parseSkinChoice("dqs+twist+smooth=12.5");
+  document.lab = {.compare = true,
+                  .sideBySide = true,
+                  .skins = {SkinChoice{}, parseSkinChoice("cor")},
+                  .solvers = {"dls", "qp"}};
   document.lecture = {.topic = "newton-1d", .state = "0.1 \"2\"\n"};
   return document;
 }
@@ -117,6 +121,8 @@ TEST(SceneFile, EveryPartReadsBackExactlyAsItWasWritten) {
 
   const Edits &a = document.edits, &b = back.edits;
   EXPECT_EQ(back.model, document.model);
+  EXPECT_EQ(back.skin, document.skin);
+  EXPECT_EQ(back.lab.skins, document.lab.skins);
   EXPECT_EQ(b.q, a.q);
   ASSERT_EQ(b.goals.size(), 2u);
   EXPECT_EQ(b.goals[0].id, GoalId{4});

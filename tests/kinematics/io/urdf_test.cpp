@@ -52,21 +52,47 @@ const std::string gripper =
     "upper=\"9\"/><mimic joint=\"first\" multiplier=\"-2\" offset=\"0.1\"/></joint>\n"
     "</robot>\n";
 
-TEST(Urdf, MimicsAreToldAndFollowInTheRestPose) {
+TEST(Urdf, MimicsFollowTheLastJointOfTheirChain) {
   const UrdfRobot robot = parseUrdf(gripper, "g.urdf");
-  ASSERT_EQ(robot.mimics.size(), 2u);
   ASSERT_EQ(robot.notes.size(), 1u);
-  EXPECT_EQ(robot.notes[0].count, 2);
+  EXPECT_EQ(robot.notes[0].kind, "mimic");
+  EXPECT_TRUE(robot.notes[0].fact);
+  const Skeleton& skeleton = robot.skeleton;
+  EXPECT_EQ(skeleton.nq(), 3);
+  EXPECT_EQ(skeleton.nv(), 1);
   const auto value = [&](const Eigen::VectorXd& q, const char* name) {
-    return q[robot.skeleton.qIndex(robot.skeleton.jointIndex(name))];
+    return q[skeleton.qIndex(skeleton.jointIndex(name))];
   };
-  EXPECT_EQ(value(robot.skeleton.rest(), "first"), 0.25);
-  EXPECT_EQ(value(robot.skeleton.rest(), "second"), -2 * 0.25 + 0.1);
-  EXPECT_EQ(value(robot.skeleton.rest(), "third"), 0.5 * (-2 * 0.25 + 0.1));
-  Eigen::VectorXd q = robot.skeleton.rest();
-  q[robot.skeleton.qIndex(robot.skeleton.jointIndex("first"))] = 1.0;
-  applyMimics(robot.skeleton, robot.mimics, q);
-  EXPECT_EQ(value(q, "third"), 0.5 * (-2 + 0.1));
+  EXPECT_EQ(value(skeleton.rest(), "first"), 0.25);
+  EXPECT_EQ(value(skeleton.rest(), "second"), -2 * 0.25 + 0.1);
+  EXPECT_NEAR(value(skeleton.rest(), "third"), 0.5 * (-2 * 0.25 + 0.1), 1e-15);
+  Eigen::VectorXd q = skeleton.rest();
+  q[skeleton.qIndex(skeleton.jointIndex("first"))] = 1.0;
+  EXPECT_NEAR(value(projectToLimits(skeleton, q), "third"), 0.5 * (-2 + 0.1), 1e-15);
+}
+
+/// second = -2 first + 0.1 within [-1, 9] leaves first [0.25, 0.55] of its [0.25, 1].
+TEST(Urdf, LimitsOfAMimicHoldForWhatItFollows) {
+  std::string text = gripper;
+  const std::string second = "link=\"b\"/><limit lower=\"-9\"";
+  text.replace(text.find(second), second.size(), "link=\"b\"/><limit lower=\"-1\"");
+  const Skeleton skeleton = parseUrdf(text, "g.urdf").skeleton;
+  const AxisDof& first = skeleton.joint(skeleton.jointIndex("first")).axes[0];
+  EXPECT_NEAR(first.lower, 0.25, 1e-15);
+  EXPECT_NEAR(first.upper, 0.55, 1e-15);
+}
+
+/// Limits copied from the finger that turns the other way: other programs close the hand all the same.
+TEST(Urdf, LimitsOfAMimicThatLeaveNoWayArePassedOverAndTold) {
+  std::string text = gripper;
+  const std::string second = "link=\"b\"/><limit lower=\"-9\" upper=\"9\"";
+  text.replace(text.find(second), second.size(), "link=\"b\"/><limit lower=\"0.25\" upper=\"1\"");
+  const UrdfRobot robot = parseUrdf(text, "g.urdf");
+  ASSERT_EQ(robot.notes.size(), 2u);
+  EXPECT_EQ(robot.notes[0].kind, "mimic-limits");
+  const AxisDof& first = robot.skeleton.joint(robot.skeleton.jointIndex("first")).axes[0];
+  EXPECT_EQ(first.lower, 0.25);
+  EXPECT_EQ(first.upper, 1.0);
 }
 
 TEST(Urdf, BadInputIsRefusedWithItsLine) {
@@ -152,7 +178,7 @@ TEST(Urdf, InertialsBecomeTheMassesOfTheJointsThatCarryTheirLinks) {
 TEST(Urdf, EveryRobotOfTheTrialDataIsRead) {
   const std::string folder = testing::dataFolder() + "/robots/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no trial data at " << folder;
-  EXPECT_EQ(readUrdf(folder + "panda/urdf/panda.urdf").skeleton.nv(), 9);
+  EXPECT_EQ(readUrdf(folder + "panda/urdf/panda.urdf").skeleton.nv(), 8);
   EXPECT_EQ(readUrdf(folder + "ur5/urdf/ur5_robot.urdf").skeleton.nv(), 6);
   EXPECT_EQ(readUrdf(folder + "kuka_iiwa/model.urdf").skeleton.nv(), 7);
   EXPECT_GT(readUrdf(folder + "kuka_iiwa/model.urdf").masses.value().total(), 10.0);

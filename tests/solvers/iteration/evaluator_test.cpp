@@ -15,7 +15,7 @@ TEST(Evaluator, JacobianMatchesCentralDifferencesForEveryGoalKind) {
   std::mt19937_64 random(1);
   constexpr double h = 1e-6;
   for (int i = 0; i < 60; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 10);
+    const Skeleton skeleton = testing::randomTree(random, 10, i);
     const VectorXd q = randomWithinLimits(skeleton, random);
     int elbow = -1;
     for (int k = 1; k < skeleton.jointCount(); ++k)
@@ -58,7 +58,7 @@ TEST(Evaluator, HessianMatchesSecondDifferencesOfTheCostForEveryJointKind) {
   std::mt19937_64 random(21);
   constexpr double h = 1e-4;
   for (int i = 0; i < 30; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 6);
+    const Skeleton skeleton = testing::randomTree(random, 6, i);
     const VectorXd q = randomWithinLimits(skeleton, random);
     const int tip = skeleton.jointCount() - 1;
     IkProblem problem{.skeleton = &skeleton, .start = q};
@@ -95,7 +95,7 @@ TEST(Evaluator, HessianMatchesSecondDifferencesOfTheCostForEveryJointKind) {
 TEST(Evaluator, JacobianDerivativeGivesTheGoalsMotionToSecondOrder) {
   std::mt19937_64 random(22);
   for (int i = 0; i < 30; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 7);
+    const Skeleton skeleton = testing::randomTree(random, 7, i);
     const VectorXd q = randomWithinLimits(skeleton, random);
     const int tip = skeleton.jointCount() - 1;
     const Frames before = forwardKinematics(skeleton, q);

@@ -29,7 +29,9 @@ struct Problem {
   DragDescent descent;
   DragDescent::Settings settings{.lambda = 0.3, .kappa = 0.2};
 
-  Problem(std::mt19937_64& random, int joints) : Problem(random, testing::randomSkeleton(random, joints)) {}
+  /// Every second one with joints that follow others.
+  Problem(std::mt19937_64& random, int joints, int number = 0)
+      : Problem(random, testing::randomTree(random, joints, number)) {}
 
  private:
   /// A pose at most 1.3 rad in any ball from q: the squared angle of the posture term has a kink at a half
@@ -73,7 +75,7 @@ struct Problem {
 TEST(DragDerivatives, PlacedPointsAgreeWithForwardKinematics) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 50; ++i) {
-    const Skeleton skeleton = testing::randomSkeleton(random, 12);
+    const Skeleton skeleton = testing::randomTree(random, 12, i);
     GoalTree tree(skeleton, 0.4);
     const std::vector<int> joints{11, 7, 3};
     tree.build(joints, {1, 2, 3});
@@ -96,7 +98,7 @@ TEST(DragDerivatives, GradientMatchesCentralDifferencesOnEveryKindOfJoint) {
   std::mt19937_64 random(2);
   constexpr double h = 1e-5;
   for (int i = 0; i < 60; ++i) {
-    Problem problem(random, 10);
+    Problem problem(random, 10, i);
     const int n = problem.descent.tree().dofCount();
     VectorXd g(n);
     TreeMatrix H;
@@ -115,13 +117,21 @@ TEST(DragDerivatives, HessianMatchesDifferencesOfTheGradientOnEveryKindOfJoint) 
   std::mt19937_64 random(3);
   constexpr double h = 1e-3;  // second differences of the objective: rounding 1e-16 / h^2 and truncation h^2
   for (int i = 0; i < 40; ++i) {
-    Problem problem(random, 10);
+    Problem problem(random, 10, i);
     const int n = problem.descent.tree().dofCount();
     VectorXd g(n);
     TreeMatrix H;
     H.setStructure(problem.descent.tree().dofParents());
     problem.descent.derivatives(problem.settings, 1.0, g.data(), H);
-    const MatrixXd full = dense(H);
+    MatrixXd full = dense(H);
+    for (const TreeCoupling& c : problem.descent.tree().couplings()) {  // what follows moves with its source
+      const int follower = problem.descent.tree().node(c.follower).dof,
+                source = problem.descent.tree().node(c.source).dof;
+      full.row(source) += c.multiplier * full.row(follower);
+      full.col(source) += c.multiplier * full.col(follower);
+      full.row(follower).setZero();
+      full.col(follower).setZero();
+    }
     const double scale = std::max(1.0, full.norm());
     for (int a = 0; a < n; ++a)
       for (int b = 0; b <= a; ++b) {

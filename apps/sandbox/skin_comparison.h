@@ -1,0 +1,11 @@
+#pragma once
+
+namespace gelenk {
+
+class Sandbox;
+
+/// Up to three other skinning methods beside the body, in the pose it is in: which they are, and what is
+/// measured of them while it moves. A part of the Skin tab.
+void drawSkinComparison(Sandbox& sandbox);
+
+}  // namespace gelenk
