@@ -83,6 +83,9 @@ def test_a_picture_is_that_of_the_program(panda, program, tmp_path):
     picture = gelenk.render(panda, q, size=(320, 200))
     assert picture.shape == (200, 320, 3) and picture.dtype == np.uint8 and picture.std() > 5
     assert not np.array_equal(picture, gelenk.render(panda, panda.rest, size=(320, 200)))
+    with_handles = gelenk.render(panda, q, size=(320, 200), handles=True)
+    assert (with_handles != picture).any(-1).sum() < 2000  # one mark
+    assert (with_handles != picture).any()
     dark = gelenk.render(panda, q, size=(320, 200), theme="dark")
     assert dark.mean() < picture.mean()
     with pytest.raises(ValueError, match="made in this script"):

@@ -377,5 +377,5 @@ def show(model: Model, q: ArrayLike | None = None, *, solver: str = "drag", them
          size: tuple[int, int] = (1280, 800), keep: bool = False, offscreen: bool = False) -> View: ...
 def render(model: Model, q: ArrayLike | None = None, *, size: tuple[int, int] = (1280, 800), scale: float = 1.0,
            theme: str = "light", view: str | None = None, azimuth: float | None = None, elevation: float | None = None,
-           zoom: float = 1.0, bones: bool = False, wireframe: bool = False, ground: bool = True,
+           zoom: float = 1.0, bones: bool = False, wireframe: bool = False, handles: bool = False, ground: bool = True,
            shadow: bool = True) -> NDArray[np.uint8]: ...

@@ -23,7 +23,7 @@ def program():
     raise FileNotFoundError("the program gelenk is not there: build it with graphics, or name it in GELENK_PROGRAM")
 
 
-def _write_scene(model, q, folder):
+def _write_scene(model, q, folder, handles=True):
     """The file that the program opens to have this model in this pose."""
     if not isinstance(model, _gelenk.Model):
         raise TypeError(f"expected a Model, found {type(model).__name__}")
@@ -39,6 +39,8 @@ def _write_scene(model, q, folder):
         q = np.asarray(q, dtype=float)
         model.fk(q)  # says what is wrong with it
         tree["q"] = q.tolist()
+    if not handles and "show" in tree.get("view", {}):
+        tree["view"]["show"]["handles"] = False
     path = Path(folder) / "scene.json"
     path.write_text(json.dumps(tree))
     return path
@@ -251,13 +253,13 @@ def show(model, q=None, *, solver="drag", theme="light", size=(1280, 800), keep=
 
 
 def render(model, q=None, *, size=(1280, 800), scale=1.0, theme="light", view=None, azimuth=None, elevation=None, zoom=1.0,
-           bones=False, wireframe=False, ground=True, shadow=True):
+           bones=False, wireframe=False, handles=False, ground=True, shadow=True):
     """A picture of a model: (height, width, 3) uint8.
 
-    view: 'front', 'side', 'top', 'three-quarter'; azimuth, elevation: degrees. bones: drawn through the skin.
+    view: 'front', 'side', 'top', 'three-quarter'; azimuth, elevation: degrees. bones: drawn through the skin; handles: where it is dragged.
     """
     with tempfile.TemporaryDirectory() as folder:
-        scene, picture = _write_scene(model, q, folder), Path(folder) / "picture.ppm"
+        scene, picture = _write_scene(model, q, folder, handles), Path(folder) / "picture.ppm"
         words = [program(), "render", str(scene), "-o", str(picture), "--size", f"{size[0]}x{size[1]}", "--scale", str(scale),
                  "--theme", theme, "--zoom", str(zoom)]
         if view is None and azimuth is None and elevation is None and not model._scene.endswith(".json"):
