@@ -185,10 +185,12 @@ bool Sandbox::saveSceneTo(const std::string& name) {
 
 namespace {
 
-/// Does it, or asks first where something would be lost.
+/// Does it, or asks first where something would be lost. An example of the lecture can be opened again as the
+/// slide has it; it is asked about where it was saved as a scene of one's own.
 void whenSaved(Sandbox& sandbox, std::function<void(Sandbox&)> what) {
   Sandbox::State& s = sandbox.state();
-  if (!s.options.asks || s.session->editCount() == s.savedEdits) return what(sandbox);
+  const bool ofTheLecture = s.scenePath.empty() && !sandbox.document().lecture.topic.empty();
+  if (!s.options.asks || ofTheLecture || s.session->editCount() == s.savedEdits) return what(sandbox);
   s.next = std::move(what);
   s.dialog = Sandbox::State::Dialog::Unsaved;
 }

@@ -426,7 +426,7 @@ void askUnsaved(Sandbox& sandbox) {
     if (sandbox.saveSceneTo(s.scenePath)) goOn();
   }
   ImGui::SameLine();
-  if (ImGui::Button("Do not save", {120 * s.scale, 0})) goOn();
+  if (ImGui::Button("Do not save (D)", {140 * s.scale, 0}) || ImGui::IsKeyPressed(GLFW_KEY_D)) goOn();
   ImGui::SameLine();
   if (ImGui::Button("Cancel", {96 * s.scale, 0}) || ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) {
     s.dialog = Dialog::None;
