@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks the format of the sources, builds Gelenk and runs every test: the release build, the core without graphics, and all of
-# it, the window and its monkey included, under ASan and UBSan; the Python module.
+# it, the window and its monkey and the Python module included, under ASan and UBSan; the Python module.
 #   ./test.sh            all of it
 #   ./test.sh release    one part: format, release, core, sanitize or python
 #   ./test.sh web        the core in WebAssembly (docs/web.md); not part of "all of it", since its compiler takes 0.8 GB
@@ -34,7 +34,9 @@ for part in "${parts[@]}"; do
     tests/web/figures_test.py build-web/apps/web/figures.js build/gelenk
     continue
   fi
-  cmake --preset "$part" >/dev/null
+  options=()
+  [ "$part" != sanitize ] || options=(-DGELENK_PYTHON=ON -DPython3_EXECUTABLE=/usr/bin/python3)  # wrong calls from Python too
+  cmake --preset "$part" "${options[@]}" >/dev/null
   cmake --build --preset "$part"
   ctest --preset "$part" -j "$(nproc)"
 done

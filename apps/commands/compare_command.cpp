@@ -10,6 +10,7 @@
 #include "apps/commands/reproductions.h"
 #include "apps/commands/solver_colour.h"
 #include "apps/document/model.h"
+#include "apps/document/notes.h"
 #include "kinematics/io/text_file.h"
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
@@ -175,6 +176,7 @@ void compare(Request& request, const std::string& commandLine) {
   if (request.out.empty()) throw std::invalid_argument("--out DIR is needed: the folder for the results");
 
   const Model model = openModel(request.model);
+  sayNotes(request.model, model.notes);
   report(runComparison(plan, labModelOf(request, model), request.out, Progress()), request.out, commandLine);
 }
 

@@ -123,7 +123,10 @@ void run(const Request& request, const Companions& files) {
 void addFkCommand(Command& app) {
   auto request = std::make_shared<Request>();
   Command command = app.command("fk", "Forward kinematics: world position and orientation of every joint");
-  command.option("model", request->model, "Name of a built-in model, a file, or a scene (.json)").required();
+  command
+      .option("model", request->model,
+              "Name of a built-in model, lecture:EXAMPLE, a file, or a scene (.json)")
+      .required();
   command.option("--q", request->q,
                  "Configuration: angles in radians, lengths in metres, ball joints as w x y z; default: the "
                  "rest pose, of a "

@@ -10,6 +10,7 @@
 #include "apps/commands/commands.h"
 #include "apps/commands/muscle_report.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "kinematics/io/text_file.h"
 
 namespace gelenk {
@@ -73,6 +74,7 @@ void run(const Options& options) {
                           ? openModel(options.model)
                           : openBody(options.model, options.skeleton,
                                      options.weights.empty() ? std::nullopt : std::optional(options.weights));
+  sayNotes(options.model, model.notes);
   if (!model.skin) throw std::runtime_error("model '" + model.name + "' has no skin to deform");
   if (!restsAsBound(model))
     throw std::runtime_error(

@@ -10,6 +10,7 @@
 #include "apps/commands/commands.h"
 #include "apps/document/model.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/io/bvh.h"
 #include "kinematics/io/parse_error.h"
@@ -149,6 +150,7 @@ void printGreedy(const Model& model, int joint, const SerialChain& chain, const 
 /// True if the whole path can be followed without a jump.
 bool run(const Request& request) {
   const Model model = openModel(request.model);
+  sayNotes(request.model, model.notes);
   const int joint = effectorOf(model, request.joint);
   std::vector<Isometry3d> poses = readPoses(request.path);
   if (request.keys > 0) poses = splineThrough(poses, request.keys);

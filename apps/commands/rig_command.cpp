@@ -7,6 +7,7 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "skinning/io/gltf.h"
 #include "skinning/io/pinocchio_weights.h"
@@ -31,14 +32,15 @@ bool endsWith(std::string text, const std::string& end) {
 }
 
 /// The triangles of one file: OBJ, STL, or all meshes of a glTF where they stand.
-Mesh readBody(const std::string& path) {
+Mesh readBody(const std::string& path, std::vector<Note>& notes) {
   if (endsWith(path, ".stl")) return readStl(path);
   if (endsWith(path, ".glb") || endsWith(path, ".gltf")) {
     GltfModel model = readGltf(path);
     if (!model.skin) throw std::invalid_argument("'" + path + "' holds no mesh");
+    notes = std::move(model.notes);
     return std::move(model.skin->mesh);
   }
-  return readMesh(path);
+  return readMesh(path, &notes);
 }
 
 std::optional<Vector3d> axisOf(const std::string& name) {
@@ -62,7 +64,7 @@ void write(const std::filesystem::path& path, const std::string& text) {
 
 std::vector<double> numbers(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-json jsonOf(const std::string& name, const RiggedBody& body) {
+json jsonOf(const std::string& name, const RiggedBody& body, const std::vector<Note>& notes) {
   const RigReport& report = body.report;
   json stages = json::object();
   double total = 0.0;
@@ -83,10 +85,11 @@ json jsonOf(const std::string& name, const RiggedBody& body) {
           {"seconds", total},
           {"stages", stages},
           {"repairs", report.repairs},
-          {"doubts", report.doubts}};
+          {"doubts", report.doubts},
+          {"notes", asJson(notes)}};
 }
 
-void tell(const std::string& name, const RiggedBody& body, const std::string& skeleton) {
+void tellReport(const std::string& name, const RiggedBody& body, const std::string& skeleton) {
   const RigReport& report = body.report;
   fmt::print("{}: {} skeleton, {} joints; up {}, front {}; pose {}{}; confidence {:.2f}\n", name, skeleton,
              body.skeleton.jointCount(), spoken(report.up), spoken(report.front), report.pose,
@@ -105,14 +108,19 @@ void tell(const std::string& name, const RiggedBody& body, const std::string& sk
 
 /// False where the body has none of the skeleton's limbs.
 bool rig(const std::string& path, const Request& request, json& all) {
-  const Mesh mesh = readBody(path);
+  std::vector<Note> notes;
+  const Mesh mesh = readBody(path, notes);
   RigOptions options{.up = axisOf(request.up), .front = axisOf(request.front)};
   if (request.skeleton == "pinocchio")
     options.skeleton = RigTemplate::Pinocchio;
   else if (request.skeleton == "quadruped")
     options.skeleton = RigTemplate::Quadruped;
-  else if (request.skeleton != "human")
-    options.own = openModelFile(request.skeleton).skeleton;
+  else if (request.skeleton != "human") {
+    Model own = openModelFile(request.skeleton);
+    tell(notes, own.notes);
+    options.own = std::move(own.skeleton);
+  }
+  request.asJson ? demandNoNotes(path, notes) : sayNotes(path, notes);
   RiggedBody body;
   try {
     body = rigBody(mesh, options);
@@ -133,9 +141,9 @@ bool rig(const std::string& path, const Request& request, json& all) {
   writeGltf((folder / (name + ".glb")).string(), plainIds ? namedAsHuman(body.skeleton) : body.skeleton,
             &skin, {});
   if (request.asJson)
-    all.push_back(jsonOf(name, body));
+    all.push_back(jsonOf(name, body, notes));
   else
-    tell(name, body, request.skeleton);
+    tellReport(name, body, request.skeleton);
   return true;
 }
 

@@ -11,6 +11,7 @@
 #include "apps/commands/shaded_picture.h"
 #include "apps/commands/skins_report.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "kinematics/io/text_file.h"
 
 namespace gelenk {
@@ -167,6 +168,7 @@ void run(const Options& options) {
   for (const std::string& text : options.methods.empty() ? standardMethods() : options.methods)
     methods.push_back(parseSkinChoice(text));
   const Model model = importFiles(options.model, options.files).model;
+  sayNotes(options.model, model.notes);
   if (!model.skin) throw std::runtime_error("model '" + model.name + "' has no skin to deform");
   SkinTrials trials;
   if (options.poses == "standard") {
@@ -177,6 +179,7 @@ void run(const Options& options) {
           "' has no arm, leg, neck or spine of a known name; give a motion with --poses");
   } else {
     const Model motion = importFiles(options.poses).model;
+    sayNotes(options.poses, motion.notes);
     if (!motion.clip || motion.skeleton.nq() != model.skeleton.nq())
       throw std::runtime_error("'" + options.poses + "' is no motion of the skeleton of '" + model.name +
                                "'; `gelenk motion --retarget` makes one");

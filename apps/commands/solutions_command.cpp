@@ -9,6 +9,7 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model.h"
+#include "apps/document/notes.h"
 #include "kinematics/forward_kinematics.h"
 #include "solvers/problem/judge.h"
 #include "solvers/serial/serial_pose.h"
@@ -110,6 +111,10 @@ SerialPoseAnswer closestPose(const CompleteSet& set, const TipGoal& goal, const 
 /// True if there is a solution.
 bool run(const Request& request) {
   const Model model = openModel(request.model);
+  if (request.asJson)
+    demandNoNotes(request.model, model.notes);
+  else
+    sayNotes(request.model, model.notes);
   const int joint = effectorOf(model, request.joint);
   Goal goal = targetGoal(request.target, joint);
   CompleteSetTask task{.task = goal.kind == GoalKind::Pose ? TipTask::Pose : TipTask::Position};
@@ -152,6 +157,7 @@ bool run(const Request& request) {
       out["closest"] = {{"q", std::vector<double>(closest->q.begin(), closest->q.end())},
                         {"position_error", closest->positionError},
                         {"orientation_error", closest->orientationError}};
+    out["notes"] = asJson(model.notes);
     fmt::print("{}\n", out.dump(2));
     return !list.empty();
   }

@@ -20,19 +20,14 @@ using Eigen::VectorXd;
 
 double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-struct Targets {
-  GoalKind kind = GoalKind::Position;
-  std::vector<Goal> goals;
-};
-
-Targets readTargets(const std::string& path, int joint) {
+BatchTargets readTargets(const std::string& path) {
   const std::string text = readFile(path);
   CsvReader reader(text);
   std::vector<std::string> fields;
   if (!reader.next(fields)) throw ParseError(path, 1, "a header x,y,z or x,y,z,qw,qx,qy,qz", "an empty file");
   std::string header;
   for (const std::string& field : fields) header += (header.empty() ? "" : ",") + field;
-  Targets targets;
+  BatchTargets targets;
   if (header == "x,y,z,qw,qx,qy,qz")
     targets.kind = GoalKind::Pose;
   else if (header == "qw,qx,qy,qz")
@@ -51,59 +46,69 @@ Targets readTargets(const std::string& path, int joint) {
       if (!value) throw ParseError(path, reader.line(), "a number", "'" + fields[k] + "'");
       numbers[k] = *value;
     }
-    Goal goal{.kind = targets.kind, .joint = joint};
-    if (targets.kind != GoalKind::Orientation) goal.target = {numbers[0], numbers[1], numbers[2]};
-    if (targets.kind != GoalKind::Position) {
-      const double* q = &numbers[columns - 4];
-      goal.orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-      if (!(std::abs(goal.orientation.norm() - 1.0) < 1e-3))
-        throw ParseError(path, reader.line(), "a quaternion of length 1",
-                         "one of " + exactNumber(goal.orientation.norm()));
-      goal.orientation.normalize();
-    }
-    targets.goals.push_back(std::move(goal));
+    if (targets.kind != GoalKind::Orientation)
+      targets.places.emplace_back(numbers[0], numbers[1], numbers[2]);
+    if (targets.kind == GoalKind::Position) continue;
+    const double* q = &numbers[columns - 4];
+    Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
+    if (!(std::abs(turn.norm() - 1.0) < 1e-3))
+      throw ParseError(path, reader.line(), "a quaternion of length 1", "one of " + exactNumber(turn.norm()));
+    turn.normalize();
+    targets.turns.push_back(turn);
   }
   return targets;
 }
 
-/// Poses of a chain side by side; q of each. Empty where the problem is not of that kind.
-std::vector<VectorXd> solveInLanes(const BatchProblem& problem, const std::vector<VectorXd>& starts,
-                                   double& preparation) {
+/// Poses of a chain side by side; answers.q of each. False where the problem is not of that kind.
+bool solveInLanes(const BatchProblem& problem, const Eigen::MatrixXd& starts, BatchAnswers& out,
+                  double& preparation, BatchMemory* memory) {
   const SolverSpec choice = solverSpec(problem.solver);
   const bool serial = choice.name == "default" || choice.entry->name.starts_with("serial-pose");
-  if (!serial || problem.goals.empty() || problem.goals[0].kind != GoalKind::Pose || !choice.values.empty())
-    return {};
+  if (!serial || problem.targets.kind != GoalKind::Pose || !choice.values.empty()) return false;
   const auto begin = Clock::now();
-  SerialChainResult result = extractSerialChain(problem.skeleton, problem.joint);
-  if (!result.whyNot.empty()) return {};
-  SerialPoseSolver solver(std::move(result.chain));
-  const int n = solver.chain().n, count = static_cast<int>(problem.goals.size());
+  const int count = static_cast<int>(problem.targets.count());
   constexpr int worthATable = 2000;  // targets: the table of starts takes some tenths of a second to make
-  if (count >= worthATable) solver.buildSeedTable();
+  std::shared_ptr<const SerialPoseSolver> solver;
+  if (count >= worthATable && memory && memory->joint == problem.joint) solver = memory->lanes;
+  if (!solver) {
+    SerialChainResult result = extractSerialChain(problem.skeleton, problem.joint);
+    if (!result.whyNot.empty()) return false;
+    const auto made = std::make_shared<SerialPoseSolver>(std::move(result.chain));
+    if (count >= worthATable) {
+      made->buildSeedTable();
+      if (memory) *memory = {problem.joint, made};
+    }
+    solver = made;
+  }
   preparation = since(begin);
+  const SerialChain& chain = solver->chain();
+  const int n = chain.n;
   std::vector<Eigen::Isometry3d> poses(count, Eigen::Isometry3d::Identity());
   std::vector<double> begins(static_cast<std::size_t>(count) * n);
   for (int i = 0; i < count; ++i) {
-    const VectorXd& start = starts[starts.size() == 1 ? 0 : i];
-    poses[i].translation() = problem.goals[i].target;
-    poses[i].linear() = problem.goals[i].orientation.toRotationMatrix();
-    for (int k = 0; k < n; ++k) begins[static_cast<std::size_t>(i) * n + k] = start[solver.chain().qIndex[k]];
+    poses[i].translation() = problem.targets.places[i];
+    poses[i].linear() = problem.targets.turns[i].toRotationMatrix();
+    const auto start = starts.col(starts.cols() == 1 ? 0 : i);
+    for (int k = 0; k < n; ++k) begins[static_cast<std::size_t>(i) * n + k] = start[chain.qIndex[k]];
   }
   std::vector<KernelAnswer> answers(count);
-  solver.solveBatch(poses, begins, answers,
-                    {.positionTolerance = problem.tolerance,
-                     .orientationTolerance = problem.tolerance,
-                     .restarts = std::max(problem.budget.restarts, 1),
-                     .seed = problem.budget.seed,
-                     .closestPose = false});
-  std::vector<VectorXd> all;
-  all.reserve(count);
+  solver->solveBatch(poses, begins, answers,
+                     {.positionTolerance = problem.tolerance,
+                      .orientationTolerance = problem.tolerance,
+                      .restarts = std::max(problem.budget.restarts, 1),
+                      .seed = problem.budget.seed,
+                      .closestPose = false});
+  const bool coupled = !problem.skeleton.followers().empty();
+  VectorXd q;
   for (int i = 0; i < count; ++i) {
-    all.push_back(starts[starts.size() == 1 ? 0 : i]);
-    for (int k = 0; k < n; ++k) all[i][solver.chain().qIndex[k]] = answers[i].q[k];
-    problem.skeleton.couple(all[i]);
+    out.q.col(i) = starts.col(starts.cols() == 1 ? 0 : i);
+    for (int k = 0; k < n; ++k) out.q(chain.qIndex[k], i) = answers[i].q[k];
+    if (!coupled) continue;
+    q = out.q.col(i);
+    problem.skeleton.couple(q);
+    out.q.col(i) = q;
   }
-  return all;
+  return true;
 }
 
 }  // namespace
@@ -130,29 +135,37 @@ std::vector<char> coordinateIsAngle(const Skeleton& skeleton) {
   return angle;
 }
 
-std::vector<BatchAnswer> solveGoals(const BatchProblem& batch, double* preparation) {
-  std::vector<VectorXd> starts;
-  for (const VectorXd& start : batch.starts) starts.push_back(projectToLimits(batch.skeleton, start));
-  const std::size_t count = batch.goals.size();
-  if (starts.empty() || (starts.size() != 1 && starts.size() != count))
+BatchAnswers solveTargets(const BatchProblem& batch, double* preparation, BatchMemory* memory) {
+  const BatchTargets& targets = batch.targets;
+  const std::size_t count = targets.count();
+  if (batch.starts.cols() != 1 && batch.starts.cols() != static_cast<Eigen::Index>(count))
     throw std::invalid_argument("a batch wants one start, or one a target");
-  IkProblem problem{.skeleton = &batch.skeleton,
-                    .start = starts[0],
-                    .goals = {},
-                    .positionTolerance = batch.tolerance,
-                    .orientationTolerance = batch.tolerance};
+  Eigen::MatrixXd starts(batch.starts.rows(), batch.starts.cols());
+  for (Eigen::Index i = 0; i < starts.cols(); ++i)
+    starts.col(i) = projectToLimits(batch.skeleton, batch.starts.col(i));
+  BatchAnswers answers{.q = Eigen::MatrixXd(batch.skeleton.nq(), count),
+                       .error = std::vector<GoalError>(count),
+                       .why = std::vector<Stop>(count, Stop::Converged),
+                       .solved = std::vector<char>(count)};
   double seconds = 0.0;
-  std::vector<VectorXd> together = solveInLanes(batch, starts, seconds);
+  const bool together = count > 0 && solveInLanes(batch, starts, answers, seconds, memory);
   const auto solver = makeSolver(batch.solver);
   bool prepared = false;
-  std::vector<BatchAnswer> answers(count);
+  IkProblem problem{.skeleton = &batch.skeleton,
+                    .start = starts.col(0),
+                    .goals = {Goal{.kind = targets.kind, .joint = batch.joint}},
+                    .positionTolerance = batch.tolerance,
+                    .orientationTolerance = batch.tolerance};
+  Goal& goal = problem.goals[0];
+  VectorXd q;
+  Judgement verdict;
   for (std::size_t i = 0; i < count; ++i) {
-    BatchAnswer& answer = answers[i];
-    problem.goals.assign(1, batch.goals[i]);
-    Judgement verdict;
-    if (!together.empty()) {
-      answer.q = std::move(together[i]);
-      verdict = judge(problem, answer.q);
+    if (!targets.places.empty()) goal.target = targets.places[i];
+    if (!targets.turns.empty()) goal.orientation = targets.turns[i];
+    verdict.solved = false;
+    if (together) {
+      q = answers.q.col(i);
+      verdict = judge(problem, q);
     }
     if (!verdict.solved) {  // alone, and then the closest pose
       if (!prepared) {
@@ -161,14 +174,14 @@ std::vector<BatchAnswer> solveGoals(const BatchProblem& batch, double* preparati
         prepared = true;
         seconds += since(now);
       }
-      if (starts.size() > 1) problem.start = starts[i];
-      IkReport report = solver->solve(problem, batch.budget, TraceLevel::Off);
-      answer.q = std::move(report.q);
-      answer.why = report.why;
-      verdict = judge(problem, answer.q);
+      if (starts.cols() > 1) problem.start = starts.col(i);
+      const IkReport report = solver->solve(problem, batch.budget, TraceLevel::Off);
+      answers.why[i] = report.why;
+      answers.q.col(i) = report.q;
+      verdict = judge(problem, report.q);
     }
-    answer.solved = verdict.solved && answer.why != Stop::Unsupported;
-    if (!verdict.goals.empty()) answer.error = verdict.goals[0];
+    answers.solved[i] = verdict.solved && answers.why[i] != Stop::Unsupported;
+    if (!verdict.goals.empty()) answers.error[i] = verdict.goals[0];
   }
   if (preparation) *preparation = seconds;
   return answers;
@@ -177,30 +190,30 @@ std::vector<BatchAnswer> solveGoals(const BatchProblem& batch, double* preparati
 BatchOutcome solveBatch(const BatchRequest& request) {
   const auto begin = Clock::now();
   BatchOutcome outcome;
-  const Targets targets = readTargets(request.targets, request.joint);
-  const std::vector<BatchAnswer> answers = solveGoals({.skeleton = request.skeleton,
-                                                       .joint = request.joint,
-                                                       .starts = {request.start},
-                                                       .goals = targets.goals,
-                                                       .solver = request.solver,
-                                                       .tolerance = request.tolerance,
-                                                       .budget = request.budget},
-                                                      &outcome.preparation);
+  const BatchTargets targets = readTargets(request.targets);
+  const BatchAnswers answers = solveTargets({.skeleton = request.skeleton,
+                                             .joint = request.joint,
+                                             .starts = request.start,
+                                             .targets = targets,
+                                             .solver = request.solver,
+                                             .tolerance = request.tolerance,
+                                             .budget = request.budget},
+                                            &outcome.preparation);
   const std::vector<char> angle = coordinateIsAngle(request.skeleton);
   std::vector<std::string> header{"row", "status", "solved", "position_error", "orientation_error"};
   for (std::string& name : coordinateNames(request.skeleton)) header.push_back(std::move(name));
   std::string text = csvLine(std::span<const std::string>(header));
-  text.reserve(64 + 24 * (header.size() * answers.size()));
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    const BatchAnswer& answer = answers[i];
-    outcome.solved += answer.solved;
-    text += std::to_string(i + 1) + ',' + toString(answer.why) + (answer.solved ? ",1," : ",0,");
-    text += exactNumber(answer.error.position) + ',' + exactNumber(answer.error.orientation);
-    for (Eigen::Index k = 0; k < answer.q.size(); ++k)
-      text += ',' + exactNumber(request.degrees && angle[k] ? answer.q[k] * 180.0 / M_PI : answer.q[k]);
+  text.reserve(64 + 24 * (header.size() * targets.count()));
+  for (std::size_t i = 0; i < targets.count(); ++i) {
+    outcome.solved += answers.solved[i];
+    text += std::to_string(i + 1) + ',' + toString(answers.why[i]) + (answers.solved[i] ? ",1," : ",0,");
+    text += exactNumber(answers.error[i].position) + ',' + exactNumber(answers.error[i].orientation);
+    const auto q = answers.q.col(i);
+    for (Eigen::Index k = 0; k < q.size(); ++k)
+      text += ',' + exactNumber(request.degrees && angle[k] ? q[k] * 180.0 / M_PI : q[k]);
     text += '\n';
   }
-  outcome.targets = static_cast<int>(targets.goals.size());
+  outcome.targets = static_cast<int>(targets.count());
   if (request.answers == "-")
     std::fwrite(text.data(), 1, text.size(), stdout);
   else

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,26 +10,42 @@
 
 namespace gelenk {
 
-/// Goals of one kind on one joint, each a problem of its own.
+class SerialPoseSolver;
+
+/// What many problems ask of one joint: positions, orientations or poses, one a target.
+struct BatchTargets {
+  GoalKind kind = GoalKind::Position;          ///< Position, Orientation or Pose
+  std::vector<Eigen::Vector3d> places = {};    ///< of the joint's origin, metres; empty for Orientation
+  std::vector<Eigen::Quaterniond> turns = {};  ///< unit; empty for Position
+  std::size_t count() const { return kind == GoalKind::Orientation ? turns.size() : places.size(); }
+};
+/// A chain's solver with its table of starts, which takes some tenths of a second to make: a caller that
+/// keeps it has the next batch on that joint without. For one skeleton.
+struct BatchMemory {
+  int joint = -1;
+  std::shared_ptr<const SerialPoseSolver> lanes = {};
+};
 struct BatchProblem {
   const Skeleton& skeleton;
   int joint;
-  std::vector<Eigen::VectorXd> starts;  ///< nq, within limits or moved there: one for all, or one a goal
-  std::vector<Goal> goals;              ///< of one kind
-  std::string solver;                   ///< text of a choice
-  double tolerance = 1e-6;              ///< metres and radians
+  Eigen::MatrixXd starts;  ///< nq x 1 for all, or nq x targets; within limits or moved there
+  const BatchTargets& targets;
+  std::string solver;       ///< text of a choice
+  double tolerance = 1e-6;  ///< metres and radians
   Budget budget;
 };
-struct BatchAnswer {
-  Eigen::VectorXd q;
-  Stop why = Stop::Converged;
-  GoalError error;
-  bool solved = false;
+struct BatchAnswers {
+  Eigen::MatrixXd q;             ///< nq x targets
+  std::vector<GoalError> error;  ///< the judge's
+  std::vector<Stop> why;
+  std::vector<char> solved;
 };
 /// Poses of a chain under the default solver go side by side through the lanes of the processor
 /// (SerialPoseSolver::solveBatch); what stays unsolved, and all else, is solved alone. Every answer is judged
-/// by forward kinematics. preparation: seconds before the first target, where wanted.
-std::vector<BatchAnswer> solveGoals(const BatchProblem& problem, double* preparation = nullptr);
+/// by forward kinematics. preparation: seconds before the first target, where wanted. memory: read, and
+/// filled where the batch is large enough for a table; the answers' bits do not depend on it.
+BatchAnswers solveTargets(const BatchProblem& problem, double* preparation = nullptr,
+                          BatchMemory* memory = nullptr);
 
 /// Many targets of one joint, each solved from the same start.
 struct BatchRequest {
@@ -49,7 +66,7 @@ struct BatchOutcome {
 
 /// Targets: a header x,y,z or x,y,z,qw,qx,qy,qz (or qw,qx,qy,qz) and a row a target, metres and unit
 /// quaternions. Answers: row, status, solved, position_error, orientation_error and a column a coordinate,
-/// named after its joint. Solved by solveGoals. Throws ParseError with the line for a target that is none.
+/// named after its joint. Solved by solveTargets. Throws ParseError with the line for a target that is none.
 BatchOutcome solveBatch(const BatchRequest& request);
 
 /// "shoulder", or "shoulder.qw" and "hip.1" where a joint has several: one a coordinate of q.

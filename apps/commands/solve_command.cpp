@@ -9,6 +9,7 @@
 #include "apps/commands/model_options.h"
 #include "apps/commands/solve_batch.h"
 #include "apps/document/model.h"
+#include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
 #include "apps/document/session.h"
 #include "kinematics/configuration.h"
@@ -164,7 +165,11 @@ bool solve(const Request& request) {
   const Model& model = *opened.model;
   const Skeleton& skeleton = model.skeleton;
   const Eigen::VectorXd& begins = opened.document.edits.q;
-  if (!request.targets.empty()) return batch(request, model, begins, chosen);
+  if (!request.targets.empty()) {
+    sayNotes(request.model, model.notes);
+    return batch(request, model, begins, chosen);
+  }
+  demandNoNotes(request.model, model.notes);
   const std::vector<TypedGoal> typed = goalsAskedFor(request, model);
   std::vector<Goal> goals = goalsOf(typed);
   std::vector<Goal> open = openGoals(request, model);
@@ -227,6 +232,7 @@ bool solve(const Request& request) {
                      {"jacobians", c.jacobians},           {"hessians", c.hessians},
                      {"factorisations", c.factorisations}, {"restarts", c.restarts}};
   out["microseconds"] = report.seconds * 1e6;
+  out["notes"] = asJson(model.notes);
   if (request.trace) out["trace"] = traceOf(report);
   fmt::print("{}\n", out.dump(2));
   return solved;

@@ -9,6 +9,7 @@
 
 #include "apps/document/chain_models.h"
 #include "apps/document/model_files.h"
+#include "apps/lecture/lecture_model.h"
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/notation/robots.h"
 #include "skinning/blend/weight_smoothing.h"
@@ -92,12 +93,14 @@ Model openModel(const std::string& nameOrFile) {
   if (const auto chain = parsePlanarChain(nameOrFile)) return planarModel(*chain);
   if (auto balls = parseBallChain(nameOrFile)) return *std::move(balls);
   if (const auto table = dhTableNamed(nameOrFile)) return dhModel(*table);
+  if (constexpr std::string_view lecture = "lecture:"; nameOrFile.starts_with(lecture))
+    return lectureModel(std::string_view(nameOrFile).substr(lecture.size()));
   if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);
   std::string known;
   for (const std::string& name : builtInModels()) known += (known.empty() ? "" : ", ") + name;
   throw std::invalid_argument(
-      fmt::format("no model is called '{}'; there are: {}, planar:X,Y:L1,L2,..., balls:L1,L2,... files "
-                  "ending in {} and scenes (.json)",
+      fmt::format("no model is called '{}'; there are: {}, planar:X,Y:L1,L2,..., balls:L1,L2,..., "
+                  "lecture:EXAMPLE, files ending in {} and scenes (.json)",
                   nameOrFile, known, knownExtensions()));
 }
 

@@ -249,7 +249,8 @@ std::vector<Note> modelNotes(const Model& model) {
 Imported importFiles(const std::string& nameOrFile, const Companions& companions,
                      const ImportOptions& options) {
   const auto names = builtInModels();
-  if (std::find(names.begin(), names.end(), nameOrFile) != names.end() || nameOrFile.starts_with("dh:"))
+  if (std::find(names.begin(), names.end(), nameOrFile) != names.end() || nameOrFile.starts_with("dh:") ||
+      nameOrFile.starts_with("lecture:"))
     return {.model = openModel(nameOrFile)};
   const auto kind = fileKind(nameOrFile);
   if (!kind && !std::filesystem::exists(nameOrFile))

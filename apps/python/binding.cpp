@@ -44,6 +44,15 @@ std::shared_ptr<const IkSolver> SharedModel::solver(const std::string& text) con
   return solver;
 }
 
+BatchMemory SharedModel::batchMemory() const {
+  const std::lock_guard lock(mutex_);
+  return batch_;
+}
+void SharedModel::keep(BatchMemory memory) const {
+  const std::lock_guard lock(mutex_);
+  batch_ = std::move(memory);
+}
+
 // ---- in
 
 namespace {
@@ -96,8 +105,9 @@ Vector3d point(py::handle value, const char* what) { return vectorOf(value, 3, w
 
 Vector3d direction(py::handle value, const char* what) {
   const Vector3d v = point(value, what);
-  if (!(v.norm() > 1e-9)) throw std::invalid_argument(fmt::format("{}: a direction needs a length", what));
-  return v.normalized();
+  const double length = v.norm();
+  if (!(length > 1e-9)) throw std::invalid_argument(fmt::format("{}: a direction needs a length", what));
+  return std::abs(length - 1.0) < 1e-12 ? v : v.normalized();  // what has length 1 keeps its bits
 }
 
 namespace {

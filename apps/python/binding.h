@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/commands/solve_batch.h"
 #include "apps/document/model.h"
 #include "apps/document/model_reference.h"
 #include "kinematics/forward_kinematics.h"
@@ -40,6 +41,9 @@ class SharedModel {
 
   /// The solver of a choice's text, prepared for this skeleton once. Throws std::invalid_argument.
   std::shared_ptr<const IkSolver> solver(const std::string& text) const;
+  /// What the last large batch left for the next one.
+  BatchMemory batchMemory() const;
+  void keep(BatchMemory memory) const;
 
  private:
   std::shared_ptr<const Model> model_;
@@ -49,6 +53,7 @@ class SharedModel {
   mutable std::mutex mutex_;
   mutable std::map<std::string, std::shared_ptr<const IkSolver>, std::less<>> solvers_;
   mutable int changes_ = 0;  ///< of the catalogue when they were made
+  mutable BatchMemory batch_;
 };
 using ModelPtr = std::shared_ptr<SharedModel>;
 /// The argument `model`; None is none.

@@ -175,14 +175,16 @@ py::array limits(const SharedModel& model) {
   return matrixArray(out);
 }
 
+py::dict ballLimitDict(const BallLimit& limit) {
+  return py::dict("swing_centre"_a = toArray(VectorXd(limit.swingCentre)),
+                  "swing_radii"_a = toArray(VectorXd(limit.swingRadii)),
+                  "twist"_a = py::make_tuple(limit.twistLower, limit.twistUpper));
+}
+
 py::dict ballLimits(const SharedModel& model) {
   py::dict out;
   for (const Joint& joint : model.skeleton().joints())
-    if (joint.ball && joint.ballLimit)
-      out[py::str(joint.name)] =
-          py::dict("swing_centre"_a = toArray(VectorXd(joint.ballLimit->swingCentre)),
-                   "swing_radii"_a = toArray(VectorXd(joint.ballLimit->swingRadii)),
-                   "twist"_a = py::make_tuple(joint.ballLimit->twistLower, joint.ballLimit->twistUpper));
+    if (joint.ball && joint.ballLimit) out[py::str(joint.name)] = ballLimitDict(*joint.ballLimit);
   return out;
 }
 
@@ -194,10 +196,15 @@ py::dict jointDict(const Skeleton& skeleton, int i) {
   for (const AxisDof& dof : joint.axes)
     axes.append(py::dict("kind"_a = dof.kind == AxisDof::Kind::Rotation ? "rotation" : "translation",
                          "axis"_a = toArray(dof.axis), "lower"_a = dof.lower, "upper"_a = dof.upper));
-  return py::dict("name"_a = joint.name,
-                  "parent"_a = joint.parent < 0 ? py::object(py::none())
-                                                : py::object(py::str(skeleton.joint(joint.parent).name)),
-                  "offset"_a = toArray(joint.parentFromZero), "axes"_a = axes, "ball"_a = joint.ball);
+  py::dict out("name"_a = joint.name,
+               "parent"_a = joint.parent < 0 ? py::object(py::none())
+                                             : py::object(py::str(skeleton.joint(joint.parent).name)),
+               "offset"_a = toArray(joint.parentFromZero), "axes"_a = axes, "ball"_a = joint.ball);
+  if (joint.ballLimit) out["ball_limit"] = ballLimitDict(*joint.ballLimit);
+  if (const auto& follows = joint.coupling)
+    out["mimic"] = py::dict("joint"_a = skeleton.joint(follows->source).name,
+                            "multiplier"_a = follows->multiplier, "offset"_a = follows->offset);
+  return out;
 }
 
 void knownKeys(const py::dict& dict, std::initializer_list<std::string_view> known, const char* what) {
@@ -210,8 +217,43 @@ void knownKeys(const py::dict& dict, std::initializer_list<std::string_view> kno
   }
 }
 
+double finite(const py::handle& value, const char* what) {
+  return vectorOf(py::make_tuple(value), 1, what)[0];
+}
+
+/// An end of a range: a number, which may be infinite.
+double bound(const py::handle& value, const char* what) {
+  const Array number = numbers(py::make_tuple(value), what);
+  if (number.ndim() != 1 || std::isnan(number.at(0)))
+    throw std::invalid_argument(fmt::format("{}: expected a number", what));
+  return number.at(0);
+}
+
+py::dict dictOf(const py::handle& value, const char* what, const char* entries) {
+  if (!py::isinstance<py::dict>(value))
+    throw std::invalid_argument(fmt::format("{}: expected a dict of {}", what, entries));
+  return py::reinterpret_borrow<py::dict>(value);
+}
+
+BallLimit ballLimitFrom(const py::handle& value) {
+  const py::dict dict = dictOf(value, "ball_limit", "swing_centre, swing_radii, twist");
+  knownKeys(dict, {"swing_centre", "swing_radii", "twist"}, "a ball_limit");
+  BallLimit limit;
+  if (dict.contains("swing_centre")) limit.swingCentre = pointInPlane(dict["swing_centre"], "swing_centre");
+  if (dict.contains("swing_radii")) limit.swingRadii = pointInPlane(dict["swing_radii"], "swing_radii");
+  if (dict.contains("twist")) {
+    const Array twist = numbers(dict["twist"], "twist");
+    if (twist.ndim() != 1 || twist.shape(0) != 2)
+      throw std::invalid_argument("twist: expected two numbers, lower and upper");
+    limit.twistLower = twist.at(0);
+    limit.twistUpper = twist.at(1);
+  }
+  return limit;
+}
+
+/// What one dict says but for the joint that it follows, whose place is not known yet.
 Joint jointFrom(const py::dict& dict, const std::map<std::string, int>& indices) {
-  knownKeys(dict, {"name", "parent", "offset", "axes", "ball"}, "a joint");
+  knownKeys(dict, {"name", "parent", "offset", "axes", "ball", "ball_limit", "mimic"}, "a joint");
   if (!dict.contains("name")) throw std::invalid_argument("a joint needs a name");
   Joint joint{.name = py::str(dict["name"])};
   if (dict.contains("parent") && !dict["parent"].is_none()) {
@@ -241,12 +283,30 @@ Joint jointFrom(const py::dict& dict, const std::map<std::string, int>& indices)
         throw std::invalid_argument("an axis is a rotation or a translation, not '" + kind + "'");
       dof.kind = kind == "rotation" ? AxisDof::Kind::Rotation : AxisDof::Kind::Translation;
       if (row.contains("axis")) dof.axis = direction(row["axis"], "axis");
-      if (row.contains("lower")) dof.lower = row["lower"].cast<double>();
-      if (row.contains("upper")) dof.upper = row["upper"].cast<double>();
+      if (row.contains("lower")) dof.lower = bound(row["lower"], "lower");
+      if (row.contains("upper")) dof.upper = bound(row["upper"], "upper");
       joint.axes.push_back(dof);
     }
   if (dict.contains("ball")) joint.ball = dict["ball"].cast<bool>();
+  if (dict.contains("ball_limit") && !dict["ball_limit"].is_none()) {
+    if (!joint.ball) throw std::invalid_argument("joint '" + joint.name + "': a ball_limit without a ball");
+    joint.ballLimit = ballLimitFrom(dict["ball_limit"]);
+  }
   return joint;
+}
+
+Coupling couplingFrom(const py::handle& value, const std::string& follower,
+                      const std::map<std::string, int>& indices) {
+  const py::dict dict = dictOf(value, "mimic", "joint, multiplier, offset");
+  knownKeys(dict, {"joint", "multiplier", "offset"}, "a mimic");
+  const std::string source = dict.contains("joint") ? std::string(py::str(dict["joint"])) : "";
+  const auto found = indices.find(source);
+  if (found == indices.end())
+    throw std::invalid_argument("joint '" + follower + "': it mimics '" + source + "', which is no joint");
+  Coupling coupling{.source = found->second};
+  if (dict.contains("multiplier")) coupling.multiplier = finite(dict["multiplier"], "multiplier");
+  if (dict.contains("offset")) coupling.offset = finite(dict["offset"], "offset");
+  return coupling;
 }
 
 ModelPtr fromJoints(const py::list& rows, const std::string& name, const py::object& rest) {
@@ -256,6 +316,11 @@ ModelPtr fromJoints(const py::list& rows, const std::string& name, const py::obj
     if (!py::isinstance<py::dict>(row)) throw std::invalid_argument("joints: expected a list of dicts");
     joints.push_back(jointFrom(py::reinterpret_borrow<py::dict>(row), indices));
     indices[joints.back().name] = static_cast<int>(joints.size()) - 1;
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const py::dict row = py::reinterpret_borrow<py::dict>(rows[i]);
+    if (row.contains("mimic") && !row["mimic"].is_none())
+      joints[i].coupling = couplingFrom(row["mimic"], joints[i].name, indices);
   }
   Model model{.name = name, .skeleton = Skeleton(joints)};
   if (!rest.is_none()) model.skeleton = Skeleton(joints, configuration(model.skeleton, rest, "rest"));
@@ -313,7 +378,8 @@ void addModel(py::module_& m) {
       .def_static(
           "from_joints", &fromJoints, "joints"_a, py::kw_only(), "name"_a = "model", "rest"_a = py::none(),
           "A model from dicts, parents first: name, parent (a name), offset (x, y, z or a 4 x 4 pose in\n"
-          "the parent), axes (dicts of kind 'rotation' or 'translation', axis, lower, upper), ball.")
+          "the parent), axes (dicts of kind 'rotation' or 'translation', axis, lower, upper), ball,\n"
+          "ball_limit (a dict as in ball_limits), mimic (a dict of joint, multiplier, offset).")
       .def_property_readonly("name", [](const SharedModel& m) { return m.model().name; })
       .def_property_readonly(
           "nq", [](const SharedModel& m) { return m.skeleton().nq(); }, "Length of a configuration.")

@@ -173,55 +173,50 @@ void addResult(py::module_& m) {
 
 // ---- many targets at once
 
-std::vector<Goal> targetsOf(int joint, py::handle value) {
-  const Array array = numbers(value, "targets");
+BatchTargets targetsOf(py::handle value, const char* what = "targets") {
+  const Array array = numbers(value, what);
   const bool matrices = array.ndim() == 3 && array.shape(1) == 4 && array.shape(2) == 4;
-  const py::ssize_t width = array.ndim() == 2 ? array.shape(1) : 0;
+  const py::ssize_t width = matrices ? 16 : array.ndim() == 2 ? array.shape(1) : 0;
   if (!matrices && width != 3 && width != 4 && width != 7)
     throw std::invalid_argument(
-        "targets: expected an array of shape (n, 3) (positions), (n, 4) (orientations), (n, 7) or (n, 4, 4) "
-        "(poses)");
-  std::vector<Goal> goals;
-  goals.reserve(array.shape(0));
+        fmt::format("{}: expected an array of shape (n, 3) (positions), (n, 4) (orientations), (n, 7) or "
+                    "(n, 4, 4) (poses)",
+                    what));
+  const std::size_t count = array.shape(0);
+  BatchTargets out{.kind = width == 3   ? GoalKind::Position
+                           : width == 4 ? GoalKind::Orientation
+                                        : GoalKind::Pose};
+  if (width != 4) out.places.resize(count);
+  if (width != 3) out.turns.resize(count);
   const double* row = array.data();
-  for (py::ssize_t i = 0; i < array.shape(0); ++i, row += matrices ? 16 : width) {
-    Goal& goal = goals.emplace_back();
-    goal.joint = joint;
-    for (py::ssize_t k = 0; k < (matrices ? 16 : width); ++k)
-      if (!std::isfinite(row[k]))
-        throw std::invalid_argument(fmt::format("targets must be finite numbers; target {} is not", i));
+  for (std::size_t i = 0; i < count; ++i, row += width) {
+    if (!std::all_of(row, row + width, [](double x) { return std::isfinite(x); }))
+      throw std::invalid_argument(
+          fmt::format("{} must be finite numbers; number {} of them is not", what, i));
     if (matrices) {
       const Eigen::Matrix4d M = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>::Map(row);
       const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
       if (!((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6) ||
           !(R.determinant() > 0.0) || M.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-        throw std::invalid_argument(fmt::format("targets: matrix {} is no pose", i));
-      goal.kind = GoalKind::Pose;
-      goal.target = M.topRightCorner<3, 1>();
-      goal.orientation = Eigen::Quaterniond(R).normalized();
-    } else {
-      if (width != 4) goal.target = Eigen::Vector3d::Map(row);
-      if (width != 3) {
-        const double* q = row + width - 4;
-        goal.orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-        if (!(std::abs(goal.orientation.norm() - 1.0) < 1e-3))
-          throw std::invalid_argument(
-              fmt::format("targets: the quaternion of target {} must have length 1, "
-                          "not {:.6g}",
-                          i, goal.orientation.norm()));
-        goal.orientation.normalize();
-        goal.kind = width == 4 ? GoalKind::Orientation : GoalKind::Pose;
-      }
+        throw std::invalid_argument(fmt::format("{}: matrix {} is no pose", what, i));
+      out.places[i] = M.topRightCorner<3, 1>();
+      out.turns[i] = Eigen::Quaterniond(R).normalized();
+      continue;
     }
+    if (width != 4) out.places[i] = Eigen::Vector3d::Map(row);
+    if (width == 3) continue;
+    const double* q = row + width - 4;
+    const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
+    if (!(std::abs(turn.norm() - 1.0) < 1e-3))
+      throw std::invalid_argument(fmt::format(
+          "{}: the quaternion of number {} must have length 1, not {:.6g}", what, i, turn.norm()));
+    out.turns[i] = turn.normalized();
   }
-  return goals;
+  return out;
 }
 
 struct BatchResult {
-  MatrixXd q;  ///< nq x n
-  VectorXd position, orientation;
-  py::array_t<bool> solved;
-  std::vector<std::string> status;
+  BatchAnswers answers;
   double seconds = 0.0;
 };
 
@@ -231,40 +226,26 @@ BatchResult solveBatchOf(const ModelPtr& model, const py::object& targets, const
                          const std::optional<double>& maxSeconds, const py::kwargs& parameters) {
   demandTolerance(tolerance);
   const Skeleton& skeleton = model->skeleton();
-  const int tip = effector(*model, joint);
+  const BatchTargets wanted = targetsOf(targets);
   BatchProblem problem{.skeleton = skeleton,
-                       .joint = tip,
-                       .starts = {model->pose()},
-                       .goals = targetsOf(tip, targets),
+                       .joint = effector(*model, joint),
+                       .starts = model->pose(),
+                       .targets = wanted,
                        .solver = solverText(solver, parameters),
                        .tolerance = tolerance,
                        .budget = budgetOf(maxIterations, restarts, seed, maxSeconds)};
   if (!start.is_none()) {
-    const Configurations begins = configurations(skeleton, start, "start");
-    problem.starts.clear();
-    for (Eigen::Index i = 0; i < begins.q.cols(); ++i) problem.starts.emplace_back(begins.q.col(i));
-    if (!begins.single && problem.starts.size() != problem.goals.size())
-      throw std::invalid_argument(fmt::format("start: {} configurations for {} targets",
-                                              problem.starts.size(), problem.goals.size()));
-    if (problem.starts.empty()) problem.starts = {model->pose()};
+    Configurations begins = configurations(skeleton, start, "start");
+    if (!begins.single && begins.q.cols() != static_cast<Eigen::Index>(wanted.count()))
+      throw std::invalid_argument(
+          fmt::format("start: {} configurations for {} targets", begins.q.cols(), wanted.count()));
+    if (begins.q.cols() > 0) problem.starts = std::move(begins.q);
   }
-  const std::size_t count = problem.goals.size();
-  BatchResult out{.q = MatrixXd(skeleton.nq(), count),
-                  .position = VectorXd(count),
-                  .orientation = VectorXd(count),
-                  .solved = py::array_t<bool>(static_cast<py::ssize_t>(count)),
-                  .status = std::vector<std::string>(count)};
-  bool* solved = out.solved.mutable_data();
   py::gil_scoped_release alone;
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<BatchAnswer> answers = solveGoals(problem);
-  for (std::size_t i = 0; i < count; ++i) {
-    out.q.col(i) = answers[i].q;
-    out.position[i] = answers[i].error.position;
-    out.orientation[i] = answers[i].error.orientation;
-    out.status[i] = toString(answers[i].why);
-    solved[i] = answers[i].solved;
-  }
+  BatchMemory memory = model->batchMemory();
+  BatchResult out{.answers = solveTargets(problem, nullptr, &memory)};
+  model->keep(std::move(memory));
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
@@ -288,29 +269,54 @@ py::object solveAny(const ModelPtr& model, const py::object& goals, const std::s
                                maxSeconds, parameters));
 }
 
+py::array_t<double> errorsOf(const BatchResult& result, double GoalError::*part) {
+  const auto& errors = result.answers.error;
+  py::array_t<double> out(static_cast<py::ssize_t>(errors.size()));
+  std::transform(errors.begin(), errors.end(), out.mutable_data(),
+                 [&](const GoalError& error) { return error.*part; });
+  return out;
+}
+
 void addBatch(py::module_& m) {
   py::class_<BatchResult>(m, "BatchResult", "Answers of solve_batch, one a target.")
       .def_property_readonly(
           "q",
           [](const py::object& self) {
-            const auto& r = self.cast<const BatchResult&>();
-            const py::ssize_t size = sizeof(double), nq = r.q.rows();
-            return view({r.q.cols(), nq}, {nq * size, size}, r.q.data(), self);
+            const MatrixXd& q = self.cast<const BatchResult&>().answers.q;
+            const py::ssize_t size = sizeof(double), nq = q.rows();
+            return view({q.cols(), nq}, {nq * size, size}, q.data(), self);
           },
           "(n, nq), without a copy.")
       .def_property_readonly(
-          "solved", [](const BatchResult& r) { return r.solved; }, "(n,) bool.")
-      .def_property_readonly("status", [](const BatchResult& r) { return r.status; })
+          "solved",
+          [](const BatchResult& r) {
+            py::array_t<bool> out(static_cast<py::ssize_t>(r.answers.solved.size()));
+            std::copy(r.answers.solved.begin(), r.answers.solved.end(), out.mutable_data());
+            return out;
+          },
+          "(n,) bool.")
       .def_property_readonly(
-          "position_error", [](const BatchResult& r) { return toArray(r.position); }, "(n,) metres.")
+          "status",
+          [](const BatchResult& r) {
+            py::list out;
+            std::map<Stop, py::str> words;
+            for (const Stop why : r.answers.why)
+              out.append(words.try_emplace(why, toString(why)).first->second);
+            return out;
+          },
+          "Why the solver stopped, one a target.")
       .def_property_readonly(
-          "orientation_error", [](const BatchResult& r) { return toArray(r.orientation); }, "(n,) radians.")
+          "position_error", [](const BatchResult& r) { return errorsOf(r, &GoalError::position); },
+          "(n,) metres.")
+      .def_property_readonly(
+          "orientation_error", [](const BatchResult& r) { return errorsOf(r, &GoalError::orientation); },
+          "(n,) radians.")
       .def_property_readonly("seconds", [](const BatchResult& r) { return r.seconds; })
-      .def("__len__", [](const BatchResult& r) { return r.q.cols(); })
+      .def("__len__", [](const BatchResult& r) { return r.answers.solved.size(); })
       .def("__repr__", [](const BatchResult& r) {
-        const bool* first = r.solved.data();
+        const auto& solved = r.answers.solved;
         return fmt::format("<gelenk.BatchResult: {} of {} solved>",
-                           std::count(first, first + r.solved.size(), true), r.q.cols());
+                           std::count(solved.begin(), solved.end(), 1), solved.size());
       });
 }
 
@@ -355,6 +361,7 @@ py::dict solutions(const ModelPtr& model, const py::object& target, const py::ob
   for (std::size_t i = 0; i < list.size(); ++i) {
     VectorXd all = start;
     for (int k = 0; k < n; ++k) all[set->chain().qIndex[k]] = list[i]->q[k];
+    skeleton.couple(all);
     q.col(i) = all;
     error[i] = judge(problem, all).goals[0].position;
     away[i] = distance(list[i]);
@@ -374,11 +381,11 @@ py::dict path(const ModelPtr& model, const py::object& poses, const py::object& 
               const py::object& start, double jump) {
   const Skeleton& skeleton = model->skeleton();
   const int tip = effector(*model, joint);
+  const BatchTargets list = targetsOf(poses, "poses");
+  if (list.kind != GoalKind::Pose) throw std::invalid_argument("poses: expected (n, 7) or (n, 4, 4)");
   std::vector<Eigen::Isometry3d> wanted;
-  for (const Goal& goal : targetsOf(tip, poses)) {
-    if (goal.kind != GoalKind::Pose) throw std::invalid_argument("poses: expected (n, 7) or (n, 4, 4)");
-    wanted.push_back(Eigen::Translation3d(goal.target) * goal.orientation);
-  }
+  for (std::size_t i = 0; i < list.count(); ++i)
+    wanted.push_back(Eigen::Translation3d(list.places[i]) * list.turns[i]);
   if (wanted.empty()) throw std::invalid_argument("poses: at least one");
   if (!(jump > 0.0)) throw std::invalid_argument("jump must be above 0");
   const VectorXd rest = start.is_none() ? skeleton.rest() : configuration(skeleton, start, "start");
@@ -396,6 +403,12 @@ py::dict path(const ModelPtr& model, const py::object& poses, const py::object& 
   for (std::size_t i = 0; i < plan.q.size(); ++i)
     for (std::size_t k = 0; k < where.size(); ++k)
       q(where[k], i) = plan.q[i].size() ? plan.q[i][k] : std::numeric_limits<double>::quiet_NaN();
+  if (!skeleton.followers().empty())
+    for (Eigen::Index i = 0; i < q.cols(); ++i) {
+      VectorXd one = q.col(i);
+      skeleton.couple(one);
+      q.col(i) = one;
+    }
   py::list jumps;
   for (const PathJump& one : plan.jumps) jumps.append(py::make_tuple(one.pose, one.turn, one.reason));
   return py::dict("q"_a = samples(std::move(q)), "jumps"_a = jumps, "length"_a = plan.length,

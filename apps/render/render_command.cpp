@@ -292,6 +292,7 @@ Limb limbOf(const Skeleton& skeleton, const std::string& name) {
 
 void renderMuscleSheet(const Request& request) {
   const Model model = *openDocument({.nameOrFile = request.input, .files = request.files}).model;
+  sayNotes(request.input, model.notes);
   const Limb limb = limbOf(model.skeleton, request.muscleSheet);
   const OffscreenContext context;
   writePng(request.output, drawMuscleSheet(model, limb,

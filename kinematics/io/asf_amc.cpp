@@ -440,7 +440,9 @@ class AmcReader {
     lastFrameOfBone_.assign(asf.bones.size(), -1);
   }
 
-  MotionClip read(double framesPerSecond) {
+  /// Notes of bones that only the skeleton, or only the motion has go to `notes`, where that is not null.
+  MotionClip read(double framesPerSecond, std::vector<Note>* notes) {
+    notes_ = notes;
     while (nextLine()) {
       const std::string_view first = nextWord();
       if (first.empty()) continue;
@@ -453,6 +455,7 @@ class AmcReader {
     }
     if (frames_ == 0) throw ParseError(file_, 0, "at least one frame", "none");
     endFrame();
+    tellOtherBones();
     MotionClip clip{.framesPerSecond = framesPerSecond, .q = {}};
     clip.q = Eigen::Map<const Eigen::MatrixXd>(values_.data(), asf_.skeleton.nq(), frames_);
     return clip;
@@ -517,20 +520,65 @@ class AmcReader {
     frame_ = values_.data() + nq * (frames_ - 1);
   }
 
-  void endFrame() const {
+  /// The first frame says which bones the motion has.
+  void endFrame() {
+    if (frames_ == 1 && lastFrameOfBone_[0] == 1 && bonesInFrame_ < expectedBones_) {
+      if (!strangers_.empty()) failStranger(strangers_.begin()->second, strangers_.begin()->first);
+      absent_.resize(asf_.bones.size());
+      for (std::size_t b = 0; b < absent_.size(); ++b)
+        absent_[b] = !asf_.bones[b].channels.empty() && lastFrameOfBone_[b] != 1;
+      expectedBones_ = bonesInFrame_;
+    }
     if (bonesInFrame_ == expectedBones_) return;
     for (std::size_t b = 0; b < asf_.bones.size(); ++b)
-      if (!asf_.bones[b].channels.empty() && lastFrameOfBone_[b] != frames_)
+      if (!asf_.bones[b].channels.empty() && lastFrameOfBone_[b] != frames_ && !isAbsent(b))
         fail("a line for each bone with degrees of freedom",
              "no '" + asf_.bones[b].name + "' in frame " + std::to_string(frameNumber_));
   }
 
+  bool isAbsent(std::size_t bone) const { return bone < absent_.size() && absent_[bone]; }
+
+  void tellOtherBones() {
+    if (!notes_) return;
+    std::vector<std::string> words;
+    for (std::size_t b = 0; b < absent_.size(); ++b)
+      if (absent_[b]) words.push_back(asf_.bones[b].name);
+    if (!words.empty())
+      tell(*notes_, "bones-missing",
+           "bones that the motion does not have stay in their zero pose: " + listed(words),
+           static_cast<int>(words.size()));
+    words.clear();
+    for (const auto& [name, line] : strangers_) words.push_back(name);
+    if (!words.empty())
+      tell(*notes_, "bones-unknown",
+           "bones that the skeleton does not have are passed over: " + listed(words),
+           static_cast<int>(words.size()));
+  }
+
+  [[noreturn]] void failStranger(int line, const std::string& name) const {
+    throw ParseError(file_, line, "the name of a bone of the skeleton or a frame number", "'" + name + "'");
+  }
+
+  /// A bone that the skeleton does not have: passed over where the first frame has it, which needs all of the
+  /// skeleton's too, or the motion is another skeleton's.
+  void strangerLine(std::string_view name) {
+    const std::string word(name);
+    if (frames_ == 1)
+      strangers_.try_emplace(word, line_);
+    else if (!strangers_.contains(word))
+      failStranger(line_, word);
+    std::string_view value = nextWord();
+    if (value.empty()) failStranger(line_, word);
+    for (; !value.empty(); value = nextWord())
+      if (!parseNumber(value)) fail("a finite number", badNumber(value));
+  }
+
   /// Bones mostly come in the same order in every frame: the guess is the bone that followed last time.
+  /// -1: the skeleton has no such bone.
   int boneIndex(std::string_view name) {
     if (guess_ < sequence_.size() && asf_.bones[sequence_[guess_]].name == name) return sequence_[guess_++];
     const auto found = boneByName_.find(lowerCase(name));
-    if (found == boneByName_.end())
-      fail("the name of a bone of the skeleton or a frame number", "'" + std::string(name) + "'");
+    if (found == boneByName_.end()) return -1;
     if (frames_ == 1) sequence_.push_back(found->second), guess_ = sequence_.size();
     for (std::size_t k = 0; k < sequence_.size(); ++k)
       if (sequence_[k] == found->second) guess_ = k + 1;
@@ -543,7 +591,11 @@ class AmcReader {
     lineRest_ = wholeLine_;
     nextWord();
     const int index = boneIndex(name);
+    if (index < 0) return strangerLine(name);
     const AsfSkeleton::Bone& bone = asf_.bones[index];
+    if (isAbsent(index))
+      fail("the bones that the first frame has",
+           "'" + bone.name + "' in frame " + std::to_string(frameNumber_));
     if (lastFrameOfBone_[index] == frames_) fail("each bone once in a frame", "'" + bone.name + "' again");
     lastFrameOfBone_[index] = frames_;
     bonesInFrame_ += !bone.channels.empty();
@@ -569,6 +621,9 @@ class AmcReader {
   const AsfSkeleton& asf_;
   std::map<std::string, int> boneByName_;
   std::vector<int> lastFrameOfBone_, sequence_;
+  std::vector<char> absent_;              ///< bones that the first frame lacks
+  std::map<std::string, int> strangers_;  ///< names that the skeleton lacks, and their first lines
+  std::vector<Note>* notes_ = nullptr;
   std::size_t guess_ = 0;
   std::optional<double> radiansPerUnit_;
   std::vector<double> values_;
@@ -579,12 +634,13 @@ class AmcReader {
 }  // namespace
 
 MotionClip parseAmc(std::string_view text, const std::string& file, const AsfSkeleton& asf,
-                    double framesPerSecond) {
-  return AmcReader(text, file, asf).read(framesPerSecond);
+                    double framesPerSecond, std::vector<Note>* notes) {
+  return AmcReader(text, file, asf).read(framesPerSecond, notes);
 }
 
-MotionClip readAmc(const std::string& path, const AsfSkeleton& asf, double framesPerSecond) {
-  return parseAmc(readFile(path), path, asf, framesPerSecond);
+MotionClip readAmc(const std::string& path, const AsfSkeleton& asf, double framesPerSecond,
+                   std::vector<Note>* notes) {
+  return parseAmc(readFile(path), path, asf, framesPerSecond, notes);
 }
 
 }  // namespace gelenk

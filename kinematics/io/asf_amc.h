@@ -56,12 +56,16 @@ AsfSkeleton parseAsf(std::string_view text, const std::string& file,
                      std::optional<double> metresPerUnit = {});
 
 /// A motion for that skeleton. The file holds no rate (CMU: 120 Hz) unless it has the line
-/// `:SAMPLES-PER-SECOND n`, which some programs write. Values outside the skeleton's limits are kept. Throws
-/// ParseError: a bone that is unknown, missing, twice in a frame or with another number of values than its
-/// dofs, frame numbers that do not count up by one, a number that is none, no frame.
-MotionClip readAmc(const std::string& path, const AsfSkeleton& asf, double framesPerSecond = 120.0);
+/// `:SAMPLES-PER-SECOND n`, which some programs write. Values outside the skeleton's limits are kept. The
+/// first frame says which bones the motion has: bones of the skeleton that it lacks stay in their zero pose,
+/// bones that the skeleton lacks are passed over, and notes (where not null) tell it. Throws ParseError: both
+/// at once (a motion of another skeleton), no root, frames with other bones than the first, a bone twice in a
+/// frame or with another number of values than its dofs, frame numbers that do not count up by one, a number
+/// that is none, no frame.
+MotionClip readAmc(const std::string& path, const AsfSkeleton& asf, double framesPerSecond = 120.0,
+                   std::vector<Note>* notes = nullptr);
 MotionClip parseAmc(std::string_view text, const std::string& file, const AsfSkeleton& asf,
-                    double framesPerSecond = 120.0);
+                    double framesPerSecond = 120.0, std::vector<Note>* notes = nullptr);
 
 /// A skeleton of any kind as ASF, angles in degrees. metresPerUnit decides the `:units length`. Every joint
 /// but fixed ends becomes a bone with the frame of the bind pose as its axis; joints that turn about their

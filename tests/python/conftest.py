@@ -9,6 +9,8 @@ import pytest
 
 import gelenk
 
+os.environ.pop("LD_PRELOAD", None)  # a sanitizer's runtime is this process's alone: the program brings its own
+
 here = Path(__file__).resolve().parent
 
 

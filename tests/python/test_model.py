@@ -125,6 +125,61 @@ def test_joints_make_a_model_and_tell_it_again(panda):
         gelenk.Model.from_joints([dict(name="a", parent="b")])
 
 
+def again_from_joints(model):
+    return gelenk.Model.from_joints([model.joint(i) for i in range(model.joint_count)], rest=model.rest)
+
+
+def test_every_model_comes_back_from_its_joints(model):
+    again = again_from_joints(model)
+    assert (again.nq, again.nv) == (model.nq, model.nv)
+    assert np.array_equal(again.limits, model.limits) and np.array_equal(again.rest, model.rest)
+    assert str(again.ball_limits) == str(model.ball_limits)
+    wild = model.integrate(model.random(1), np.random.default_rng(2).normal(size=model.nv))
+    for q in (model.random(3), wild):
+        assert np.array_equal(again.fk(q), model.fk(q))
+        assert again.violation(q) == model.violation(q)
+        assert np.array_equal(again.project(q), model.project(q))
+
+
+gripper = [
+    dict(name="wrist", axes=[dict(axis=(0, 0, 1), lower=-1, upper=1)]),
+    dict(name="left", parent="wrist", offset=(0, 0.1, 0), axes=[dict(kind="translation", axis=(0, 1, 0), lower=-0.5, upper=1)],
+         mimic=dict(joint="right", multiplier=-2, offset=0.1)),  # of a joint that comes later
+    dict(name="right", parent="wrist", axes=[dict(axis=(1, 0, 0), lower=-1, upper=1)]),
+]
+
+
+def test_joints_that_follow_others_keep_doing_so():
+    model = gelenk.Model.from_joints(gripper)
+    assert (model.nq, model.nv) == (3, 2)
+    assert model.coupled([0.5, 0, 0.2]).tolist() == [0.5, -0.3, 0.2]
+    assert model.joint("left")["mimic"] == dict(joint="right", multiplier=-2, offset=0.1)
+    again = again_from_joints(model)
+    assert again.nv == 2
+    q = model.random(4)
+    assert np.array_equal(again.jacobian(q, "left"), model.jacobian(q, "left"))
+    for wrong, word in ((dict(joint="nobody"), "no joint"), (dict(), "no joint"), (3, "expected a dict"), (dict(joint="left"), "left"),
+                        (dict(joint="right", multiplier=np.nan), "finite"), (dict(joint="right", gear=2), "unknown entry")):
+        with pytest.raises(ValueError, match=word):
+            gelenk.Model.from_joints([gripper[0], dict(gripper[1], mimic=wrong), gripper[2]])
+
+
+def test_balls_keep_their_limits():
+    shoulder = dict(name="shoulder", ball=True, ball_limit=dict(swing_centre=(0.1, 0), swing_radii=(0.5, 0.8), twist=(-0.3, 0.4)))
+    model = gelenk.Model.from_joints([shoulder, dict(name="hand", parent="shoulder", offset=(0, 0, 1))])
+    told = model.ball_limits["shoulder"]
+    assert told["swing_radii"].tolist() == [0.5, 0.8] and told["twist"] == (-0.3, 0.4)
+    assert model.joint("shoulder")["ball_limit"]["swing_centre"].tolist() == [0.1, 0]
+    far = model.integrate(model.rest, [0, 0, 1.0])  # a turn about the bone
+    assert model.violation(far) == pytest.approx(0.6)
+    for wrong, word in ((dict(swing_radii=(0, 1)), "shoulder"), (dict(twist=(1, 0)), "shoulder"), (dict(twist=3), "two numbers"),
+                        (dict(swing_centre="x"), "swing_centre"), (dict(cone=1), "unknown entry"), (3, "expected a dict")):
+        with pytest.raises(ValueError, match=word):
+            gelenk.Model.from_joints([dict(shoulder, ball_limit=wrong)])
+    with pytest.raises(ValueError, match="without a ball"):
+        gelenk.Model.from_joints([dict(shoulder, ball=False)])
+
+
 def test_mirror_twice_is_nothing(figure):
     q = figure.random(6)
     assert np.allclose(figure.mirror(figure.mirror(q)), q, atol=1e-12)

@@ -59,6 +59,11 @@ def test_goals_are_followed_and_told(figure):
         view.add_goal(gelenk.Goal("distance", joint="hand_l", other="head", length=0.3))
         assert len(view.goals) == before + 1
         assert '"goals"' in view.scene()
+        picture = view._repr_png_()
+        assert picture.startswith(b"\x89PNG")
+        view.q = figure.random(3)
+        assert view._repr_png_() != picture
+    assert view._repr_png_() is None
 
 
 def test_a_solver_of_ones_own_runs_in_the_window(panda):
@@ -89,6 +94,15 @@ def test_a_picture_is_that_of_the_program(panda, program, tmp_path):
     dark = gelenk.render(panda, q, size=(320, 200), theme="dark")
     assert dark.mean() < picture.mean()
     with pytest.raises(ValueError, match="made in this script"):
-        gelenk.render(gelenk.Model.from_joints([dict(name="alone")]))
+        gelenk.show(gelenk.Model.from_joints([dict(name="alone")]), offscreen=True)
+    # a model made here is drawn as well: the same places, so nearly the same pixels
+    figure = gelenk.model("figure")
+    made = gelenk.bind(figure, figure.skin.vertices, figure.skin.triangles)
+    q = figure.rest
+    q[figure.q_slice("lowerarm_l")][0] = 1.5
+    straight, bent = (gelenk.render(made, pose, size=(200, 200), shadow=False) for pose in (None, q))
+    assert (straight != bent).any(-1).sum() > 100
+    wanted = gelenk.render(figure, q, size=(200, 200), shadow=False)
+    assert (np.abs(bent.astype(int) - wanted).max(-1) > 40).mean() < 0.02
     chain = gelenk.PlanarChain([1, 0.7]).model()
     assert gelenk.render(chain, [0.3, 0.4], size=(200, 200)).std() > 1

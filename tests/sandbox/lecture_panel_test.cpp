@@ -6,6 +6,7 @@
 #include "apps/document/chain_models.h"
 #include "apps/document/scene_file.h"
 #include "apps/lecture/example.h"
+#include "apps/lecture/lecture_model.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/view_picture.h"
 #include "kinematics/io/text_file.h"
@@ -44,6 +45,19 @@ TEST(LectureScenes, EveryTopicOpensDrawsAndLeavesNoGlMessage) {
   EXPECT_FALSE(stage.sandbox.open("lecture:no-such-example"));
   EXPECT_TRUE(stage.sandbox.open("planar"));  // another model ends the example
   EXPECT_EQ(stage.sandbox.document().lecture.topic, "");
+}
+
+TEST(LectureScenes, TheCommandsOpenWhatTheWindowBeginsWith) {
+  Stage stage;
+  for (const LectureTopic& topic : lectureTopics()) {
+    ASSERT_TRUE(stage.sandbox.open("lecture:" + topic.id)) << topic.id;
+    const Model model = lectureModel(topic.id);
+    const Skeleton &ours = model.skeleton, &shown = stage.sandbox.session().skeleton();
+    ASSERT_EQ(ours.jointCount(), shown.jointCount()) << topic.id;
+    for (int i = 0; i < ours.jointCount(); ++i)
+      EXPECT_TRUE(ours.joint(i).parentFromZero.isApprox(shown.joint(i).parentFromZero, 0.0)) << topic.id;
+    EXPECT_EQ(ours.rest(), stage.sandbox.session().q()) << topic.id;
+  }
 }
 
 TEST(LectureScenes, TheTwoLinkArmFollowsItsTargetByTheClosedForm) {

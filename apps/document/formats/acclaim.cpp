@@ -15,7 +15,9 @@ void readSkeletonAndMotion(const std::string& asf, const std::string& amc, const
   result.asf = readAsf(asf, options.metresPerUnit);
   result.model.skeleton = result.asf->skeleton;
   result.model.notes = result.asf->notes;
-  if (!amc.empty()) result.model.clip = readAmc(amc, *result.asf, options.framesPerSecond.value_or(120.0));
+  if (!amc.empty())
+    result.model.clip =
+        readAmc(amc, *result.asf, options.framesPerSecond.value_or(120.0), &result.model.notes);
 }
 
 void readAsfFile(const std::string& path, const Companions& files, const ImportOptions& options,

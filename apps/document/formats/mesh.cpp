@@ -144,7 +144,8 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
     tell(notes, "unmatched-joints",
          "fitted joints whose bone lies on no ASF bone: " + listed(transferred.unmatchedJoints, 100));
   if (!files.amc.empty()) {
-    const MotionClip clip = readAmc(files.amc, *result.asf, options.framesPerSecond.value_or(120.0));
+    const MotionClip clip =
+        readAmc(files.amc, *result.asf, options.framesPerSecond.value_or(120.0), &result.model.notes);
     result.model.clip = withScaledRoot(transferred.skeleton, clip, transferred.heightRatio);
     tellFact(notes, "path-scaled",
              fmt::format("the root's path is scaled by {:.4f}, the ratio of the root's heights",

@@ -23,6 +23,15 @@ def program():
     raise FileNotFoundError("the program gelenk is not there: build it with graphics, or name it in GELENK_PROGRAM")
 
 
+def _stand_in(model, q, folder):
+    """A model made in this script as a file, (model, q): the same bodies and places, but joints of its own."""
+    clip = _gelenk.Clip(model, [model.pose if q is None else q])
+    path = Path(folder) / "model.glb"
+    _gelenk.save(path, model, clip)
+    again = _gelenk.load(path)
+    return again, again.clip.q[0]
+
+
 def _write_scene(model, q, folder, handles=True):
     """The file that the program opens to have this model in this pose."""
     if not isinstance(model, _gelenk.Model):
@@ -220,6 +229,15 @@ class View:
         """The scene as text, as the window would save it."""
         return self._ask("scene")["text"]
 
+    def _repr_png_(self):
+        """What the window shows, as a notebook puts it below a cell; None where it is closed."""
+        if self.closed:
+            return None
+        scene, picture = Path(self._folder.name) / "now.json", Path(self._folder.name) / "now.png"
+        scene.write_text(self.scene())
+        _run([program(), "render", str(scene), "-o", str(picture), "--size", "800x500"])
+        return picture.read_bytes()
+
     def close(self):
         """Closes the window."""
         if not self.closed:
@@ -259,6 +277,8 @@ def render(model, q=None, *, size=(1280, 800), scale=1.0, theme="light", view=No
     view: 'front', 'side', 'top', 'three-quarter'; azimuth, elevation: degrees. bones: drawn through the skin; handles: where it is dragged.
     """
     with tempfile.TemporaryDirectory() as folder:
+        if isinstance(model, _gelenk.Model) and model._scene is None:
+            model, q = _stand_in(model, q, folder)
         scene, picture = _write_scene(model, q, folder, handles), Path(folder) / "picture.ppm"
         words = [program(), "render", str(scene), "-o", str(picture), "--size", f"{size[0]}x{size[1]}", "--scale", str(scale),
                  "--theme", theme, "--zoom", str(zoom)]
@@ -269,10 +289,14 @@ def render(model, q=None, *, size=(1280, 800), scale=1.0, theme="light", view=No
             words += [flag] * bool(wanted)
         for option, value in (("--view", view), ("--azimuth", azimuth), ("--elevation", elevation)):
             words += [option, str(value)] * (value is not None)
-        done = subprocess.run(words, capture_output=True, text=True)
-        if done.returncode != 0:
-            raise ValueError(done.stderr.strip().removeprefix("gelenk: "))
+        _run(words)
         return _read_ppm(picture.read_bytes())
+
+
+def _run(words):
+    done = subprocess.run(words, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise ValueError(done.stderr.strip().removeprefix("gelenk: "))
 
 
 def _read_ppm(data):

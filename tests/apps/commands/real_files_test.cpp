@@ -125,6 +125,40 @@ TEST_F(RealFiles, StrictMakesEveryNoteAnErrorBeforeAnythingIsWrittenButLetsFacts
   EXPECT_TRUE(fs::exists(path("a.bvh")));
 }
 
+/// frames_less.bvh has a note that is no mere fact; so has a polygon that crosses itself.
+TEST_F(RealFiles, EveryCommandThatOpensAFileKnowsStrict) {
+  writeFile(path("crossing.obj"), "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n");
+  writeFile(path("poses.csv"), "x,y,z,qw,qx,qy,qz\n0,0,0,1,0,0,0\n1,0,0,1,0,0,0\n");
+  writeFile(path("poses.txt"), "0 0 0 1 0 0 0\n1 0 0 1 0 0 0\n");
+  const std::string file = inputs + "frames_less.bvh";
+  const std::vector<std::vector<std::string>> commands{
+      {"info", file},
+      {"info", file, "--json"},
+      {"fk", file},
+      {"fk", file, "--json"},
+      {"fk", file, "--csv"},
+      {"solve", "--model", file, "--target", "0", "0", "0"},
+      {"solve", "--model", file, "--targets", path("poses.csv")},
+      {"solutions", "--model", file, "--target", "0", "0", "0"},
+      {"solutions", "--model", file, "--target", "0", "0", "0", "--json"},
+      {"path", "--model", file, "--path", path("poses.txt"), "-o", path("path.csv")},
+      {"compare", "--model", file, "--out", path("compare")},
+      {"muscles", file, "--out", path("muscles")},
+      {"skins", file, "--out", path("skins")},
+      {"rig", path("crossing.obj"), "--out", path("rig")},
+      {"rig", path("crossing.obj"), "--out", path("rig"), "--json"},
+      {"convert", file, path("a.bvh")},
+      {"motion", file, "-o", path("a.bvh")}};
+  for (std::vector<std::string> words : commands) {
+    std::string line;
+    for (const std::string& word : words) line += word + " ";
+    words.insert(words.begin(), "--strict");
+    EXPECT_THAT(refusal([&] { run(words); }), HasSubstr("(a note, and --strict)")) << line;
+  }
+  for (const char* made : {"path.csv", "compare", "muscles", "skins", "rig", "a.bvh"})
+    EXPECT_FALSE(fs::exists(path(made))) << made;
+}
+
 TEST_F(RealFiles, EveryPoseKeepsWhatOneJointMimicsOfAnother) {
   Session session(openModelFile(inputs + "mimic_pair.urdf"));
   session.setPose(Eigen::Vector2d(0.5, 0.0));
@@ -147,6 +181,9 @@ TEST_F(RealFiles, InfoFkAndSolveTakeEverythingThatTheSandboxOpens) {
                                   {{"planar"}, ""},
                                   {{"puma560"}, ""},
                                   {{"balls:1,0.5"}, ""},
+                                  {{"lecture:two-link"}, ""},
+                                  {{"lecture:rotations"}, ""},
+                                  {{"lecture:leg"}, "hand_l"},
                                   {{assets + "scenes/reach.json"}, "hand_l"},
                                   {{inputs + "tube.obj", "--skeleton", inputs + "tube.skel"}, ""},
                                   {{inputs + "tube.skel"}, ""},

@@ -156,8 +156,15 @@ TEST(Amc, BadInputIsRefusedWithItsLine) {
           {"header alone", ":FULLY-SPECIFIED\n:DEGREES\n", 0, "at least one frame"},
           {"bone before frame", "root 0 0 0 0 0 0\n", 1, "frame number before"},
           {"unknown bone", one + "2\nfoot 1\n", 6, "'foot'"},
-          {"missing bone", "1\nroot 0 0 0 0 0 0\nthigh 0 0\n2\n", 4, "no 'shin' in frame 1"},
-          {"missing bone in the last frame", "1\nroot 0 0 0 0 0 0\nthigh 0 0\n", 3, "no 'shin' in frame 1"},
+          {"no root", "1\nthigh 0 0\nshin 0\n", 3, "no 'root' in frame 1"},
+          {"empty second frame", "1\nroot 0 0 0 0 0 0\nthigh 0 0\n2\n", 4, "no 'root' in frame 2"},
+          {"missing bone in the last frame", one + "2\nroot 0 0 0 0 0 0\nthigh 0 0\n", 7,
+           "no 'shin' in frame 2"},
+          {"a bone that comes later", "1\nroot 0 0 0 0 0 0\nthigh 0 0\n2\nroot 0 0 0 0 0 0\nshin 0\n", 6,
+           "bones that the first frame has, found 'shin'"},
+          {"another skeleton's bones", "1\nroot 0 0 0 0 0 0\nfemur 0 0\nshin 0\n", 3, "'femur'"},
+          {"an unknown bone without values", one + "foot\n", 5, "'foot'"},
+          {"an unknown bone's words", one + "foot x\n", 5, "'x'"},
           {"bone twice", "1\nroot 0 0 0 0 0 0\nthigh 0 0\nthigh 0 0\n", 4, "'thigh' again"},
           {"too few values", "1\nroot 0 0 0 0 0 0\nthigh 0\n", 3, "2 values for bone 'thigh', found 1"},
           {"too many values", "1\nroot 0 0 0 0 0 0\nthigh 0 0 0\n", 3,
@@ -185,6 +192,29 @@ TEST(Amc, BadInputIsRefusedWithItsLine) {
           {"empty first frame", "1\n2\n", 2, "no 'root' in frame 1"},
       },
       [&](const std::string& text, const std::string& file) { parseAmc(text, file, asf); });
+}
+
+/// Motions of fewer bones (no fingers were captured) and of more (props) than the skeleton has.
+TEST(Amc, BonesThatOnlyOneOfTheTwoHasAreTold) {
+  const AsfSkeleton asf = parseAsf(leg, "leg.asf");
+  std::vector<Note> notes;
+  const std::string fewer = "1\nroot 0 1 0 0 0 0\nshin 5\n2\nshin 6\nroot 0 2 0 0 0 0\n";
+  const MotionClip clip = parseAmc(fewer, "fewer.amc", asf, 120.0, &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].kind, "bones-missing");
+  EXPECT_NE(notes[0].text.find("thigh"), std::string::npos);
+  EXPECT_FALSE(notes[0].fact);
+  const int thighAt = asf.skeleton.qIndex(1), shinAt = asf.skeleton.qIndex(2);
+  EXPECT_EQ(clip.q.col(1).segment(thighAt, 2), Eigen::Vector2d::Zero());
+  EXPECT_NEAR(clip.q(shinAt, 1), 6 * M_PI / 180, 1e-15);
+
+  notes.clear();
+  const std::string one = "root 0 1 0 0 0 0\nthigh 3 4\nsword 1 2 3\nshin 5\n";
+  const MotionClip more = parseAmc("1\n" + one + "2\n" + one, "more.amc", asf, 120.0, &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].kind, "bones-unknown");
+  EXPECT_NE(notes[0].text.find("sword"), std::string::npos);
+  EXPECT_EQ(more.q.col(1), parseAmc("1\nroot 0 1 0 0 0 0\nthigh 3 4\nshin 5\n", "f", asf).q.col(0));
 }
 
 struct Walk {
