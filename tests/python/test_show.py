@@ -95,14 +95,16 @@ def test_a_picture_is_that_of_the_program(panda, program, tmp_path):
     assert dark.mean() < picture.mean()
     with pytest.raises(ValueError, match="made in this script"):
         gelenk.show(gelenk.Model.from_joints([dict(name="alone")]), offscreen=True)
-    # a model made here is drawn as well: the same places, so nearly the same pixels
+    # a model made here is drawn as well, in the same places
     figure = gelenk.model("figure")
     made = gelenk.bind(figure, figure.skin.vertices, figure.skin.triangles)
     q = figure.rest
     q[figure.q_slice("lowerarm_l")][0] = 1.5
-    straight, bent = (gelenk.render(made, pose, size=(200, 200), shadow=False) for pose in (None, q))
-    assert (straight != bent).any(-1).sum() > 100
-    wanted = gelenk.render(figure, q, size=(200, 200), shadow=False)
-    assert (np.abs(bent.astype(int) - wanted).max(-1) > 40).mean() < 0.02
+    def moved(model):  # pixels that the arm leaves or enters, whatever the colour of the skin
+        straight, bent = (gelenk.render(model, pose, size=(200, 200), shadow=False).astype(int) for pose in (None, q))
+        return np.abs(straight - bent).max(-1) > 20
+
+    ours, theirs = moved(made), moved(figure)
+    assert ours.sum() > 100 and (ours & theirs).sum() > 0.7 * (ours | theirs).sum()
     chain = gelenk.PlanarChain([1, 0.7]).model()
     assert gelenk.render(chain, [0.3, 0.4], size=(200, 200)).std() > 1

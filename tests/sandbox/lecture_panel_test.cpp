@@ -56,7 +56,8 @@ TEST(LectureScenes, TheCommandsOpenWhatTheWindowBeginsWith) {
     ASSERT_EQ(ours.jointCount(), shown.jointCount()) << topic.id;
     for (int i = 0; i < ours.jointCount(); ++i)
       EXPECT_TRUE(ours.joint(i).parentFromZero.isApprox(shown.joint(i).parentFromZero, 0.0)) << topic.id;
-    EXPECT_EQ(ours.rest(), stage.sandbox.session().q()) << topic.id;
+    EXPECT_LE((ours.rest() - stage.sandbox.session().q()).cwiseAbs().maxCoeff(), 1e-15)
+        << topic.id;  // one normalises
   }
 }
 
