@@ -2,7 +2,8 @@
 # Installs the Debian packages that Gelenk is built and tested with, those that are missing only.
 #   ./install_packages.sh run     to build and run the program
 #   ./install_packages.sh test    that and what the tests need
-#   ./install_packages.sh web     what the core in WebAssembly needs
+#   ./install_packages.sh web     what the page of a browser is built with
+#   ./install_packages.sh webtest that and the browser that tests it
 set -euo pipefail
 packages=(g++ cmake ninja-build ccache pkg-config libeigen3-dev libceres-dev libcli11-dev libfmt-dev nlohmann-json3-dev
           libepoxy-dev libglm-dev libglfw3-dev libimgui-dev libfreetype-dev libstb-dev libpng-dev libtinygltf-dev libassimp-dev
@@ -13,8 +14,11 @@ if [ "${1:-run}" = test ]; then
              python3-dev pybind11-dev python3-pybind11 python3-numpy python3-skbuild python3-setuptools python3-wheel
              python3-pip python3-venv python3-pytest)
 fi
-if [ "${1:-run}" = web ]; then
-  packages+=(emscripten dpkg-dev patch)
+if [[ "${1:-run}" = web* ]]; then
+  packages+=(emscripten dpkg-dev patch fonttools)
+fi
+if [ "${1:-run}" = webtest ]; then
+  packages+=(chromium)
 fi
 missing=()
 for package in "${packages[@]}"; do

@@ -3,7 +3,7 @@
 # it, the window and its monkey and the Python module included, under ASan and UBSan; the Python module.
 #   ./test.sh            all of it
 #   ./test.sh release    one part: format, release, core, sanitize or python
-#   ./test.sh web        the core in WebAssembly (docs/web.md); not part of "all of it", since its compiler takes 0.8 GB
+#   ./test.sh web        the page in a browser (docs/web.md); not part of "all of it", since its compiler takes 0.8 GB
 set -euo pipefail
 cd "$(dirname "$0")"
 ./install_packages.sh test
@@ -24,14 +24,13 @@ for part in "${parts[@]}"; do
     continue
   fi
   if [ "$part" = web ]; then
-    ./install_packages.sh web
-    apps/web/fetch_sources.sh build-web/sources
-    export NODE_PATH=/usr/share/nodejs  # where emscripten's parser of JavaScript lies
-    cmake --preset web >/dev/null
-    cmake --build --preset web
+    ./install_packages.sh webtest
+    ./web.sh
+    NODE_PATH=/usr/share/nodejs cmake --build --preset web
     cmake --preset release >/dev/null
     cmake --build --preset release --target gelenk
     tests/web/figures_test.py build-web/apps/web/figures.js build/gelenk
+    tests/web/page_test.py build-web/site build/gelenk
     continue
   fi
   options=()

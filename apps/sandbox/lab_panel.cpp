@@ -15,6 +15,7 @@
 #include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/work.h"
 #include "kinematics/configuration.h"
 #include "solvers/problem/judge.h"
 
@@ -320,7 +321,7 @@ class LabPanel final : public Panel {
     experiment_ = experiment;
     findings_.reset();
     windowOpen_ = true;
-    running_ = std::async(std::launch::async, [experiment] { return runExperiment(experiment); });
+    running_ = startWork([experiment] { return runExperiment(experiment); });
     sandbox.say("Running " + experiment + " ...");
   }
 

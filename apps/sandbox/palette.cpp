@@ -86,7 +86,7 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
   add("Mouse and keys (help)", "H", [](Sandbox& s) { s.state().helpOpen = true; });
   for (const ViewOptionName& option : viewOptionNames()) {
     std::string name(option.name);
-    std::ranges::replace(name, '_', ' ');
+    std::replace(name.begin(), name.end(), '_', ' ');
     add("Show or hide " + name, "",
         [which = option.option](Sandbox& s) { s.options().*which = !(s.options().*which); });
   }

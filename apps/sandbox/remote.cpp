@@ -11,8 +11,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/document/scene_file.h"
-#include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/requests.h"
+#include "apps/sandbox/sandbox.h"
 #include "solvers/iteration/evaluator.h"
 #include "solvers/own_solver.h"
 #include "solvers/problem/goal_text.h"
@@ -21,19 +21,8 @@
 namespace gelenk {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr int version = 1;  ///< of the messages
-
 std::string dumped(const Json& message) {
   return message.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-Eigen::Vector3d point(const Json& value, const char* what) {
-  if (!value.is_array() || value.size() != 3 || !value[0].is_number() || !value[1].is_number() ||
-      !value[2].is_number())
-    throw std::invalid_argument(fmt::format("{} must be three numbers, found {}", what, value.dump()));
-  return Eigen::Vector3d(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
 }
 
 }  // namespace
@@ -130,7 +119,7 @@ class RemoteSolver final : public IkSolver {
     const auto begin = std::chrono::steady_clock::now();
     Json goals = Json::array();
     for (const Goal& goal : problem.goals) goals.push_back(goalToText(goal, *problem.skeleton));
-    const Json answer = ask_({{"gelenk", version},
+    const Json answer = ask_({{"gelenk", messageVersion},
                               {"event", "solve"},
                               {"solver", name_},
                               {"parameters", values_},
@@ -165,56 +154,6 @@ class RemoteSolver final : public IkSolver {
   Ask ask_;
 };
 
-/// q, goals by name, solver, theme: what is given is set.
-Json set(Sandbox& sandbox, const Json& request) {
-  Session& session = sandbox.session();
-  if (request.contains("solver")) session.setSolver(request["solver"].get<std::string>());
-  if (request.contains("theme")) {
-    const auto theme = request["theme"].get<std::string>();
-    if (theme != "dark" && theme != "light")
-      throw std::invalid_argument("a theme is light or dark, not '" + theme + "'");
-    session.theme() = theme == "dark" ? Theme::Dark : Theme::Light;
-  }
-  if (request.contains("q")) {
-    const auto q = request["q"].get<std::vector<double>>();
-    session.remember();
-    session.setPose(Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
-  }
-  if (request.contains("goals")) {
-    session.remember();
-    for (const Json& wanted : request["goals"]) {
-      if (wanted.contains("goal")) {  // of any kind, as a text
-        session.addGoal(
-            goalFromText(wanted["goal"].get<std::string>(), session.skeleton(), session.model().masses));
-        continue;
-      }
-      const auto name = wanted.at("name").get<std::string>();
-      std::optional<GoalId> goal = session.findGoal(name);
-      if (!goal) goal = session.addJointGoal(session.skeleton().jointIndex(name));
-      if (wanted.contains("target")) session.setTarget(*goal, point(wanted["target"], "a target"));
-      const std::string state = wanted.value("state", "");
-      if (state == "pinned")
-        session.setState(*goal, GoalState::Pinned);
-      else if (state == "held")
-        session.setState(*goal, GoalState::Held);
-      else if (state == "free")
-        session.removeGoal(*goal);
-      else if (!state.empty())
-        throw std::invalid_argument("a goal's state is free, held or pinned, not '" + state + "'");
-    }
-  }
-  return Json::object();
-}
-
-/// The pose and what it does, as events tell it.
-Json get(const Sandbox& sandbox) {
-  const Json all = Json::parse(sandbox.status());
-  Json some;
-  for (const char* key : {"model", "solver", "q", "goals", "dragging", "error", "reached"})
-    some[key] = all[key];
-  return some;
-}
-
 }  // namespace
 
 Remote::Remote(std::function<void()> wake) : link_(std::make_shared<Link>()) {
@@ -231,7 +170,7 @@ Remote::~Remote() {
   close(link_->stop[1]);
   reader_.join();
   close(link_->stop[0]);
-  link_->send({{"gelenk", version}, {"event", "closed"}});
+  link_->send({{"gelenk", messageVersion}, {"event", "closed"}});
 }
 
 bool Remote::isOver() const { return link_->over || (link_->gone && !link_->keep); }
@@ -259,22 +198,11 @@ void Remote::answer(Sandbox& sandbox, const std::string& line) {
   Json reply, id;
   try {
     const Json request = Json::parse(line);
-    if (!request.is_object() || request.value("gelenk", 0) != version)
-      throw std::invalid_argument(fmt::format("messages are objects with \"gelenk\": {}", version));
+    const std::string what = checkedRequest(request);
     id = request.value("id", Json());
-    const auto what = request.at("do").get<std::string>();
     reply = Json::object();
-    if (what == "get") {
-      reply = get(sandbox);
-    } else if (what == "set") {
-      reply = set(sandbox, request);
-    } else if (what == "status") {
-      reply = Json::parse(sandbox.status());
-    } else if (what == "scene") {
-      reply["text"] = formatScene(sandbox.document(), sandbox.session().model());
-    } else if (what == "open") {
-      if (!sandbox.open(request.at("file").get<std::string>()))
-        throw std::runtime_error(sandbox.state().notices.back().words);
+    if (auto answered = answerRequest(sandbox, what, request)) {
+      reply = std::move(*answered);
     } else if (what == "events") {
       events_ = request.value("on", true);
       told_.clear();
@@ -289,33 +217,30 @@ void Remote::answer(Sandbox& sandbox, const std::string& line) {
                                               [link](Json q) { return link->solve(std::move(q)); });
       };
       addSolver(std::move(solver));
-    } else if (what == "say") {
-      sandbox.say(request.at("text"), request.value("error", false));
     } else if (what == "keep") {
       link_->keep = true;
     } else if (what == "close") {
       link_->over = true;
     } else {
-      throw std::invalid_argument(
-          "no message is called '" + what +
-          "'; there are: get, set, status, scene, open, events, solver, say, keep, close");
+      throw std::invalid_argument("no message is called '" + what + "'; there are: " + requestNames +
+                                  ", events, solver, keep, close");
     }
     reply["ok"] = true;
   } catch (const std::exception& error) {
     reply = {{"ok", false}, {"error", error.what()}};
   }
-  Json out{{"gelenk", version}, {"id", id}};
+  Json out{{"gelenk", messageVersion}, {"id", id}};
   out.update(reply);
   link_->send(out);
 }
 
 void Remote::tell(const Sandbox& sandbox) {
   if (!events_) return;
-  Json now = get(sandbox);
+  Json now = poseMessage(sandbox);
   std::string text = now.dump(-1, ' ', false, Json::error_handler_t::replace);
   if (text == told_) return;
   told_ = std::move(text);
-  Json event{{"gelenk", version}, {"event", "pose"}};
+  Json event{{"gelenk", messageVersion}, {"event", "pose"}};
   event.update(now);
   link_->send(event);
 }

@@ -11,6 +11,7 @@
 #include "apps/document/model_files.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/work.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "kinematics/io/word_stream.h"
 #include "skinning/io/gltf.h"
@@ -184,9 +185,8 @@ class RigPanel final : public Panel {
   void start(RigTemplate skeleton) {
     progress_ = std::make_shared<Progress>();
     asking_ = false;
-    work_ = std::async(std::launch::async, [path = path_, skeleton, progress = progress_] {
-      return rig(path, skeleton, *progress);
-    });
+    work_ =
+        startWork([path = path_, skeleton, progress = progress_] { return rig(path, skeleton, *progress); });
   }
 
   void openWith(Sandbox& sandbox, const std::string& skeleton) {

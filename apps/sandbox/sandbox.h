@@ -31,6 +31,7 @@ struct SandboxOptions {
   bool bare = false;             ///< the view alone, without menus and panels: for films
   bool asks = false;             ///< before unsaved changes are lost: a person sits before it
   std::function<void()> chooseFiles = {};  ///< asks for files to open; empty: the sandbox's own dialog
+  std::function<void()> shareScene = {};   ///< makes a link to the scene; empty: that is not offered
 };
 
 /// The sandbox: session, panels, view and picture. One frame(input, dt) serves window, offscreen and replay.

@@ -60,6 +60,7 @@ void fileMenu(Sandbox& sandbox) {
       sandbox.saveSceneTo(s.scenePath);
   }
   if (ImGui::MenuItem("Save scene as…", "Ctrl+Shift+S")) openDialog(s, Sandbox::State::Dialog::SaveScene);
+  if (s.options.shareScene && ImGui::MenuItem("Link to this scene")) s.options.shareScene();
   if (!s.preferences.recent.empty() && ImGui::BeginMenu("Open recent")) {
     for (const std::string& path : s.preferences.recent)
       if (ImGui::MenuItem(path.c_str())) s.toOpen = path;

@@ -53,7 +53,7 @@ double cpuSeconds() {
 
 /// Bytes that the program holds on its heap; NaN where the C library does not tell.
 double heapBytes() {
-#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
   const auto info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);
 #else

@@ -3,8 +3,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <stdexcept>
 
 #include "kinematics/configuration.h"
@@ -487,7 +488,8 @@ std::vector<LabProblem> makeProblems(const ProblemSetEntry& set, const LabModel&
 std::uint64_t checksum(const std::vector<LabProblem>& problems) {
   std::uint64_t hash = 0xcbf29ce484222325ull;
   const auto add = [&](double value) {
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(value);
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
     for (int k = 0; k < 8; ++k) hash = (hash ^ ((bits >> (8 * k)) & 0xff)) * 0x100000001b3ull;
   };
   for (const LabProblem& one : problems) {

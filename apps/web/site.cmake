@@ -1,0 +1,10 @@
+# Puts the page's own files beside the program's: cmake -DFROM=apps/web -DSITE=FOLDER -P site.cmake
+set(bytes 0)
+foreach(name gelenk.wasm gelenk.data)
+  file(SIZE ${SITE}/${name} size)
+  math(EXPR bytes "${bytes} + ${size}")
+endforeach()
+configure_file(${FROM}/index.html ${SITE}/index.html @ONLY)
+foreach(name page.js page.css)
+  configure_file(${FROM}/${name} ${SITE}/${name} COPYONLY)
+endforeach()

@@ -1,0 +1,363 @@
+#!/usr/bin/env python3
+"""The page in a real browser (Debian's chromium, without a window, with its software renderer):
+
+    tests/web/page_test.py build-web/site build/gelenk [--pictures FOLDER] [NAME...]
+
+runs every check, or those whose name contains one of the words. The page is served from a sub-folder; nothing but the browser's
+own notes may stand in its console."""
+import argparse
+import gzip
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+import zipfile
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from browser import Browser, served  # noqa: E402
+
+root = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..'))
+options = argparse.ArgumentParser()
+options.add_argument('site')
+options.add_argument('native')
+options.add_argument('names', nargs='*')
+options.add_argument('--pictures')
+options = options.parse_intermixed_args()
+native = os.path.abspath(options.native)
+
+
+class Page:
+    """The page in the browser, and what a person does with it."""
+
+    def __init__(self, browser, port):
+        self.browser, self.address = browser, f'http://127.0.0.1:{port}/lectures/site/'
+
+    def open(self, query='', width=1280, height=800, ratio=1):
+        self.browser.console.clear()
+        self.browser.size(width, height, ratio)
+        self.ratio = ratio
+        self.browser.open(self.address + query)
+        self.browser.wait('window.gelenk?.ready')
+
+    def status(self):
+        return self.browser.evaluate('gelenk.status()')
+
+    def ask(self, **request):
+        reply = self.browser.evaluate(f'gelenk.ask({json.dumps(request)})')
+        assert reply['ok'], reply
+        return reply
+
+    def frames(self, n=2):
+        """Until so many more frames were drawn, or the page rests."""
+        self.browser.wait(f'gelenk.resting || gelenk.frames >= {self.browser.evaluate("gelenk.frames") + n}')
+
+    def goal(self, name):
+        return next(g for g in self.status()['goals'] if g['name'] == name)
+
+    def pixel(self, name):
+        return [v / self.ratio for v in self.goal(name)['pixel']]
+
+    def notices(self):
+        return self.browser.evaluate('gelenk.notices()')
+
+    def picture(self, name):
+        if options.pictures:
+            os.makedirs(options.pictures, exist_ok=True)
+            self.browser.picture(os.path.join(options.pictures, name + '.png'))
+
+
+checks = []
+
+
+def check(function):
+    checks.append(function)
+    return function
+
+
+def output(*command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, (command, done.returncode, done.stderr)
+    return done.stdout
+
+
+# ---- what a person sees and does
+
+@check
+def the_figure_stands_and_its_left_hand_follows_the_mouse(page):
+    page.open()
+    browser = page.browser
+    first = browser.evaluate('gelenk.firstFrame')
+    print(f'    first frame {first / 1000:.1f} s after the page was asked for, renderer {page.status()["renderer"]}')
+    page.frames(4)
+    page.picture('figure')
+    hand = 'hand_l'
+    x, y = page.pixel(hand)
+    before = page.goal(hand)['reached']
+    browser.mouse('mouseMoved', x, y, 'none')
+    page.frames()
+    browser.mouse('mousePressed', x, y)
+    for i in range(1, 9):
+        browser.mouse('mouseMoved', x - 6 * i, y - 9 * i, held=True)
+        page.frames(1)
+    page.frames(3)
+    assert page.status()['dragging'] == hand, page.status()['dragging']
+    page.picture('drag')
+    during = page.goal(hand)
+    browser.mouse('mouseReleased', x - 48, y - 72)
+    page.frames(4)
+    after = page.goal(hand)
+    moved = math.dist(before, after['reached'])
+    print(f'    {hand} went {100 * moved:.1f} cm, error {1e6 * during["error"]:.2f} um')
+    assert moved > 0.1 and during['error'] < 1e-3 and after['error'] < 1e-3
+    assert math.dist(page.pixel(hand), (x - 48, y - 72)) < 1.5, (page.pixel(hand), x, y)
+
+
+@check
+def files_dropped_together_open_as_one(page):
+    page.open()
+    folder = tempfile.mkdtemp(prefix='gelenk-drop-')
+    try:
+        inputs = os.path.join(root, 'tests', 'data')
+        output(native, 'convert', os.path.join(inputs, 'tube.obj'), '--skeleton', os.path.join(inputs, 'tube.skel'),
+               os.path.join(folder, 'tube.glb'))
+        with zipfile.ZipFile(os.path.join(folder, 'arms.zip'), 'w', zipfile.ZIP_DEFLATED) as packed:
+            packed.write(os.path.join(inputs, 'two_arms.urdf'), 'arms/two_arms.urdf')
+            packed.writestr('arms/readme.txt', 'two arms ' * 100)
+        for name, files in {'tube': ['tube.glb'], 'two_arms': ['arms.zip']}.items():
+            page.browser.drop(400, 400, *[os.path.join(folder, f) for f in files])
+            page.browser.wait(f'gelenk.status().model.includes("{name}")')
+            assert not any(n['error'] for n in page.notices()), page.notices()
+        page.browser.drop(400, 400, *[os.path.join(inputs, f) for f in ('tube.obj', 'tube.skel')])
+        page.browser.wait('gelenk.status().model.includes("tube")')
+        page.browser.drop(400, 400, *[os.path.join(inputs, f) for f in ('straight.urdf', 'two_arms.urdf')])
+        page.browser.wait('gelenk.notices().some((n) => n.error && n.words.includes("straight.urdf, two_arms.urdf"))')
+        page.browser.drop(400, 400, os.path.join(root, 'LICENSE'))
+        page.browser.wait('gelenk.notices().some((n) => n.error && n.words.includes("LICENSE"))')
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@check
+def every_example_of_the_lecture_runs(page):
+    topics = [line.split()[0] for line in output(native, 'lecture', '--list').splitlines() if line[:1].isalpha()]
+    assert len(topics) >= 9, topics
+    page.open('?lecture=newton')
+    assert page.status()['example'] == 'newton-1d', page.status()['example']
+    page.open(f'?lecture={topics[0]}')
+    assert page.status()['example'] == topics[0], page.status()['example']
+    for topic in topics:
+        page.ask(do='open', file=f'lecture:{topic}')
+        page.frames(6)
+        status = page.status()
+        assert status['example'] == topic, (topic, status['example'])
+        assert all(math.isfinite(v) for v in status['q']), (topic, status['q'])
+        assert not any(n['error'] for n in page.notices()), page.notices()
+        page.picture('lecture-' + topic)
+    print(f'    {len(topics)} examples')
+
+
+@check
+def models_and_themes_are_named_in_the_address(page):
+    page.open('?model=panda&theme=dark&solver=dls')
+    status = page.status()
+    assert status['model'] == 'panda' and status['solver'] == 'dls', status
+    page.frames(4)
+    page.picture('panda-dark')
+    page.open('?model=nonsense')
+    assert page.status()['model'] == 'figure'
+    assert any(n['error'] and 'nonsense' in n['words'] for n in page.notices()), page.notices()
+    page.open('?panel=off')
+    view = page.status()['view']
+    assert (view['width'], view['height']) == (1280, 800), view
+
+
+@check
+def a_link_holds_the_scene(page):
+    page.open('?model=panda')
+    q = [0.3, -0.8, 0.1, -2.0, 0.2, 1.6, 0.8]
+    page.ask(do='set', q=q)
+    page.frames()
+    word = page.browser.evaluate('gelenk.link()')
+    print(f'    a link of {len(word)} characters')
+    page.open(f'#scene={word}')
+    assert page.status()['model'] == 'panda' and page.status()['q'] == q, page.status()['q']
+    page.open('#scene=nonsense')
+    assert page.status()['model'] == 'figure'
+    assert any(n['error'] and 'link' in n['words'] for n in page.notices()), page.notices()
+
+
+@check
+def saving_downloads_and_the_scene_stays_in_the_browser(page):
+    page.open('?model=planar')
+    page.browser.evaluate('document.getElementById("canvas").focus()')
+    page.browser.key('s', 'KeyS', 83, control=True)
+    page.frames(4)
+    for _ in range(20):
+        page.browser.key('Backspace', 'Backspace', 8)
+    page.browser.type('mine')
+    page.frames(3)
+    page.browser.key('Enter', 'Enter', 13)
+    path = os.path.join(page.browser.downloads, 'mine.json')
+    until = time.monotonic() + 20
+    while not os.path.exists(path):
+        assert time.monotonic() < until, (page.notices(), os.listdir(page.browser.downloads) if os.path.isdir(page.browser.downloads) else None)
+        time.sleep(0.1)
+    with open(path) as file:
+        assert json.load(file)['model'], path
+    output(native, 'info', path)
+    page.browser.wait('gelenk.kept()')
+    page.open()
+    page.ask(do='open', file='/home/gelenk/mine.json')
+    assert page.status()['model'] == 'planar'
+
+
+@check
+def size_and_pixel_ratio_are_followed(page):
+    page.open('', 1000, 700, 1)
+    narrow = page.status()['view']
+    page.browser.size(1400, 900, 1)
+    page.browser.wait(f'gelenk.status().view.height === {narrow["height"]} + 200')
+    page.open('', 1000, 700, 2)
+    fine = page.status()['view']
+    assert abs(fine['width'] - 2 * narrow['width']) <= 2 and abs(fine['height'] - 2 * narrow['height']) <= 4, (fine, narrow)
+    page.frames(4)
+    page.picture('figure-at-two')
+
+
+@check
+def one_finger_drags_and_two_orbit_and_zoom(page):
+    page.open('', 420, 760, 2)
+    page.frames(4)
+    page.picture('telephone')
+    x, y = page.pixel('hand_l')
+    browser = page.browser
+    browser.touch('touchStart', (x, y))
+    for i in range(1, 7):
+        browser.touch('touchMove', (x - 3 * i, y - 8 * i))
+        page.frames(1)
+    page.frames(3)
+    during = page.goal('hand_l')
+    browser.touch('touchEnd')
+    page.frames(3)
+    assert during['state'] == 'held' and during['error'] < 1e-3, during
+    assert math.dist(page.pixel('hand_l'), (x - 18, y - 48)) < 2, (page.pixel('hand_l'), x, y)
+    q = page.status()['q']
+    head, foot = page.pixel('head'), page.pixel('foot_l')
+    browser.touch('touchStart', (150, 500))
+    browser.touch('touchStart', (150, 500), (250, 500))
+    page.frames(2)
+    for i in range(1, 7):
+        browser.touch('touchMove', (150 - 8 * i, 500), (250 + 8 * i, 500))
+        page.frames(1)
+    browser.touch('touchEnd')
+    page.frames(3)
+    grown = math.dist(page.pixel('head'), page.pixel('foot_l')) / math.dist(head, foot)
+    assert grown > 1.2, grown
+    assert page.status()['q'] == q
+
+
+@check
+def a_page_drives_the_sandbox_in_its_frame(page):
+    frame = page.address + '?model=panda&panel=off'
+    outside = page.address.replace('127.0.0.1', 'localhost').replace('/site/', '/')
+    browser = page.browser
+    script = """
+      new Promise((done) => {
+        const log = [], frame = document.createElement('iframe');
+        const ask = (m) => frame.contentWindow.postMessage({ gelenk: 1, ...m }, 'http://127.0.0.1:%d');
+        addEventListener('message', (e) => {
+          log.push(e.data);
+          if (e.data.event === 'ready') { ask({ id: 1, do: 'events' }); ask({ id: 2, do: 'set', q: [0, -0.8, 0, -2.4, 0, 1.6, 0.8] }); ask({ id: 3, do: 'nonsense' }); }
+          if (log.some((m) => m.id === 3) && log.some((m) => m.event === 'pose')) done(log);
+        });
+        setTimeout(() => done(log), %d);
+        frame.width = 900; frame.height = 600; frame.src = '%s';
+        document.body.append(frame);
+        frame.addEventListener('load', () => setTimeout(() => ask({ id: 9, do: 'get' }), 3000));
+      })"""
+    port = int(page.address.split(':')[2].split('/')[0])
+    browser.console.clear()
+    browser.size(1000, 700)
+    browser.open(outside + 'outside.html')
+    browser.wait('document.body')
+    log = browser.evaluate(script % (port, 60000, frame + '&embed=' + outside.rsplit('/lectures', 1)[0]))
+    answers = {m['id']: m for m in log if m.get('id')}
+    assert answers[2]['ok'] and not answers[3]['ok'] and 'nonsense' in answers[3]['error'], log
+    pose = next(m for m in log if m.get('event') == 'pose')
+    assert pose['model'] == 'panda' and pose['q'] == [0, -0.8, 0, -2.4, 0, 1.6, 0.8], pose
+    page.picture('embedded')
+    browser.open(outside + 'outside.html')
+    browser.wait('document.body')
+    log = browser.evaluate(script % (port, 15000, frame))  # an origin that the address does not name
+    assert log == [], log
+
+
+@check
+def without_webgl_a_sentence_says_so(page):
+    with Browser('--disable-3d-apis') as browser:
+        browser.open(page.address)
+        browser.wait('document.getElementById("cover")?.classList.contains("failed")')
+        words = browser.evaluate('document.getElementById("sentence").textContent')
+        assert 'WebGL 2' in words, words
+
+
+@check
+def the_shader_agrees_with_the_reference_in_double_precision(page):
+    page.open()
+    page.ask(do='set', goals=[{'name': 'hand_l', 'target': [0.3, 1.6, 0.3], 'state': 'held'},
+                              {'name': 'foot_r', 'target': [-0.2, 0.4, 0.4], 'state': 'held'}])
+    page.frames(8)
+    for choice in ('lbs', 'dqs+twist', 'cor+twist+smooth'):
+        found = page.browser.evaluate(f'gelenk.shaderError("{choice}")')
+        print(f'    {choice}: {found}')
+        # The tolerances of the native test, tests/gpu/skin_methods_gl_test.cpp.
+        assert found['vertices'] > 30000 and 0 < found['position'] < 1e-5 and found['normal'] < 2e-3, found
+
+
+@check
+def the_download_stays_small(page):
+    total = 0
+    for name in ('gelenk.wasm', 'gelenk.js', 'gelenk.data', 'index.html', 'page.js', 'page.css'):
+        with open(os.path.join(options.site, name), 'rb') as file:
+            whole = file.read()
+        packed = len(gzip.compress(whole, 9))
+        total += packed
+        print(f'    {name}: {len(whole) / 1000:.0f} kB, gzip -9 {packed / 1000:.0f} kB')
+    print(f'    together {total / 1e6:.2f} MB compressed')
+
+
+# ---- all of them
+
+def main():
+    folder = tempfile.mkdtemp(prefix='gelenk-page-')
+    wanted = [c for c in checks if not options.names or any(n in c.__name__ for n in options.names)]
+    failed = 0
+    try:
+        shutil.copytree(options.site, os.path.join(folder, 'lectures', 'site'))
+        with open(os.path.join(folder, 'lectures', 'outside.html'), 'w') as file:
+            file.write('<!doctype html><link rel="icon" href="data:,"><body></body>')
+        with served(folder) as port, Browser() as browser:
+            for each in wanted:
+                begin = time.monotonic()
+                print(each.__name__.replace('_', ' '), flush=True)
+                try:
+                    each(Page(browser, port))
+                    assert not browser.console, browser.console
+                    print(f'    ok, {time.monotonic() - begin:.1f} s', flush=True)
+                except Exception:
+                    failed += 1
+                    traceback.print_exc()
+                    print(f'    FAILED; console: {browser.console}', flush=True)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    print(f'{len(wanted) - failed} of {len(wanted)} checks hold')
+    sys.exit(failed > 0)
+
+
+if __name__ == '__main__':
+    main()
