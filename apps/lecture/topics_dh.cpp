@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
@@ -136,6 +137,27 @@ std::string steps() {
 }
 
 }  // namespace
+
+std::string dhDerivation(const DhTable& table, const VectorXd& q) {
+  std::string out =
+      table.convention == DhConvention::Modified
+          ? "T_(i -> i+1) = R(x, alpha_i) T(a_i, 0, d_i) R(z, phi_i), the modified convention\n\n"
+          : "T_(i -> i+1) = R(z, phi_i) T(0, 0, d_i) T(a_i, 0, 0) R(x, alpha_i), the standard "
+            "convention\n\n";
+  out += "    i   a_i [m]       alpha_i [deg]   d_i [m]       phi_i [deg]    origin of K_(i+1) [m]\n";
+  const Frames K = dhFrames(table, q);
+  Eigen::Index variable = 0;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const DhRow& row = table.rows[i];
+    const double value = row.kind == DhJoint::Fixed ? 0.0 : q[variable++];
+    const double d = row.d + (row.kind == DhJoint::Prismatic ? value : 0.0),
+                 phi = row.phi + (row.kind == DhJoint::Revolute ? value : 0.0);
+    out += fmt::format("  {:3}   {:<10.6g}    {:<10.6g}      {:<10.6g}    {:<10.6g}     {}\n", i + 1, row.a,
+                       row.alpha / degree, d, phi / degree, text::point(K[i + 1].translation(), 6));
+  }
+  return out + fmt::format("\nThe tool's frame, base T_1 ... T_{} tool =\n{}", table.rows.size(),
+                           text::matrix(K.back().matrix(), 6));
+}
 
 LectureTopic denavitHartenbergTopic() {
   const std::string section = "10.2, Denavit-Hartenberg";

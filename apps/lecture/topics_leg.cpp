@@ -1,5 +1,6 @@
 // Lecture 10.1.1: hierarchical top-down animation of a leg, and its two problems.
 
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
 #include "apps/lecture/leg_animation.h"
 #include "apps/lecture/text.h"
@@ -68,6 +69,23 @@ std::string steps() {
 }
 
 }  // namespace
+
+std::string legDerivation(const LegAnimation& shown, const std::array<FootMeasure, 2>& feet, int frame) {
+  const LegKeys keys = lectureLegKeys();
+  const double phase = frame / shown.framesPerSecond / keys.cycle;
+  std::string out = fmt::format("Frame {} of {}, phase {:.3f} of the cycle\n", frame + 1, shown.q.size(),
+                                std::fmod(phase, 1.0));
+  out += "Top-down: each angle between its keys, hip, then knee, then foot; left leg:\n";
+  for (const auto& [name, curve] :
+       {std::pair{"hip", &keys.hip}, std::pair{"knee", &keys.knee}, std::pair{"foot", &keys.foot}})
+    out += fmt::format("  {:<6}   {:8.3f} degrees\n", name, keyedAngle(*curve, phase));
+  out += "\n          stands      slides [m a frame]     depth [m]\n";
+  for (std::size_t side = 0; side < 2; ++side)
+    out += fmt::format("  {:<6}   {:<6}      {:<16.3e}       {:.3e}\n", side == 0 ? "left" : "right",
+                       shown.onGround[static_cast<std::size_t>(frame)][side] ? "yes" : "no",
+                       feet[side].sliding, feet[side].penetration);
+  return out;
+}
 
 LectureTopic legTopic() {
   LectureTopic topic{.id = "leg",

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
 #include "apps/lecture/newton_runs.h"
 #include "apps/lecture/slide_data.h"
@@ -66,12 +67,15 @@ std::string table(const std::vector<NewtonStep1d>& run, double zero) {
   return out;
 }
 
+const char* const oneDimensionFormula =
+    "phi^(i+1) = phi^i - (f(phi^i) - X) / f'(phi^i),  f'(phi) ~ (f(phi + D) - f(phi)) / D\n\n";
+
 std::string oneDimensionSteps() {
   std::string out = fmt::format(
       "One-link arm, l = {:g}; f(phi) = l sin phi is the end-effector's height. X = {:g}, so phi = 30 "
       "degrees.\n",
       slide::armLength, oneLinkTarget);
-  out += "phi^(i+1) = phi^i - (f(phi^i) - X) / f'(phi^i),  f'(phi) ~ (f(phi + D) - f(phi)) / D\n\n";
+  out += oneDimensionFormula;
   out += fmt::format("Start {:g}, D = 1e-6:\n{}", goodStart, table(convergentRun(), M_PI / 6));
   out += fmt::format("  order of convergence, from the last three errors: {:.3f}\n\n",
                      convergenceOrder(errorsOf(convergentRun(), M_PI / 6), 1e-11));
@@ -113,15 +117,41 @@ std::string runTable(const NewtonRun& run) {
   return out;
 }
 
+/// A step of the run in full; i counts from 0 as on the slides.
+std::string stepInFull(const PlanarChain& chain, const NewtonRun& run, std::size_t i) {
+  const NewtonStep& s = run.steps[i];
+  std::string out = fmt::format("Step {} in full\n  points P1 ... P{}:", i + 1, chain.linkCount() + 1);
+  for (const Vector2d& P : linkPoints(chain, s.phi)) out += " " + text::point(P);
+  out += fmt::format("\n  f(phi^{}) = {}\n  g = f(phi^{}) - X^neu = {}\n", i, text::point(s.f), i,
+                     text::point(s.g));
+  out += fmt::format("    D_f = (column i: X - P_i turned by 90 degrees)\n{}", text::matrix(s.D, 8));
+  const bool square = chain.linkCount() == 2;
+  if (s.Dplus.size() == 0) return out + "  D_f has no inverse here: the method stops\n";
+  if (square)
+    out += fmt::format("    D_f^-1 =\n{}", text::matrix(s.Dplus, 7));
+  else
+    out += fmt::format("    D_f D_f^T =\n{}    D_f^+ = D_f^T (D_f D_f^T)^-1 =\n{}",
+                       text::matrix(s.D * s.D.transpose(), 8), text::matrix(s.Dplus, 7));
+  out += fmt::format("  singular values {}\n", text::point(s.singularValues));
+  if (s.step.size() == 0 || i + 1 >= run.steps.size()) return out;
+  out += fmt::format("  step = -D_f^{} g = {}\n  phi^{} = {}\n", square ? "-1" : "+", text::point(s.step),
+                     i + 1, text::point(run.steps[i + 1].phi, 10));
+  out += fmt::format("  where the linear function leads: {}; where the arm really goes: f(phi^{}) = {}\n",
+                     text::point(s.linearised, 10), i + 1, text::point(run.steps[i + 1].f, 10));
+  return out;
+}
+
+std::string given(const PlanarChain& chain, const VectorXd& phi, const Vector2d& X) {
+  return fmt::format("P1 = {}, l = {}, phi^alt = {}, X^neu = {}\n", text::point(chain.base),
+                     text::point(VectorXd::Map(chain.lengths.data(), chain.linkCount())), text::point(phi),
+                     text::point(X));
+}
+
 std::string squareSteps() {
   const NewtonRun run = squareRun();
-  std::string out =
-      fmt::format("Two-link arm, l1 = l2 = {:g}, P1 = (0, 0), X = {}, from phi = {}; n = m = 2.\n",
-                  slide::armLength, text::point(slide::armTarget), text::point(squareStart));
-  out += "phi^(i+1) = phi^i - D_f(phi^i)^-1 (f(phi^i) - X)\n\n" + runTable(run);
-  out += fmt::format("\nFirst step in full:\n    D_f =\n{}    D_f^-1 =\n{}    step = {}\n",
-                     text::matrix(run.steps[0].D), text::matrix(run.steps[0].Dplus),
-                     text::point(run.steps[0].step));
+  std::string out = given(twoLinkArm(), squareStart, slide::armTarget) + "Two links, n = m = 2.\n";
+  out += "phi^(i+1) = phi^i - D_f(phi^i)^-1 (f(phi^i) - X)\n\n" + runTable(run) + "\n" +
+         stepInFull(twoLinkArm(), run, 0);
   out +=
       "\nThe straight arm: det D_f = l1 l2 sin phi_2, so the inverse does not exist at phi_2 = 0, and next "
       "to it the step explodes:\n";
@@ -163,23 +193,9 @@ double shortestOther() {
 }
 
 std::string pseudoInverseSteps() {
-  const NewtonStep& s = firstStep();
   const PlanarChain chain = lecturePlanarChain();
   std::string out =
-      fmt::format("P1 = {}, l = 150, 200, 100, phi^alt = {}, X^neu = {}\n", text::point(chain.base),
-                  text::point(slide::startAngles), text::point(slide::newTarget));
-  out += "\n1st Newton step\n  points P1 ... P4:";
-  for (const Vector2d& P : linkPoints(chain, s.phi)) out += " " + text::point(P);
-  out += fmt::format("\n  X^alt = f(phi^0) = {}\n  g = X^alt - X^neu = {}\n", text::point(s.f),
-                     text::point(s.g));
-  out += fmt::format(
-      "    D_f = (column i: X - P_i turned by 90 degrees)\n{}    D_f D_f^T =\n{}    D_f^+ = D_f^T (D_f "
-      "D_f^T)^-1 =\n{}",
-      text::matrix(s.D, 8), text::matrix(s.D * s.D.transpose(), 8), text::matrix(s.Dplus, 7));
-  out += fmt::format("  singular values {}\n  step = -D_f^+ g = {}\n  phi^1 = {}\n",
-                     text::point(s.singularValues), text::point(s.step), text::point(secondStep().phi, 10));
-  out += fmt::format("  where the linear function leads: {}; where the arm really goes: f(phi^1) = {}\n",
-                     text::point(s.linearised, 10), text::point(secondStep().f, 10));
+      given(chain, slide::startAngles, slide::newTarget) + "\n" + stepInFull(chain, lectureNewtonRun(), 0);
   out +=
       "  The slide prints phi^1 = (0.295, 1., -0.833): \"1.\" stands for 1.00419, and its f(phi^1) = "
       "(336.44, 681.27) belongs to the unrounded angles;\n"
@@ -216,18 +232,9 @@ double pathRatio(int pieces) {
 }
 
 std::string shortestSteps() {
-  const NearestSolution& best = trueMinimum();
-  const VectorXd end = lectureNewtonRun().steps.back().phi;
-  std::string out =
-      "The lecture asks for ||phi_new - phi_old|| = min over all phi with f(phi) = X. Newton takes the "
-      "shortest of each linearised step;\n"
-      "is the sum of its steps the shortest way? Compared with the true minimum (augmented Lagrangian on "
-      "Ceres, 18 starts):\n\n";
-  out += fmt::format("  Newton's end   {}  distance {:.10f}\n", text::point(end, 10), newtonDistance());
-  out += fmt::format("  true minimum   {}  distance {:.10f}, |f - X| = {:.1e}, {} Ceres iterations\n",
-                     text::point(best.phi, 10), best.distance, best.violation, best.iterations);
-  out += fmt::format("  Newton's way is {:.4f} % longer; the two poses are {:.4f} rad apart.\n\n",
-                     100 * (newtonDistance() / best.distance - 1), (end - best.phi).norm());
+  std::string out = shortestDerivation(lecturePlanarChain(), slide::startAngles,
+                                       lectureNewtonRun().steps.back().phi, trueMinimum()) +
+                    "\n";
   out +=
       "Moving the target there in more, smaller steps (as dragging does) follows the pseudo-inverse's path, "
       "not the minimum:\n";
@@ -240,6 +247,54 @@ std::string shortestSteps() {
 }
 
 }  // namespace
+
+std::string oneDimensionDerivation(double start, double X, double delta) {
+  constexpr std::size_t shown = 16;
+  std::vector<NewtonStep1d> run = newton1d(oneLinkHeight, start, X, delta, 1e-13);
+  const double end = run.back().phi;
+  const bool converged = std::abs(run.back().g) < 1e-12;
+  std::string out = fmt::format(
+      "One-link arm, l = {:g}; f(phi) = l sin phi is the end-effector's height. X = {:.6g}.\n{}Start {:.6g}, "
+      "D "
+      "= {:g}:\n",
+      slide::armLength, X, oneDimensionFormula, start, delta);
+  std::vector<double> errors = errorsOf(run, end);
+  errors.pop_back();
+  if (run.size() > shown) run.resize(shown);
+  out += table(run, end);
+  if (!converged) return out + "  no zero is found: the iteration wanders\n";
+  out += fmt::format("  ends at phi = {:.10g} = {:.8g} degrees\n", end, end / degree);
+  if (errors.size() >= 3)
+    out += fmt::format("  order of convergence, from the last three errors: {:.3f}\n",
+                       convergenceOrder(errors, 1e-11));
+  return out;
+}
+
+std::string newtonDerivation(const PlanarChain& chain, const Vector2d& X, const NewtonRun& run,
+                             std::size_t i) {
+  std::string out = given(chain, run.steps.front().phi, X);
+  out += chain.linkCount() == 2 ? "phi^(i+1) = phi^i - D_f(phi^i)^-1 (f(phi^i) - X^neu)\n\n"
+                                : "phi^(i+1) = phi^i - D_f(phi^i)^+ (f(phi^i) - X^neu)\n\n";
+  out += stepInFull(chain, run, i) + "\nThe whole run:\n" + runTable(run);
+  return out + fmt::format("  {} iterations\n", run.iterations());
+}
+
+std::string shortestDerivation(const PlanarChain& chain, const VectorXd& start, const VectorXd& newtonEnd,
+                               const NearestSolution& best) {
+  std::string out =
+      "The lecture asks for ||phi_new - phi_old|| = min over all phi with f(phi) = X. Newton takes the "
+      "shortest of each linearised step;\n"
+      "is the sum of its steps the shortest way? Compared with the true minimum (augmented Lagrangian on "
+      "Ceres, 18 starts):\n\n";
+  const double newton = (newtonEnd - start).norm();
+  out += fmt::format("  from           {}  at {}\n", text::point(start, 10),
+                     text::point(endEffector(chain, start), 8));
+  out += fmt::format("  Newton's end   {}  distance {:.10f}\n", text::point(newtonEnd, 10), newton);
+  out += fmt::format("  true minimum   {}  distance {:.10f}, |f - X| = {:.1e}, {} Ceres iterations\n",
+                     text::point(best.phi, 10), best.distance, best.violation, best.iterations);
+  return out + fmt::format("  Newton's way is {:.4f} % longer; the two poses are {:.4f} rad apart.\n",
+                           100 * (newton / best.distance - 1), (newtonEnd - best.phi).norm());
+}
 
 LectureTopic newtonOneDimensionTopic() {
   LectureTopic topic{.id = "newton-1d",

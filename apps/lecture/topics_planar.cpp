@@ -1,5 +1,6 @@
 // Lecture 10.1, 10.1.1, 10.1.2: forward kinematics in the plane.
 
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
 #include "apps/lecture/slide_data.h"
 #include "apps/lecture/text.h"
@@ -26,10 +27,10 @@ std::vector<double> pointNumber(int i) {
 }
 
 /// Largest distance between the three routes over all points: sums, hierarchy, skeleton.
-double routesApart() {
-  const auto sums = linkPoints(chain(), phi());
-  const auto hierarchy = hierarchicalFrames(chain(), phi());
-  const Frames frames = forwardKinematics(toSkeleton(chain()), phi());
+double routesApart(const PlanarChain& chain, const VectorXd& phi) {
+  const auto sums = linkPoints(chain, phi);
+  const auto hierarchy = hierarchicalFrames(chain, phi);
+  const Frames frames = forwardKinematics(toSkeleton(chain), phi);
   double apart = 0.0;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     apart = std::max(apart, (sums[i] - hierarchy[i].translation()).norm());
@@ -38,39 +39,52 @@ double routesApart() {
   return apart;
 }
 
-std::string steps() {
-  std::string out = fmt::format("Given: P1 = (0, 0), l = {}, phi = {} degrees\n",
-                                text::point(slide::forwardLengths), text::point(slide::forwardDegrees));
-  out += fmt::format("Degrees of freedom n + 2 = {}\n\n", degreesOfFreedom(chain()));
+/// remark: after the sums.
+std::string derivation(const PlanarChain& chain, const VectorXd& phi, const std::string& remark) {
+  const int n = chain.linkCount();
+  std::string out =
+      fmt::format("Given: P1 = {}, l = {}, phi = {} degrees\n", text::point(chain.base),
+                  text::point(VectorXd::Map(chain.lengths.data(), n)), text::point(phi / degree));
+  out += fmt::format("Degrees of freedom n + 2 = {}\n\n", degreesOfFreedom(chain));
   out += "P_(i+1) = P_i + l_i (cos, sin)(phi_1 + ... + phi_i)\n";
-  const auto P = linkPoints(chain(), phi());
+  const auto P = linkPoints(chain, phi);
   double sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    sum += slide::forwardDegrees[i];
+  for (int i = 0; i < n; ++i) {
+    sum += phi[i] / degree;
     out += fmt::format("  P{} = {} + {} (cos {:g}, sin {:g}) = {} + {} {} = {}\n", i + 2, text::point(P[i]),
-                       slide::forwardLengths[i], sum, sum, text::point(P[i]), slide::forwardLengths[i],
+                       chain.lengths[i], sum, sum, text::point(P[i]), chain.lengths[i],
                        text::point(Vector2d(std::cos(sum * degree), std::sin(sum * degree))),
                        text::point(P[i + 1], 15));
   }
-  out += fmt::format(
-      "  on the slide: P2 = (2, 2 sqrt3) = {}, P3 = (2 + 3 sqrt3, 2 sqrt3 - 3) = {}, P4 = (2 + 4 sqrt3, 2 "
-      "sqrt3 - 2) = {}\n\n",
-      text::point(Vector2d(2, 2 * root3), 15), text::point(Vector2d(2 + 3 * root3, 2 * root3 - 3), 15),
-      text::point(Vector2d(2 + 4 * root3, 2 * root3 - 2), 15));
-  out += "The same through the hierarchy, K_1 = T(P1) R(phi_1), K_(i+1) = K_i T(l_i, 0) R(phi_(i+1)):\n";
-  const auto frames = hierarchicalFrames(chain(), phi());
-  for (int i = 0; i < 3; ++i)
+  out += remark;
+  out += "\nThe same through the hierarchy, K_1 = T(P1) R(phi_1), K_(i+1) = K_i T(l_i, 0) R(phi_(i+1)):\n";
+  const auto frames = hierarchicalFrames(chain, phi);
+  for (int i = 0; i < n; ++i)
     out +=
         fmt::format("  K_{}: origin {}, x axis {}, y axis {}\n", i + 1, text::point(frames[i].translation()),
                     text::point(frames[i].linear().col(0)), text::point(frames[i].linear().col(1)));
-  out += fmt::format("  X = K_3 (l_3, 0) = {}\n\n", text::point(frames.back().translation(), 15));
-  out += fmt::format("And through the general skeleton (three hinges about z): X = {}\n",
-                     text::point(forwardKinematics(toSkeleton(chain()), phi()).back().translation(), 15));
-  out += fmt::format("Largest distance between the three routes: {:.2e}\n", routesApart());
+  out += fmt::format("  X = K_{} (l_{}, 0) = {}\n\n", n, n, text::point(frames.back().translation(), 15));
+  out += fmt::format("And through the general skeleton (hinges about z): X = {}\n",
+                     text::point(forwardKinematics(toSkeleton(chain), phi).back().translation(), 15));
+  out += fmt::format("Largest distance between the three routes: {:.2e}\n", routesApart(chain, phi));
   return out;
 }
 
+std::string steps() {
+  return derivation(
+      chain(), phi(),
+      fmt::format("  on the slide: P2 = (2, 2 sqrt3) = {}, P3 = (2 + 3 sqrt3, 2 sqrt3 - 3) = {}, P4 = (2 + 4 "
+                  "sqrt3, 2 sqrt3 - 2) = {}\n",
+                  text::point(Vector2d(2, 2 * root3), 15),
+                  text::point(Vector2d(2 + 3 * root3, 2 * root3 - 3), 15),
+                  text::point(Vector2d(2 + 4 * root3, 2 * root3 - 2), 15)));
+}
+
 }  // namespace
+
+std::string forwardDerivation(const PlanarChain& chain, const VectorXd& phi) {
+  return derivation(chain, phi, "");
+}
 
 LectureTopic planarForwardTopic() {
   const std::string section = "10.1.2, example with 3 links";
@@ -103,7 +117,7 @@ LectureTopic planarForwardTopic() {
        .what = "sums, T(l,0) R(phi) and skeleton agree",
        .printed = {1e-12},
        .tolerance = {0},
-       .compute = [] { return std::vector{routesApart()}; },
+       .compute = [] { return std::vector{routesApart(chain(), phi())}; },
        .comparison = Comparison::AtMost},
       {.id = "planar-fk-dof",
        .section = "10.1, degrees of freedom",

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
@@ -20,9 +21,9 @@ using Eigen::VectorXd;
 
 constexpr double degree = M_PI / 180.0;
 const std::vector<double> lengths{1.0, 0.8, 0.5};
-const std::vector<Vector3d> pose{{20 * degree, -30 * degree, 40 * degree},
-                                 {-50 * degree, 60 * degree, 10 * degree},
-                                 {70 * degree, -20 * degree, -80 * degree}};
+const std::array<Vector3d, 3> pose{{{20 * degree, -30 * degree, 40 * degree},
+                                    {-50 * degree, 60 * degree, 10 * degree},
+                                    {70 * degree, -20 * degree, -80 * degree}}};
 
 /// Three joints at the ends of links along x, each with three axes in the given order, or a ball.
 Skeleton chain(const EulerOrder* order) {
@@ -43,41 +44,43 @@ Skeleton chain(const EulerOrder* order) {
   return Skeleton(std::move(joints));
 }
 
-/// The lecture's pose: R(phi^x, phi^y, phi^z) at every joint.
-Quaterniond rotationOf(int joint) {
-  return Quaterniond(rotationFromEuler(lectureEulerOrder(), pose[static_cast<std::size_t>(joint)]));
+using Angles = std::array<Vector3d, 3>;  ///< (phi^x, phi^y, phi^z) of each joint
+
+/// R(phi^x, phi^y, phi^z) of a joint.
+Quaterniond rotationOf(const Vector3d& angles) {
+  return Quaterniond(rotationFromEuler(lectureEulerOrder(), angles));
 }
 
-Frames framesByQuaternions() {
+Frames framesByQuaternions(const Angles& angles) {
   const Skeleton skeleton = chain(nullptr);
   VectorXd q = neutral(skeleton);
-  for (int i = 0; i < 3; ++i) setBallRotation(skeleton, q, i, rotationOf(i));
+  for (int i = 0; i < 3; ++i) setBallRotation(skeleton, q, i, rotationOf(angles[i]));
   return forwardKinematics(skeleton, q);
 }
 
-Frames framesByEuler(const EulerOrder& order) {
+Frames framesByEuler(const EulerOrder& order, const Angles& angles) {
   VectorXd q(9);
   for (int i = 0; i < 3; ++i)
-    q.segment<3>(3 * i) = eulerFromRotation(order, rotationOf(i).toRotationMatrix());
+    q.segment<3>(3 * i) = eulerFromRotation(order, rotationOf(angles[i]).toRotationMatrix());
   return forwardKinematics(chain(&order), q);
 }
 
 /// The slide's own product T(l_i, 0) R(phi_(i+1)), without any skeleton.
-Isometry3d endByProducts() {
+Isometry3d endByProducts(const Angles& angles) {
   Isometry3d K = Isometry3d::Identity();
-  for (int i = 0; i < 3; ++i) {
-    K.rotate(rotationFromEuler(lectureEulerOrder(), pose[static_cast<std::size_t>(i)]));
-    K.translate(Vector3d(lengths[static_cast<std::size_t>(i)], 0, 0));
+  for (std::size_t i = 0; i < 3; ++i) {
+    K.rotate(rotationFromEuler(lectureEulerOrder(), angles[i]));
+    K.translate(Vector3d(lengths[i], 0, 0));
   }
   return K;
 }
 
 /// Largest difference of any frame between the quaternion chain and all twelve orders.
-double ordersApart() {
-  const Frames byQuaternions = framesByQuaternions();
+double ordersApart(const Angles& angles) {
+  const Frames byQuaternions = framesByQuaternions(angles);
   double apart = 0.0;
   for (const EulerOrder& order : eulerOrders()) {
-    const Frames byEuler = framesByEuler(order);
+    const Frames byEuler = framesByEuler(order, angles);
     for (std::size_t i = 0; i < byEuler.size(); ++i)
       apart = std::max(apart, (byEuler[i].matrix() - byQuaternions[i].matrix()).cwiseAbs().maxCoeff());
   }
@@ -126,25 +129,7 @@ std::string fitTable(const Vector3d& target) {
 }
 
 std::string steps() {
-  std::string out =
-      "T_(i -> i+1) = T(l_i, 0) R(phi_(i+1)),  R(phi) = R(phi^x, phi^y, phi^z): rotations about x, then y, "
-      "then z of the moving frame.\n";
-  for (int i = 0; i < 3; ++i)
-    out += fmt::format(
-        "  joint {}: l = {:g}, (phi^x, phi^y, phi^z) = {} degrees, q = (w x y z) {}\n", i + 1,
-        lengths[static_cast<std::size_t>(i)], text::point(pose[static_cast<std::size_t>(i)] / degree, 6),
-        text::point(
-            Eigen::Vector4d(rotationOf(i).w(), rotationOf(i).x(), rotationOf(i).y(), rotationOf(i).z()), 7));
-  out += fmt::format(
-      "\nEnd-effector by the slide's product      {}\n           by the skeleton, quaternions  {}\n",
-      text::point(endByProducts().translation(), 12),
-      text::point(framesByQuaternions().back().translation(), 12));
-  out += "  by the skeleton, each of the twelve orders (angles of joint 1 in degrees):\n";
-  for (const EulerOrder& order : eulerOrders())
-    out += fmt::format("    {}: {:<40} end {}\n", order.name,
-                       text::point(eulerFromRotation(order, rotationOf(0).toRotationMatrix()) / degree, 8),
-                       text::point(framesByEuler(order).back().translation(), 12));
-  out += fmt::format("  largest difference of any matrix entry: {:.1e}\n\n", ordersApart());
+  std::string out = rotationsDerivation(pose) + "\n";
   out +=
       "Gimbal lock: x, y, z at phi^y = 90 degrees. The world axes about which the angles turn, and |det E| = "
       "|cos phi^y|:\n";
@@ -166,6 +151,29 @@ std::string steps() {
 
 }  // namespace
 
+std::string rotationsDerivation(const Angles& angles) {
+  std::string out =
+      "T_(i -> i+1) = T(l_i, 0) R(phi_(i+1)),  R(phi) = R(phi^x, phi^y, phi^z): rotations about x, then y, "
+      "then z of the moving frame.\n";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Quaterniond q = rotationOf(angles[i]);
+    out += fmt::format("  joint {}: l = {:g}, (phi^x, phi^y, phi^z) = {} degrees, q = (w x y z) {}\n", i + 1,
+                       lengths[i], text::point(angles[i] / degree, 6),
+                       text::point(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()), 7));
+  }
+  out += fmt::format(
+      "\nEnd-effector by the slide's product      {}\n           by the skeleton, quaternions  {}\n",
+      text::point(endByProducts(angles).translation(), 12),
+      text::point(framesByQuaternions(angles).back().translation(), 12));
+  out += "  by the skeleton, each of the twelve orders (angles of joint 1 in degrees):\n";
+  for (const EulerOrder& order : eulerOrders())
+    out += fmt::format(
+        "    {}: {:<40} end {}\n", order.name,
+        text::point(eulerFromRotation(order, rotationOf(angles[0]).toRotationMatrix()) / degree, 8),
+        text::point(framesByEuler(order, angles).back().translation(), 12));
+  return out + fmt::format("  largest difference of any matrix entry: {:.1e}\n", ordersApart(angles));
+}
+
 LectureTopic rotationsTopic() {
   const std::string section = "10.2, hierarchical coordinate systems in 3D";
   LectureTopic topic{.id = "rotations",
@@ -181,8 +189,9 @@ LectureTopic rotationsTopic() {
        .tolerance = {0},
        .compute =
            [] {
-             return std::vector{
-                 (endByProducts().matrix() - framesByQuaternions().back().matrix()).cwiseAbs().maxCoeff()};
+             return std::vector{(endByProducts(pose).matrix() - framesByQuaternions(pose).back().matrix())
+                                    .cwiseAbs()
+                                    .maxCoeff()};
            },
        .comparison = Comparison::AtMost},
       {.id = "rotations-orders",
@@ -190,7 +199,7 @@ LectureTopic rotationsTopic() {
        .what = "all twelve Euler orders give the same pose",
        .printed = {1e-14},
        .tolerance = {0},
-       .compute = [] { return std::vector{ordersApart()}; },
+       .compute = [] { return std::vector{ordersApart(pose)}; },
        .comparison = Comparison::AtMost},
       {.id = "rotations-gimbal",
        .section = section,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
 #include "apps/lecture/slide_data.h"
 #include "apps/lecture/text.h"
@@ -69,31 +70,43 @@ double elbowJump(bool historyAware) {
   return worst;
 }
 
-std::string steps() {
-  std::string out =
-      fmt::format("Given: P1 = (0, 0), X = {}, l1 = l2 = {:g}\n", text::point(slide::armTarget), l);
-  out += fmt::format("Reachable workspace: |l1 - l2| = {:g} <= |X - P1| = {:g} <= l1 + l2 = {:g}\n", 0.0,
-                     slide::armTarget.norm(), 2 * l);
-  out += "  (the slide prints the lower end as l1 - l2, which is meant for l1 >= l2)\n\n";
-  const double cosine = (slide::armTarget.squaredNorm() - 2 * l * l) / (2 * l * l);
-  out += fmt::format(
-      "cos phi_2 = (dx^2 + dy^2 - l1^2 - l2^2) / (2 l1 l2) = {:g}  =>  phi_2 = +-{:.10g} degrees\n\n", cosine,
-      std::acos(cosine) / degree);
+std::string derivation(const PlanarChain& arm, const Vector2d& X, const std::string& remark) {
+  const double l1 = arm.lengths[0], l2 = arm.lengths[1];
+  const Vector2d d = X - arm.base;
+  std::string out = fmt::format("Given: P1 = {}, X = {}, l1 = {:g}, l2 = {:g}\n", text::point(arm.base),
+                                text::point(X), l1, l2);
+  const double r = d.norm();
+  const bool inside = r >= std::abs(l1 - l2) && r <= l1 + l2;
+  out += fmt::format("Reachable workspace: |l1 - l2| = {:g} <= |X - P1| = {:g} <= l1 + l2 = {:g}{}\n",
+                     std::abs(l1 - l2), r, l1 + l2, inside ? "" : " does not hold");
+  out += remark;
+  const double cosine = (d.squaredNorm() - l1 * l1 - l2 * l2) / (2 * l1 * l2);
+  out += fmt::format("\ncos phi_2 = (dx^2 + dy^2 - l1^2 - l2^2) / (2 l1 l2) = {:g}  =>  {}\n\n", cosine,
+                     std::abs(cosine) <= 1.0
+                         ? fmt::format("phi_2 = +-{:.10g} degrees", std::acos(cosine) / degree)
+                         : std::string("no phi_2: the target is out of reach"));
   out +=
       "tan phi_1 = (dy (l1 + l2 c2) - dx l2 s2) / (dx (l1 + l2 c2) + dy l2 s2); the arctangent leaves two "
       "candidates, pi apart.\n";
   out += "Forward kinematics tells which one holds:\n";
-  for (const ArctangentCandidate& c : arctangentCandidates(origin, l, l, slide::armTarget)) {
-    const Vector2d X = endEffector({.base = origin, .lengths = {l, l}}, Vector2d(c.phi1, c.phi2));
+  for (const ArctangentCandidate& c : arctangentCandidates(arm.base, l1, l2, X)) {
+    if (!std::isfinite(c.distance)) continue;
     out += fmt::format("  phi_2 = {:6.1f}, phi_1 = {:6.1f} degrees: f(phi) = {:<22} {}\n", c.phi2 / degree,
-                       c.phi1 / degree, text::point(X),
+                       c.phi1 / degree, text::point(endEffector(arm, Vector2d(c.phi1, c.phi2))),
                        c.distance < 1e-9 ? "holds" : fmt::format("misses the target by {:g}", c.distance));
   }
   out += "\nWith atan2(numerator, denominator) only those that hold are left. All branches:\n";
-  const TwoLinkSolution all = solution();
+  const TwoLinkSolution all = solveTwoLink(arm.base, l1, l2, X);
   for (const TwoLinkBranch& branch : all.branches())
     out += fmt::format("  phi_1 = {:.10g}, phi_2 = {:.10g} degrees ({})\n", branch.phi1 / degree,
                        branch.phi2 / degree, branch.exact ? "exact" : "nearest");
+  return out;
+}
+
+std::string steps() {
+  std::string out =
+      derivation({.base = origin, .lengths = {l, l}}, slide::armTarget,
+                 "  (the slide prints the lower end as l1 - l2, which is meant for l1 >= l2)\n");
   out += "\nThe borders (same arm unless said otherwise):\n";
   struct Border {
     const char* name;
@@ -121,6 +134,8 @@ std::string steps() {
 }
 
 }  // namespace
+
+std::string twoLinkDerivation(const PlanarChain& arm, const Vector2d& X) { return derivation(arm, X, ""); }
 
 LectureTopic twoLinkTopic() {
   const std::string section = "10.1.3, numerical example";

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 
 #include "apps/sandbox/builtin_panels.h"
@@ -31,7 +34,7 @@ void headingRow(Sandbox& sandbox, const char* words) {
 
 void valueRow(Sandbox& sandbox, const std::string& name, const std::string& value) {
   const auto widthOf = [](const std::string& text) {
-    return mathSize(ImGui::GetFont(), ImGui::GetFontSize(), text).x;
+    return mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), text).width;
   };
   ImGui::PushStyleColor(ImGuiCol_Text, sandbox.state().colours().textDim);
   mathItem(name);
@@ -71,32 +74,91 @@ void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box) {
   s.camera() = frameBox(s.camera(), s.viewport(), box, 0.06);
 }
 
+namespace {
+
+/// The cells of a line "   [ 1   2.5 ]"; empty: the line is no row of a matrix.
+std::vector<std::string> matrixRow(const std::string& line) {
+  const std::size_t from = line.find_first_not_of(' '), to = line.find_last_not_of(' ');
+  if (from == std::string::npos || line[from] != '[' || line[to] != ']') return {};
+  std::istringstream words(line.substr(from + 1, to - from - 1));
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+/// Rows of numbers between tall brackets, every column right-aligned.
+void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
+  std::vector<float> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()), 0.0f);
+    for (std::size_t j = 0; j < row.size(); ++j)
+      widths[j] = std::max(widths[j], ImGui::CalcTextSize(row[j].c_str()).x);
+  }
+  const float gap = 1.1f * ImGui::GetFontSize(), edge = 0.5f * ImGui::GetFontSize();
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  for (const auto& row : rows) {
+    float x = left + edge;
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      x += widths[j];
+      if (j > 0) ImGui::SameLine(0, 0);
+      ImGui::SetCursorPosX(x - ImGui::CalcTextSize(row[j].c_str()).x);
+      ImGui::TextUnformatted(row[j].c_str());
+      x += gap;
+    }
+  }
+  const float wide = std::accumulate(widths.begin(), widths.end(), 0.0f) +
+                     gap * static_cast<float>(widths.size() - 1) + 2.0f * edge;
+  const float x = ImGui::GetWindowPos().x - ImGui::GetScrollX() + left;
+  drawBrackets(*ImGui::GetWindowDrawList(), {x, low.y},
+               {x + wide, ImGui::GetCursorScreenPos().y - ImGui::GetStyle().ItemSpacing.y},
+               ImGui::GetColorU32(ImGuiCol_Text), std::max(1.2f, 0.08f * ImGui::GetFontSize()));
+}
+
+/// Where the cells of a line begin: runs of three or more blanks part them.
+std::vector<std::pair<std::size_t, std::string>> cellsOf(const std::string& line) {
+  std::vector<std::pair<std::size_t, std::string>> cells;
+  std::size_t at = line.find_first_not_of(' ');
+  while (at != std::string::npos) {
+    const std::size_t gap = line.find("   ", at);
+    cells.emplace_back(at, line.substr(at, gap == std::string::npos ? gap : gap - at));
+    at = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
+  }
+  return cells;
+}
+
+}  // namespace
+
 void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen) {
   ImFont* font = chosen ? chosen : sandbox.state().gui.fonts().small;
   ImGui::PushFont(font);
   const float cell = 0.47f * ImGui::GetFontSize();  // about the mean width of a character
-  std::size_t from = 0;
-  while (from < text.size()) {
-    const std::size_t end = std::min(text.find('\n', from), text.size());
-    const std::string line = text.substr(from, end - from);
-    from = end + 1;
-    if (line.empty()) {
-      ImGui::Dummy({0, 0.35f * ImGui::GetTextLineHeight()});
+  std::istringstream lines(text);
+  std::vector<std::vector<std::string>> matrix;
+  std::size_t indent = 0;
+  const auto endMatrix = [&] {
+    if (!matrix.empty()) drawMatrix(matrix, cell * static_cast<float>(indent));
+    matrix.clear();
+  };
+  for (std::string line; std::getline(lines, line);) {
+    if (auto row = matrixRow(line); !row.empty()) {
+      indent = line.find('[');
+      matrix.push_back(std::move(row));
       continue;
     }
-    std::size_t at = line.find_first_not_of(' ');
+    endMatrix();
+    const auto cells = cellsOf(line);
+    if (cells.empty()) ImGui::Dummy({0, 0.35f * ImGui::GetTextLineHeight()});
+    float over = 0.0f;
+    for (const auto& [at, words] : cells)
+      over = std::max(over, mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), words).over);
     bool first = true;
-    while (at != std::string::npos) {
-      const std::size_t gap = line.find("   ", at);
-      const std::string word = line.substr(at, gap == std::string::npos ? gap : gap - at);
+    for (const auto& [at, words] : cells) {
       if (!first) ImGui::SameLine(0, 0);
       ImGui::SetCursorPosX(
           std::max(first ? 0.0f : ImGui::GetCursorPosX() + cell, cell * static_cast<float>(at)));
-      mathItem(word);
+      mathItem(words, over);
       first = false;
-      at = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
     }
   }
+  endMatrix();
   ImGui::PopFont();
 }
 
@@ -165,7 +227,8 @@ class LecturePanel final : public Panel {
       ImGui::SameLine();
     }
     ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
-    columnText(sandbox, derivation_);
+    drawSwitch(sandbox);
+    columnText(sandbox, derivation(sandbox));
     ImGui::EndChild();
   }
 
@@ -175,16 +238,19 @@ class LecturePanel final : public Panel {
     ImGui::TextUnformatted(topic_->title.c_str());
     ImGui::PopFont();
     ImGui::TextColored(sandbox.state().colours().textDim, "%s", topic_->section.c_str());
+    ImGui::SameLine(0, 16 * sandbox.scale());
+    drawSwitch(sandbox);
     ImGui::Dummy({0, 6 * sandbox.scale()});
     ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
     // As large as the longest line allows.
+    const std::string& text = derivation(sandbox);
     std::size_t longest = 1;
-    std::istringstream lines(derivation_);
+    std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
     ImFont* font = sandbox.state().gui.fonts().large;
     const float wanted = 0.47f * font->FontSize * static_cast<float>(longest);
     ImGui::SetWindowFontScale(std::clamp(ImGui::GetContentRegionAvail().x / wanted, 0.7f, 1.15f));
-    columnText(sandbox, derivation_, font);
+    columnText(sandbox, text, font);
     ImGui::EndChild();
     return true;
   }
@@ -218,7 +284,34 @@ class LecturePanel final : public Panel {
     document.lecture = topic_ ? LectureState{.topic = topic_->id, .state = scene_->save()} : LectureState{};
   }
 
+  std::string status() const override {
+    if (!topic_) return {};
+    return nlohmann::json{{"topic", topic_->id}, {"values", live_ ? "live" : "slide"}, {"derivation", shown_}}
+        .dump();
+  }
+
+  void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
+    if (words.size() == 1 && (words[0] == "slide" || words[0] == "live"))
+      live_ = words[0] == "live";
+    else
+      Panel::act(sandbox, words);
+  }
+
  private:
+  /// The slide's numbers, or those of the arm as it stands.
+  void drawSwitch(Sandbox& sandbox) {
+    ImGui::PushFont(sandbox.state().gui.fonts().small);
+    if (ImGui::RadioButton("slide", !live_)) live_ = false;
+    tooltip("The derivation with the slide's own numbers.");
+    ImGui::SameLine();
+    if (ImGui::RadioButton("live", live_)) live_ = true;
+    tooltip("Every number of the derivation follows the arm while you drag it.");
+    ImGui::PopFont();
+  }
+  const std::string& derivation(Sandbox& sandbox) {
+    return shown_ = live_ ? scene_->derivation(sandbox) : derivation_;
+  }
+
   /// The example of a document that was read from a file: begun as always, then brought to where it was.
   void takeUp(Sandbox& sandbox) {
     const auto model = sandbox.session().sharedModel();
@@ -286,9 +379,9 @@ class LecturePanel final : public Panel {
 
   const LectureTopic* topic_ = nullptr;
   std::unique_ptr<LectureScene> scene_;
-  std::string derivation_;
+  std::string derivation_, shown_;  ///< the slide's; what stands in the window
   std::vector<LectureVerdict> verdicts_;
-  bool opening_ = false;
+  bool opening_ = false, live_ = false;
 };
 
 }  // namespace

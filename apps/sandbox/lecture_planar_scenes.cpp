@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "apps/document/chain_models.h"
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/newton_runs.h"
 #include "apps/lecture/slide_data.h"
 #include "apps/sandbox/lecture_scene.h"
@@ -151,15 +152,21 @@ class ForwardScene final : public PlanarScene {
     for (int i = 0; i < chain_.linkCount(); ++i) {
       float angle = static_cast<float>(phi[i] / degree);
       ImGui::SetNextItemWidth(-46 * sandbox.scale());
-      if (ImGui::SliderFloat(fmt::format("phi_{}", i + 1).c_str(), &angle, -360.0f, 360.0f, "%.1f deg")) {
+      const std::string name = fmt::format("phi_{}", i + 1);
+      if (ImGui::SliderFloat(("##" + name).c_str(), &angle, -360.0f, 360.0f, "%.1f deg")) {
         phi[i] = angle * degree;
         sandbox.session().setPose(phi);
       }
+      mathLabel(name);
     }
     headingRow(sandbox, "POINTS, P_(i+1) = P_i + l_i (cos, sin)(phi_1 + ... + phi_i)");
     const auto P = linkPoints(chain_, sandbox.session().q());
     for (std::size_t i = 0; i < P.size(); ++i)
       valueRow(sandbox, fmt::format("P{}", i + 1), pair(P[i], "({:.6f}, {:.6f})"));
+  }
+
+  std::string derivation(Sandbox& sandbox) override {
+    return forwardDerivation(chain_, sandbox.session().q());
   }
 
  private:
@@ -229,6 +236,8 @@ class TwoLinkScene final : public PlanarScene {
       valueRow(sandbox, b.exact ? "exact" : "nearest",
                fmt::format("{:.4f}, {:.4f}", std::remainder(b.phi1, 2 * M_PI) / degree, b.phi2 / degree));
   }
+
+  std::string derivation(Sandbox& sandbox) override { return twoLinkDerivation(chain_, target(sandbox)); }
 
  private:
   Vector2d target(const Sandbox& sandbox) {
@@ -363,6 +372,8 @@ class OneDimensionScene final : public PlanarScene {
     ImGui::Dummy(size);
   }
 
+  std::string derivation(Sandbox&) override { return oneDimensionDerivation(start_, target_, delta_); }
+
   std::string save() const override { return fmt::format("{} {} {} {}", start_, target_, delta_, at_); }
   void load(Sandbox& sandbox, const std::string& text) override {
     std::size_t at = 0;
@@ -477,7 +488,10 @@ class NewtonScene final : public PlanarScene {
     }
     float target[2] = {static_cast<float>(target_.x()), static_cast<float>(target_.y())};
     ImGui::SetNextItemWidth(-46 * sandbox.scale());
-    if (ImGui::DragFloat2("X^neu", target, 0.002f * static_cast<float>(reachOf(chain_)), 0, 0, "%.2f")) {
+    const bool moved =
+        ImGui::DragFloat2("##X^neu", target, 0.002f * static_cast<float>(reachOf(chain_)), 0, 0, "%.2f");
+    mathLabel("X^neu");
+    if (moved) {
       target_ = {target[0], target[1]};
       best_.reset();
       restart(sandbox);
@@ -523,6 +537,12 @@ class NewtonScene final : public PlanarScene {
                       .leastCount = 6},
                      {curve}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail(),
                      sandbox.state().colours(), sandbox.state().gui.fonts(), sandbox.scale());
+  }
+
+  std::string derivation(Sandbox&) override {
+    return example_ == NewtonExample::Shortest
+               ? shortestDerivation(chain_, start_, run_.steps.back().phi, best())
+               : newtonDerivation(chain_, target_, run_, at_);
   }
 
   std::string save() const override { return fmt::format("{}", at_); }

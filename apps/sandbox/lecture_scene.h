@@ -35,6 +35,8 @@ class LectureScene {
   virtual void overlay(Sandbox&) {}                           ///< marks over the view
   virtual void drawInspector(Sandbox&) {}                     ///< values and controls
   virtual bool hasPlot() const { return false; }
+  /// The example's derivation with the values of the scene as it stands (derivations.h).
+  virtual std::string derivation(Sandbox&) = 0;
   virtual void drawPlot(Sandbox&) {}                   ///< left of the derivation in the bottom strip
   virtual bool changesModel() const { return false; }  ///< true while the scene itself opens another model
   virtual std::string save() const { return {}; }      ///< one line of text; load gets what save returned
@@ -63,8 +65,8 @@ void headingRow(Sandbox& sandbox, const char* words);
 void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd& m, const char* format);
 /// Moves the camera so that the box fills the view.
 void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box);
-/// Text in columns: runs of three or more blanks begin a cell at the same place in every line.
-/// font: null, the small one.
+/// Text in columns: runs of three or more blanks begin a cell at the same place in every line; lines in
+/// square brackets are the rows of a matrix. font: null, the small one.
 void columnText(Sandbox& sandbox, const std::string& text, ImFont* font = nullptr);
 
 }  // namespace gelenk

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "apps/document/chain_models.h"
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/leg_animation.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/plots.h"
@@ -105,6 +106,16 @@ class RotationsScene final : public LectureScene {
       const Vector3d a = eulerFromRotation(other, q.normalized().toRotationMatrix()) / degree;
       valueRow(sandbox, std::string(other.name), fmt::format("{:.2f}, {:.2f}, {:.2f}", a[0], a[1], a[2]));
     }
+  }
+
+  std::string derivation(Sandbox& sandbox) override {
+    std::array<Vector3d, 3> angles;
+    for (int i = 0; i < 3; ++i)
+      angles[i] = eulerFromRotation(lectureEulerOrder(),
+                                    ballRotation(sandbox.session().skeleton(), sandbox.session().q(), i)
+                                        .normalized()
+                                        .toRotationMatrix());
+    return rotationsDerivation(angles);
   }
 
  private:
@@ -271,6 +282,11 @@ class DhScene final : public LectureScene {
     ImGui::PopTextWrapPos();
   }
 
+  std::string derivation(Sandbox& sandbox) override {
+    const VectorXd& q = sandbox.session().q();
+    return q.size() == table_.variableCount() ? dhDerivation(table_, q) : std::string();
+  }
+
   bool changesModel() const override { return reopening_; }
   /// The table stands in the model's name.
   void load(Sandbox& sandbox, const std::string&) override {
@@ -422,6 +438,11 @@ class LegScene final : public LectureScene {
                       .highest = 70.0,
                       .leastCount = static_cast<int>(keyedFeet_.size())},
                      curves, at, size, colours, sandbox.state().gui.fonts(), sandbox.scale());
+  }
+
+  std::string derivation(Sandbox&) override {
+    return legDerivation(usePins_ ? pinned_ : keyed_, (usePins_ ? pinnedFeet_ : keyedFeet_)[frame()],
+                         frame());
   }
 
   std::string save() const override { return fmt::format("{} {}", time_, usePins_ ? 1 : 0); }

@@ -6,6 +6,7 @@
 #include "apps/sandbox/gizmo.h"
 #include "apps/sandbox/label_places.h"
 #include "apps/sandbox/mathematics.h"
+#include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
@@ -29,7 +30,7 @@ struct Pen {
 void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& text, bool isFormula = false) {
   ImFont* font = pen.fonts.small;
   ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
-  if (isFormula) size = {mathSize(font, font->FontSize, text).x, size.y};
+  if (isFormula) size = {mathExtent(font, font->FontSize, text).width, size.y};
   LabelBox box{at.x - 5 * pen.scale, at.y - 2 * pen.scale, size.x + 10 * pen.scale, size.y + 4 * pen.scale};
   if (!pen.places->place(box)) return;
   at = {box.x + 5 * pen.scale, box.y + 2 * pen.scale};
@@ -102,6 +103,52 @@ void nameGesture(const Pen& pen, Sandbox& sandbox) {
         pen.colours.text, text);
 }
 
+/// The coordinates of the plane along the left and the lower edge, and the axes through its origin, while a
+/// planar scene is seen from straight above.
+void drawRulers(const Pen& pen, Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.session->model().planar) return;
+  const auto pixelOf = [&](double x, double y) { return s.toWindow(Vector3d(x, y, 0.0)).pixel; };
+  const Eigen::Vector2d origin = pixelOf(0, 0), alongX = pixelOf(1, 0) - origin,
+                        alongY = pixelOf(0, 1) - origin;
+  const double perUnit = alongX.x();
+  if (perUnit <= 0.0 || std::abs(alongX.y()) > 1e-3 * perUnit || std::abs(alongY.x()) > 1e-3 * perUnit)
+    return;
+  const Layout::Rect& view = s.layout.view;
+  const float low = view.y + view.height, tick = 5 * pen.scale, margin = 3 * pen.scale;
+  const ImU32 ink = colour32(pen.colours.textDim, 0.9f), faint = colour32(pen.colours.textDim, 0.35f);
+  const float x0 = static_cast<float>(origin.x()), y0 = static_cast<float>(origin.y());
+  pen.draw->AddLine({view.x, y0}, {view.x + view.width, y0}, faint, pen.scale);
+  pen.draw->AddLine({x0, view.y}, {x0, low}, faint, pen.scale);
+  const double step = niceStep(80.0 * pen.scale / perUnit);
+  ImFont* font = pen.fonts.small;
+  const auto number = [&](double value) {
+    return fmt::format("{:g}", std::abs(value) < 0.01 * step ? 0.0 : value);
+  };
+  const double left = (view.x - origin.x()) / perUnit, right = (view.x + view.width - origin.x()) / perUnit;
+  for (double i = std::ceil(left / step); i <= right / step; ++i) {
+    const float x = static_cast<float>(origin.x() + i * step * perUnit);
+    const std::string text = number(i * step);
+    const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
+    pen.draw->AddLine({x, low}, {x, low - tick}, ink, pen.scale);
+    const ImVec2 at{x - 0.5f * size.x, low - tick - margin - size.y};
+    if (at.x < view.x + 40 * pen.scale) continue;  // the corner belongs to the other ruler
+    pen.draw->AddText(font, font->FontSize, at, ink, text.c_str());
+    pen.places->take({at.x, at.y, size.x, size.y});
+  }
+  const double bottom = (origin.y() - low) / perUnit, top = (origin.y() - view.y) / perUnit;
+  for (double i = std::ceil(bottom / step); i <= top / step; ++i) {
+    const float y = static_cast<float>(origin.y() - i * step * perUnit);
+    const std::string text = number(i * step);
+    const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
+    pen.draw->AddLine({view.x, y}, {view.x + tick, y}, ink, pen.scale);
+    const ImVec2 at{view.x + tick + margin, y - 0.5f * size.y};
+    if (at.y + size.y > low - tick) continue;
+    pen.draw->AddText(font, font->FontSize, at, ink, text.c_str());
+    pen.places->take({at.x, at.y, size.x, size.y});
+  }
+}
+
 void drawNotices(const Pen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   std::erase_if(s.notices, [&](const Notice& notice) { return notice.until <= s.time; });
@@ -151,6 +198,7 @@ void drawMarks(Sandbox& sandbox) {
   draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())),
                  {view.x, view.y}, {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
   draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height}, true);
+  drawRulers(pen, sandbox);
   for (const auto& label : s.labels) {
     const Projected p = s.toWindow(label.at);
     if (p.depth > 0.0)

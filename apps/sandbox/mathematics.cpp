@@ -18,8 +18,8 @@ constexpr std::array greek{Sign{"alpha", "α"},  Sign{"beta", "β"},    Sign{"ga
                            Sign{"lambda", "λ"}, Sign{"mu", "μ"},      Sign{"xi", "ξ"},    Sign{"pi", "π"},
                            Sign{"rho", "ρ"},    Sign{"sigma", "σ"},   Sign{"Sigma", "Σ"}, Sign{"tau", "τ"},
                            Sign{"phi", "φ"},    Sign{"psi", "ψ"},     Sign{"omega", "ω"}, Sign{"Omega", "Ω"}};
-constexpr std::array signs{Sign{"<=", "≤"}, Sign{">=", "≥"}, Sign{"!=", "≠"}, Sign{"+-", "±"},
-                           Sign{" * ", " · "}};
+constexpr std::array signs{Sign{"<=", "≤"}, Sign{">=", "≥"},    Sign{"!=", "≠"},
+                           Sign{"+-", "±"}, Sign{" * ", " · "}, Sign{" - ", " − "}};
 
 bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)); }
 bool isWord(char c) { return std::isalnum(static_cast<unsigned char>(c)); }
@@ -81,19 +81,61 @@ std::string script(const std::string& text, std::size_t at, std::size_t& to) {
   return text.substr(from, end - from);
 }
 
+/// Behind a factor that begins at `from`: a bracket, or a word with the brackets that follow it, such as
+/// f'(phi^i).
+std::size_t endOfFactor(const std::string& text, std::size_t from) {
+  std::size_t at = from;
+  while (at < text.size() && std::string_view(" ,;)").find(text[at]) == std::string_view::npos) {
+    if (text[at] == '(') {
+      const std::size_t end = closing(text, at);
+      if (end == std::string::npos) break;
+      at = end;
+      if (from == at) break;
+    }
+    ++at;
+  }
+  return at;
+}
+
+std::string withoutBrackets(const std::string& factor) {
+  return factor.front() == '(' && closing(factor, 0) + 1 == factor.size()
+             ? factor.substr(1, factor.size() - 2)
+             : factor;
+}
+
 constexpr float scriptSize = 0.72f, raised = -0.20f, lowered = 0.36f;  // shares of the size
+constexpr float fractionSize = 0.86f, numeratorAt = -0.46f, barAt = 0.53f, denominatorAt = 0.60f;
 
 float widthOf(ImFont* font, float size, const std::string& text) {
   return font->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;
 }
 
-/// Lays the runs out; calls place(run, x, y, size) and returns the whole width.
-template <class Place_>
-float layOut(ImFont* font, float size, const std::vector<MathRun>& runs, Place_&& place) {
-  float x = 0.0f, scriptsFrom = 0.0f;
+/// What lies where: place(run, x, y, size, width) for text, bar(x, y, width) for fractions and roots. Returns
+/// what it takes.
+template <class Place_, class Bar>
+MathExtent layOut(ImFont* font, float size, const std::vector<MathRun>& runs, float x0, float y0,
+                  Place_&& place, Bar&& bar) {
+  float x = x0, scriptsFrom = 0.0f;
+  MathExtent extent;
   bool afterScript = false;
   Place before = Place::Line;
+  const auto nothing = [](auto&&...) {};
   for (const MathRun& run : runs) {
+    if (!run.above.empty()) {
+      const float own = fractionSize * size, gap = 0.12f * size;
+      const float over = layOut(font, own, run.above, 0, 0, nothing, nothing).width,
+                  under = layOut(font, own, run.below, 0, 0, nothing, nothing).width,
+                  wide = std::max(over, under);
+      layOut(font, own, run.above, x + gap + 0.5f * (wide - over), y0 + numeratorAt * size, place, bar);
+      layOut(font, own, run.below, x + gap + 0.5f * (wide - under), y0 + denominatorAt * size, place, bar);
+      bar(x + gap, y0 + barAt * size, wide);
+      x += wide + 2.0f * gap;
+      extent.over = std::max(extent.over, -numeratorAt * size + 0.1f * size);
+      extent.under = std::max(extent.under, (denominatorAt + fractionSize - 1.0f) * size + 0.05f * size);
+      afterScript = false;
+      before = Place::Line;
+      continue;
+    }
     const bool isScript = run.place != Place::Line;
     const float own = isScript ? scriptSize * size : size, width = widthOf(font, own, run.text);
     float at = x;
@@ -102,12 +144,14 @@ float layOut(ImFont* font, float size, const std::vector<MathRun>& runs, Place_&
     const float y = run.place == Place::Super ? raised * size + (size - own) * 0.35f
                     : run.place == Place::Sub ? lowered * size
                                               : 0.0f;
-    place(run, at, y, own, width);
+    place(run, at, y0 + y, own);
+    if (run.overline) bar(at, y0 - 0.04f * size, width);
     x = std::max(x, at + width + (isScript ? 0.04f * size : 0.0f));
     afterScript = isScript;
     before = run.place;
   }
-  return x;
+  extent.width = x - x0;
+  return extent;
 }
 
 }  // namespace
@@ -127,6 +171,7 @@ std::vector<MathRun> setMathematics(const std::string& plain) {
       if (!part.empty()) {
         endLine();
         std::string set = withSigns(part);
+        if (set[0] == '-') set.replace(0, 1, "−");
         runs.push_back({.text = set, .place = plain[i] == '^' ? Place::Super : Place::Sub});
         i = to;
         continue;
@@ -143,35 +188,57 @@ std::vector<MathRun> setMathematics(const std::string& plain) {
         i = end + 1;
         continue;
       }
+    if (plain[i] == '(' && (i == 0 || plain[i - 1] == ' ' || plain[i - 1] == '('))
+      if (const std::size_t end = closing(plain, i);
+          end != std::string::npos && plain.compare(end + 1, 3, " / ") == 0) {
+        const std::size_t from = end + 4, to = endOfFactor(plain, from);
+        if (to > from) {
+          endLine();
+          runs.push_back({.above = setMathematics(plain.substr(i + 1, end - i - 1)),
+                          .below = setMathematics(withoutBrackets(plain.substr(from, to - from)))});
+          i = to;
+          continue;
+        }
+      }
     line += plain[i++];
   }
   endLine();
   return runs;
 }
 
-ImVec2 mathSize(ImFont* font, float size, const std::string& plain) {
-  const float width =
-      layOut(font, size, setMathematics(plain), [](const MathRun&, float, float, float, float) {});
-  return {width, size};
+MathExtent mathExtent(ImFont* font, float size, const std::string& plain) {
+  const auto nothing = [](auto&&...) {};
+  return layOut(font, size, setMathematics(plain), 0, 0, nothing, nothing);
 }
 
 float drawMathematics(ImDrawList& draw, ImFont* font, float size, ImVec2 at, ImU32 colour,
                       const std::string& plain) {
-  return layOut(font, size, setMathematics(plain),
-                [&](const MathRun& run, float x, float y, float own, float width) {
-                  draw.AddText(font, own, {at.x + x, at.y + y}, colour, run.text.c_str());
-                  if (run.overline)
-                    draw.AddLine({at.x + x, at.y - 0.04f * size}, {at.x + x + width, at.y - 0.04f * size},
-                                 colour, std::max(1.0f, 0.06f * size));
-                });
+  return layOut(
+             font, size, setMathematics(plain), at.x, at.y,
+             [&](const MathRun& run, float x, float y, float own) {
+               draw.AddText(font, own, {x, y}, colour, run.text.c_str());
+             },
+             [&](float x, float y, float width) {
+               draw.AddLine({x, y}, {x + width, y}, colour, std::max(1.0f, 0.06f * size));
+             })
+      .width;
 }
 
-void mathItem(const std::string& plain) {
+void mathItem(const std::string& plain, float over) {
   ImFont* font = ImGui::GetFont();
   const float size = ImGui::GetFontSize();
+  const MathExtent extent = mathExtent(font, size, plain);
+  const float above = over < 0.0f ? extent.over : over;
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  drawMathematics(*ImGui::GetWindowDrawList(), font, size, at, ImGui::GetColorU32(ImGuiCol_Text), plain);
-  ImGui::Dummy({mathSize(font, size, plain).x, ImGui::GetTextLineHeight()});
+  drawMathematics(*ImGui::GetWindowDrawList(), font, size, {at.x, at.y + above},
+                  ImGui::GetColorU32(ImGuiCol_Text), plain);
+  ImGui::Dummy({extent.width, above + ImGui::GetTextLineHeight() + extent.under});
+}
+
+void mathLabel(const std::string& plain) {
+  ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+  ImGui::AlignTextToFramePadding();
+  mathItem(plain);
 }
 
 void tickItem(bool good, const ImVec4& colour) {

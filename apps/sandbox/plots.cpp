@@ -38,14 +38,6 @@ Area drawFrame(ImDrawList* draw, const std::string& title, ImVec2 position, ImVe
           {position.x + size.x - 12 * scale, position.y + size.y - bottomMargin}};
 }
 
-/// 1, 2 or 5 times a power of ten, at least `step`.
-double niceStep(double step) {
-  const double power = std::pow(10.0, std::floor(std::log10(step)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= step * 0.999) return factor * power;
-  return 10.0 * power;
-}
-
 struct Label {
   ImVec2 at;
   float width;
@@ -66,6 +58,13 @@ void moveApart(std::vector<Label>& labels, float height) {
 }
 
 }  // namespace
+
+double niceStep(double step) {
+  const double power = std::pow(10.0, std::floor(std::log10(step)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= step * 0.999) return factor * power;
+  return 10.0 * power;
+}
 
 void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 position, ImVec2 size,
               const Palette& palette, const Fonts& fonts, float scale) {

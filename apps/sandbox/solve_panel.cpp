@@ -231,9 +231,11 @@ class SolvePanel final : public Panel {
             "elbow or knee from the half plane of the pole. Orientation and aim: the angle.");
         ImGui::TableNextColumn();
         if (ImGui::SmallButton(stateWord(goal.state))) toPin = goal.id;
-        tooltip(
-            "Click to pin or free (P). free: goes with the body. held: kept at its target, weight 1. pin: "
-            "weight 300 on the squared error.");
+        static const std::string states = fmt::format(
+            "Click to pin or free (P). free: goes with the body. held: kept at its target, weight 1 on the "
+            "squared error. pin: weight {:g} with the solver drag, {:g} with the others.",
+            DragOptions{}.pinWeight, pinWeight);
+        tooltip(states.c_str());
         ImGui::TableNextColumn();
         if (goal.state == GoalState::Held || !goal.handle) {
           if (ImGui::SmallButton("×")) toFree = goal.id;
@@ -372,9 +374,8 @@ class SolvePanel final : public Panel {
                                             ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
       if (ImGui::IsItemActivated()) s.session->remember();
       tooltip(
-          "On the squared error of this goal, beside what its state brings (held 1, pin 300). A heavier goal "
-          "is "
-          "missed by less where not all can be reached. Default 1.");
+          "On the squared error of this goal, times what its state brings (a pin weighs more). A heavier goal "
+          "is missed by less where not all can be reached. Default 1.");
       if (moved) s.session->setWeight(goal.id, weight);
     }
     if (changed) try {

@@ -2,8 +2,11 @@
 
 #include <set>
 
+#include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
 #include "apps/lecture/leg_animation.h"
+#include "apps/lecture/slide_data.h"
+#include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/notation/mannequin.h"
@@ -94,6 +97,37 @@ TEST(LegAnimation, PinnedFeetKeepTheLimitsAndTheRestOfTheBody) {
                   .norm(),
               1e-12);
   }
+}
+
+TEST(Derivations, FollowTheValuesTheyAreGiven) {
+  const PlanarChain chain{.base = {1.0, 2.0}, .lengths = {1.5, 0.5, 0.25}};
+  const Eigen::Vector3d phi(0.3, -1.2, 2.5);
+  const Eigen::Vector2d end = chain.base + 1.5 * Eigen::Vector2d(std::cos(0.3), std::sin(0.3)) +
+                              0.5 * Eigen::Vector2d(std::cos(-0.9), std::sin(-0.9)) +
+                              0.25 * Eigen::Vector2d(std::cos(1.6), std::sin(1.6));
+  EXPECT_NE(forwardDerivation(chain, phi).find("X = K_3 (l_3, 0) = " + text::point(end, 15).substr(0, 12)),
+            std::string::npos)
+      << forwardDerivation(chain, phi);
+  const NewtonRun run =
+      newton([&](const Eigen::VectorXd& p) -> Eigen::VectorXd { return endEffector(chain, p); },
+             [&](const Eigen::VectorXd& p) -> Eigen::MatrixXd { return jacobian(chain, p); }, phi,
+             Eigen::Vector2d(2.0, 3.0), 1e-12, 50);
+  const std::string newton = newtonDerivation(chain, {2.0, 3.0}, run, 0);
+  EXPECT_NE(newton.find("f(phi^0) = " + text::point(end)), std::string::npos) << newton;
+  EXPECT_NE(newton.find("X^neu = (2, 3)"), std::string::npos);
+  EXPECT_NE(oneDimensionDerivation(0.4, 12.0, 1e-6).find("no zero is found"), std::string::npos);
+  EXPECT_NE(oneDimensionDerivation(0.4, 5.0, 1e-6).find("= 30 degrees"), std::string::npos);
+}
+
+TEST(Derivations, TheTwoLinksSayWhenTheTargetIsOutOfReach) {
+  const PlanarChain arm{.base = {0, 0}, .lengths = {10, 4}};
+  const std::string outside = twoLinkDerivation(arm, {25.0, 0.0}),
+                    inside = twoLinkDerivation(arm, {0.0, 9.0});
+  EXPECT_NE(outside.find("out of reach"), std::string::npos) << outside;
+  EXPECT_NE(outside.find("(nearest)"), std::string::npos) << outside;
+  EXPECT_EQ(inside.find("out of reach"), std::string::npos) << inside;
+  for (const std::string& text : {outside, inside, twoLinkDerivation(arm, {0.0, 0.0})})
+    EXPECT_EQ(text.find("nan"), std::string::npos) << text;
 }
 
 }  // namespace

@@ -14,12 +14,12 @@ TEST(Mathematics, NewtonsStepIsSetAsOnTheSlide) {
                   {.text = "i+1", .place = Place::Super},
                   {.text = " = φ"},
                   {.text = "i", .place = Place::Super},
-                  {.text = " - D"},
+                  {.text = " − D"},
                   {.text = "f", .place = Place::Sub},
                   {.text = "(φ"},
                   {.text = "i", .place = Place::Super},
                   {.text = ")"},
-                  {.text = "-1", .place = Place::Super}}));
+                  {.text = "−1", .place = Place::Super}}));
 }
 
 TEST(Mathematics, ScriptsStandAboveEachOther) {
@@ -35,6 +35,20 @@ TEST(Mathematics, RootsAndSigns) {
                                                        {.text = "1", .place = Place::Sub, .overline = true},
                                                        {.text = "2", .place = Place::Super, .overline = true},
                                                        {.text = " ≤ π"}}));
+}
+
+TEST(Mathematics, FractionsStandOverABar) {
+  EXPECT_EQ(setMathematics("phi - (f(phi) - X) / f'(phi), or"),
+            (Runs{{.text = "φ − "},
+                  {.above = {{.text = "f(φ) − X"}}, .below = {{.text = "f'(φ)"}}},
+                  {.text = ", or"}}));
+  const Runs cosine = setMathematics("c = (dx^2 - l_1) / (2 l_1 (a + b)) = 1");
+  ASSERT_EQ(cosine.size(), 3u);
+  EXPECT_EQ(cosine[1].above.size(), 4u);
+  EXPECT_EQ(cosine[1].below,
+            (Runs{{.text = "2 l"}, {.text = "1", .place = Place::Sub}, {.text = " (a + b)"}}));
+  EXPECT_EQ(setMathematics("f(x) / 2"),
+            (Runs{{.text = "f(x) / 2"}}));  // a function's bracket is no numerator
 }
 
 TEST(Mathematics, OrdinaryWordsStayAsTheyAre) {
