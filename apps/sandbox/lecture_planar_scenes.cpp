@@ -12,6 +12,7 @@
 #include "apps/lecture/newton_runs.h"
 #include "apps/lecture/slide_data.h"
 #include "apps/sandbox/lecture_scene.h"
+#include "apps/sandbox/mathematics.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/notation/planar_chain.h"

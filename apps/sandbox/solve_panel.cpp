@@ -10,6 +10,7 @@
 #include "kinematics/jacobian.h"
 #include "kinematics/rotation.h"
 #include "solvers/problem/goal_text.h"
+#include "solvers/tree/drag_solver.h"
 
 namespace gelenk {
 namespace {
