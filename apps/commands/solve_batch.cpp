@@ -1,7 +1,11 @@
 #include "apps/commands/solve_batch.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <optional>
+#include <span>
 
 #include "apps/commands/goal_options.h"
 #include "kinematics/configuration.h"
@@ -19,6 +23,9 @@ using Clock = std::chrono::steady_clock;
 using Eigen::VectorXd;
 
 double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// Quaternions of length 1 to 1e-3.
+bool isNearlyUnit(const Eigen::Quaterniond& q) { return std::abs(q.norm() - 1.0) < 1e-3; }
 
 BatchTargets readTargets(const std::string& path) {
   const std::string text = readFile(path);
@@ -51,7 +58,7 @@ BatchTargets readTargets(const std::string& path) {
     if (targets.kind == GoalKind::Position) continue;
     const double* q = &numbers[columns - 4];
     Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
-    if (!(std::abs(turn.norm() - 1.0) < 1e-3))
+    if (!isNearlyUnit(turn))
       throw ParseError(path, reader.line(), "a quaternion of length 1", "one of " + exactNumber(turn.norm()));
     turn.normalize();
     targets.turns.push_back(turn);
@@ -59,57 +66,77 @@ BatchTargets readTargets(const std::string& path) {
   return targets;
 }
 
-/// Poses of a chain side by side; answers.q of each. False where the problem is not of that kind.
-bool solveInLanes(const BatchProblem& problem, const Eigen::MatrixXd& starts, BatchAnswers& out,
-                  double& preparation, BatchMemory* memory) {
+/// The chain's solver where the batch is one of poses that go through it; null where not.
+std::shared_ptr<const SerialPoseSolver> lanesFor(const BatchProblem& problem, BatchMemory* memory) {
   const SolverSpec choice = solverSpec(problem.solver);
   const bool serial = choice.name == "default" || choice.entry->name.starts_with("serial-pose");
-  if (!serial || problem.targets.kind != GoalKind::Pose || !choice.values.empty()) return false;
-  const auto begin = Clock::now();
-  const int count = static_cast<int>(problem.targets.count());
-  constexpr int worthATable = 2000;  // targets: the table of starts takes some tenths of a second to make
-  std::shared_ptr<const SerialPoseSolver> solver;
-  if (count >= worthATable && memory && memory->joint == problem.joint) solver = memory->lanes;
-  if (!solver) {
-    SerialChainResult result = extractSerialChain(problem.skeleton, problem.joint);
-    if (!result.whyNot.empty()) return false;
-    const auto made = std::make_shared<SerialPoseSolver>(std::move(result.chain));
-    if (count >= worthATable) {
-      made->buildSeedTable();
-      if (memory) *memory = {problem.joint, made};
-    }
-    solver = made;
-  }
-  preparation = since(begin);
-  const SerialChain& chain = solver->chain();
-  const int n = chain.n;
-  std::vector<Eigen::Isometry3d> poses(count, Eigen::Isometry3d::Identity());
-  std::vector<double> begins(static_cast<std::size_t>(count) * n);
-  for (int i = 0; i < count; ++i) {
-    poses[i].translation() = problem.targets.places[i];
-    poses[i].linear() = problem.targets.turns[i].toRotationMatrix();
-    const auto start = starts.col(starts.cols() == 1 ? 0 : i);
-    for (int k = 0; k < n; ++k) begins[static_cast<std::size_t>(i) * n + k] = start[chain.qIndex[k]];
-  }
-  std::vector<KernelAnswer> answers(count);
-  solver->solveBatch(poses, begins, answers,
-                     {.positionTolerance = problem.tolerance,
-                      .orientationTolerance = problem.tolerance,
-                      .restarts = std::max(problem.budget.restarts, 1),
-                      .seed = problem.budget.seed,
-                      .closestPose = false});
-  const bool coupled = !problem.skeleton.followers().empty();
-  VectorXd q;
-  for (int i = 0; i < count; ++i) {
-    out.q.col(i) = starts.col(starts.cols() == 1 ? 0 : i);
-    for (int k = 0; k < n; ++k) out.q(chain.qIndex[k], i) = answers[i].q[k];
-    if (!coupled) continue;
-    q = out.q.col(i);
-    problem.skeleton.couple(q);
-    out.q.col(i) = q;
-  }
-  return true;
+  if (!serial || problem.targets.kind != GoalKind::Pose || !choice.values.empty()) return {};
+  constexpr std::size_t worthATable = 2000;  // targets: the table of starts takes some tenths of a second
+  const bool table = problem.targets.count() >= worthATable;
+  if (table && memory && memory->lanes && memory->joint == problem.joint) return memory->lanes;
+  SerialChainResult result = extractSerialChain(problem.skeleton, problem.joint);
+  if (!result.whyNot.empty()) return {};
+  const auto made = std::make_shared<SerialPoseSolver>(std::move(result.chain));
+  if (!table) return made;
+  made->buildSeedTable();
+  if (memory) *memory = {problem.joint, made};
+  return made;
 }
+
+/// Poses side by side, a block at a time, which stays in the processor's caches until it is judged.
+class Lanes {
+ public:
+  static constexpr std::size_t block = 4096;  // as solveBatch's own, so that its seeds are the same
+
+  Lanes(const BatchProblem& problem, const Eigen::MatrixXd& starts, const SerialPoseSolver& solver)
+      : problem_(problem), starts_(starts), solver_(solver) {
+    const std::size_t most = std::min(block, problem.targets.count());
+    poses_.assign(most, Eigen::Isometry3d::Identity());
+    begins_.resize(most * solver.chain().n);
+    answers_.resize(most);
+  }
+
+  /// Solves the targets from `first` on, `block` of them at most.
+  void solve(std::size_t first) {
+    first_ = first;
+    const SerialChain& chain = solver_.chain();
+    const std::size_t count = std::min(block, problem_.targets.count() - first), n = chain.n;
+    for (std::size_t i = 0; i < count; ++i) {
+      poses_[i].translation() = problem_.targets.places[first + i];
+      poses_[i].linear() = problem_.targets.turns[first + i].toRotationMatrix();
+      const double* start = startOf(first + i);
+      for (std::size_t k = 0; k < n; ++k) begins_[i * n + k] = start[chain.qIndex[k]];
+    }
+    solver_.solveBatch(std::span(poses_).first(count), std::span(begins_).first(count * n),
+                       std::span(answers_).first(count),
+                       {.positionTolerance = problem_.tolerance,
+                        .orientationTolerance = problem_.tolerance,
+                        .restarts = std::max(problem_.budget.restarts, 1),
+                        .seed = problem_.budget.seed + first,
+                        .closestPose = false});
+  }
+
+  /// The answer of a target of the block.
+  void get(std::size_t target, VectorXd& q) const {
+    const SerialChain& chain = solver_.chain();
+    q = VectorXd::Map(startOf(target), starts_.rows());
+    for (int k = 0; k < chain.n; ++k) q[chain.qIndex[k]] = answers_[target - first_].q[k];
+    problem_.skeleton.couple(q);
+  }
+
+ private:
+  const double* startOf(std::size_t target) const {
+    return starts_.data() + (starts_.cols() == 1 ? 0 : target * starts_.rows());
+  }
+
+  const BatchProblem& problem_;
+  const Eigen::MatrixXd& starts_;
+  const SerialPoseSolver& solver_;
+  std::size_t first_ = 0;
+  std::vector<Eigen::Isometry3d> poses_;
+  std::vector<double> begins_;
+  std::vector<KernelAnswer> answers_;
+};
 
 }  // namespace
 
@@ -135,6 +162,42 @@ std::vector<char> coordinateIsAngle(const Skeleton& skeleton) {
   return angle;
 }
 
+BatchTargets targetsFromRows(const double* row, std::size_t count, int width, const char* what) {
+  BatchTargets out{.kind = width == 3   ? GoalKind::Position
+                           : width == 4 ? GoalKind::Orientation
+                                        : GoalKind::Pose};
+  if (width != 4) out.places.resize(count);
+  if (width != 3) out.turns.resize(count);
+  for (std::size_t i = 0; i < count; ++i, row += width) {
+    const auto refuse = [&](const std::string& why) {
+      throw std::invalid_argument(std::string(what) + ": " + why);
+    };
+    double sum = 0.0;
+    for (int k = 0; k < width; ++k) sum += row[k] * 0.0;
+    if (sum != 0.0) refuse("number " + std::to_string(i) + " of them has entries that are not finite");
+    if (width == 16) {
+      using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+      const Eigen::Matrix3d R = Eigen::Map<const Rotation, 0, Eigen::OuterStride<4>>(row);
+      const Eigen::Quaterniond turn = Eigen::Quaterniond(R).normalized();
+      if (!((turn.toRotationMatrix() - R).cwiseAbs().maxCoeff() < 1e-6) || row[12] != 0.0 || row[13] != 0.0 ||
+          row[14] != 0.0 || row[15] != 1.0)
+        refuse("matrix " + std::to_string(i) + " is no pose");
+      out.turns[i] = turn;
+      out.places[i] = {row[3], row[7], row[11]};
+      continue;
+    }
+    if (width != 4) out.places[i] = Eigen::Vector3d::Map(row);
+    if (width == 3) continue;
+    const double* q = row + width - 4;
+    const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
+    if (!isNearlyUnit(turn))
+      refuse("the quaternion of number " + std::to_string(i) + " must have length 1, not " +
+             exactNumber(turn.norm()));
+    out.turns[i] = turn.normalized();
+  }
+  return out;
+}
+
 BatchAnswers solveTargets(const BatchProblem& batch, double* preparation, BatchMemory* memory) {
   const BatchTargets& targets = batch.targets;
   const std::size_t count = targets.count();
@@ -148,8 +211,12 @@ BatchAnswers solveTargets(const BatchProblem& batch, double* preparation, BatchM
                        .why = std::vector<Stop>(count, Stop::Converged),
                        .solved = std::vector<char>(count)};
   double seconds = 0.0;
-  const bool together = count > 0 && solveInLanes(batch, starts, answers, seconds, memory);
+  const auto begin = Clock::now();
+  const std::shared_ptr<const SerialPoseSolver> chain = count > 0 ? lanesFor(batch, memory) : nullptr;
+  std::optional<Lanes> lanes;
+  if (chain) lanes.emplace(batch, starts, *chain);
   const auto solver = makeSolver(batch.solver);
+  seconds += since(begin);
   bool prepared = false;
   IkProblem problem{.skeleton = &batch.skeleton,
                     .start = starts.col(0),
@@ -158,13 +225,13 @@ BatchAnswers solveTargets(const BatchProblem& batch, double* preparation, BatchM
                     .orientationTolerance = batch.tolerance};
   Goal& goal = problem.goals[0];
   VectorXd q;
-  Judgement verdict;
   for (std::size_t i = 0; i < count; ++i) {
+    if (lanes && i % Lanes::block == 0) lanes->solve(i);
     if (!targets.places.empty()) goal.target = targets.places[i];
     if (!targets.turns.empty()) goal.orientation = targets.turns[i];
-    verdict.solved = false;
-    if (together) {
-      q = answers.q.col(i);
+    Judgement verdict;
+    if (lanes) {
+      lanes->get(i, q);
       verdict = judge(problem, q);
     }
     if (!verdict.solved) {  // alone, and then the closest pose
@@ -175,11 +242,12 @@ BatchAnswers solveTargets(const BatchProblem& batch, double* preparation, BatchM
         seconds += since(now);
       }
       if (starts.cols() > 1) problem.start = starts.col(i);
-      const IkReport report = solver->solve(problem, batch.budget, TraceLevel::Off);
+      IkReport report = solver->solve(problem, batch.budget, TraceLevel::Off);
       answers.why[i] = report.why;
-      answers.q.col(i) = report.q;
-      verdict = judge(problem, report.q);
+      q = std::move(report.q);
+      verdict = judge(problem, q);
     }
+    answers.q.col(i) = q;
     answers.solved[i] = verdict.solved && answers.why[i] != Stop::Unsupported;
     if (!verdict.goals.empty()) answers.error[i] = verdict.goals[0];
   }

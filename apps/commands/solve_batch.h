@@ -19,6 +19,11 @@ struct BatchTargets {
   std::vector<Eigen::Quaterniond> turns = {};  ///< unit; empty for Position
   std::size_t count() const { return kind == GoalKind::Orientation ? turns.size() : places.size(); }
 };
+/// Targets from rows of 3 (positions), 4 (orientations w, x, y, z), 7 (both) or 16 numbers (4 x 4 matrices,
+/// row by row). Throws std::invalid_argument that begins with `what` for numbers that are not finite,
+/// quaternions not of length 1 to 1e-3, matrices that are no poses to 1e-6.
+BatchTargets targetsFromRows(const double* rows, std::size_t count, int width, const char* what);
+
 /// A chain's solver with its table of starts, which takes some tenths of a second to make: a caller that
 /// keeps it has the next batch on that joint without. For one skeleton.
 struct BatchMemory {

@@ -182,37 +182,7 @@ BatchTargets targetsOf(py::handle value, const char* what = "targets") {
         fmt::format("{}: expected an array of shape (n, 3) (positions), (n, 4) (orientations), (n, 7) or "
                     "(n, 4, 4) (poses)",
                     what));
-  const std::size_t count = array.shape(0);
-  BatchTargets out{.kind = width == 3   ? GoalKind::Position
-                           : width == 4 ? GoalKind::Orientation
-                                        : GoalKind::Pose};
-  if (width != 4) out.places.resize(count);
-  if (width != 3) out.turns.resize(count);
-  const double* row = array.data();
-  for (std::size_t i = 0; i < count; ++i, row += width) {
-    if (!std::all_of(row, row + width, [](double x) { return std::isfinite(x); }))
-      throw std::invalid_argument(
-          fmt::format("{} must be finite numbers; number {} of them is not", what, i));
-    if (matrices) {
-      const Eigen::Matrix4d M = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>::Map(row);
-      const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
-      if (!((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6) ||
-          !(R.determinant() > 0.0) || M.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-        throw std::invalid_argument(fmt::format("{}: matrix {} is no pose", what, i));
-      out.places[i] = M.topRightCorner<3, 1>();
-      out.turns[i] = Eigen::Quaterniond(R).normalized();
-      continue;
-    }
-    if (width != 4) out.places[i] = Eigen::Vector3d::Map(row);
-    if (width == 3) continue;
-    const double* q = row + width - 4;
-    const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
-    if (!(std::abs(turn.norm() - 1.0) < 1e-3))
-      throw std::invalid_argument(fmt::format(
-          "{}: the quaternion of number {} must have length 1, not {:.6g}", what, i, turn.norm()));
-    out.turns[i] = turn.normalized();
-  }
-  return out;
+  return targetsFromRows(array.data(), array.shape(0), static_cast<int>(width), what);
 }
 
 struct BatchResult {
