@@ -1,6 +1,8 @@
 """One's own methods: in the catalogue, held to its rules, compared, and equal to the program's comparison."""
 
 import csv
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -150,6 +152,17 @@ def test_comparing_is_the_command_line_to_the_bit(program, tmp_path):
     share = {row.solver: row.solved for row in mixed.summary()}
     assert abs(share["dls"] - share["mine"]) <= 0.1
     assert len(mixed.table) == 20 and "dls" in repr(mixed)
+
+
+def test_the_table_is_a_data_frame_where_pandas_is_there(monkeypatch):
+    class DataFrame(dict):
+        pass
+
+    race = gelenk.compare(gelenk.model("planar"), ["dls"], problems=5, restarts=0)
+    monkeypatch.setitem(sys.modules, "pandas", types.SimpleNamespace(DataFrame=DataFrame))
+    assert isinstance(race.table, DataFrame) and len({len(column) for column in race.table.values()}) == 1
+    monkeypatch.setitem(sys.modules, "pandas", None)  # importing it then fails
+    assert isinstance(race.table, np.recarray) and len(race.table) == 5
 
 
 def test_progress_and_a_folder(tmp_path):

@@ -128,6 +128,24 @@ def test_a_batch_is_the_command_line_to_the_bit(panda, program, tmp_path):
         assert np.linalg.norm(panda.fk(q)[-1][:3, 3] - t[:3]) < 1e-6
 
 
+def test_a_kept_table_changes_no_bit(program, tmp_path):
+    """Of 2000 targets on a table of starts is made; a model keeps it for the next batch on that joint."""
+    model = gelenk.model("panda")
+    T = targets(model, 5000)  # more than one block
+    first, again = gelenk.solve_batch(model, T), gelenk.solve_batch(model, T)
+    elsewhere = gelenk.solve_batch(model, T[:2500, :7], joint="joint6")
+    back = gelenk.solve_batch(model, T)
+    assert np.array_equal(first.q, again.q) and np.array_equal(first.q, back.q)
+    assert np.array_equal(elsewhere.q, gelenk.solve_batch(gelenk.model("panda"), T[:2500], joint="joint6").q)
+    table = tmp_path / "targets.csv"
+    table.write_text("x,y,z,qw,qx,qy,qz\n" + "\n".join(",".join(repr(float(v)) for v in t) for t in T) + "\n")
+    lines = program("solve", "--model", "panda", "--targets", table).splitlines()[1:]
+    assert [[float(w) for w in line.split(",")[5:]] for line in lines] == first.q.tolist()
+    with ThreadPoolExecutor(4) as pool:
+        for q in pool.map(lambda _: gelenk.solve_batch(model, T).q, range(4)):
+            assert np.array_equal(q, first.q)
+
+
 def test_matrices_are_the_same_targets(panda):
     F = panda.fk(panda.random(2, 20))[:, -1]
     assert gelenk.solve_batch(panda, F).solved.all()

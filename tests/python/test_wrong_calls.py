@@ -89,7 +89,10 @@ def calls():
     for rows in ([], [dict()], [dict(name="")], [dict(name="a"), dict(name="a", parent="a")], [dict(name="a"), dict(name="b")],
                  [dict(name="a", axes=[dict(axis=(0, 0, 0))])], [dict(name="a", axes=[dict(lower=1, upper=0)])], [dict(name="a", axes=[3])],
                  [dict(name="a", offset=np.zeros((4, 4)))], [dict(name="a", nothing=1)], [dict(name="a", axes=[dict(kind="screw")])],
-                 [3], None, "abc", [dict(name="a", parent="z")], [dict(name="a", ball="maybe")]):
+                 [3], None, "abc", [dict(name="a", parent="z")], [dict(name="a", ball="maybe")], [dict(name="a", mimic=3)],
+                 [dict(name="a", mimic=dict(joint="a"))], [dict(name="a", ball_limit={})], [dict(name="a", ball=True, ball_limit=3)],
+                 [dict(name="a", ball=True, ball_limit=dict(swing_radii=(nan, 1)))], [dict(name="a", ball=True, ball_limit=dict(twist=(1,)))],
+                 [dict(name="a", axes=[dict(lower=nan)])], [dict(name="a", axes=[dict(upper="x")])], [dict(name="a", axes=3)], [dict(name=1, parent=1)]):
         yield gelenk.Model.from_joints, rows
     for rows in ([], [(1, 2, 3)], [(nan, 0, 0, 0)], [dict(kind="screw")], [dict(a="x")], [dict(b=1)], None, 3, [None], "abcd"):
         yield gelenk.DhTable, rows
