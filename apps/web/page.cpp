@@ -16,7 +16,11 @@
 #include "apps/lecture/example.h"
 #include "apps/sandbox/requests.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/web/packed_body.h"
 #include "kinematics/io/text_file.h"
+#include "kinematics/notation/mannequin.h"
+#include "skinning/bodies/mannequin_body.h"
+#include "skinning/io/skin_cache.h"
 
 EM_JS(void, tellChooseFiles, (), { Module["chooseFiles"](); });
 EM_JS(void, tellShareScene, (), { Module["shareScene"](); });
@@ -45,7 +49,16 @@ const char* returned(std::string text) {
 /// In which a narrow page begins: the view alone.
 constexpr double narrow = 760.0;
 
-void makeContext() {
+/// The figure's body, as it was made when the page was built, into the place where bodies are kept.
+void unpackFigure() {
+  const Skeleton figure = mannequin();
+  std::filesystem::create_directories(cacheFolder());
+  writeCachedSkin(cacheFolder() + "/figure.skin", mannequinSkinKey(figure),
+                  unpackBody(readFile("/figure.body"), figure));
+  std::filesystem::remove("/figure.body");
+}
+
+void prepareOnce() {
   if (page().hasContext) return;
   EmscriptenWebGLContextAttributes attributes;
   emscripten_webgl_init_context_attributes(&attributes);
@@ -56,6 +69,7 @@ void makeContext() {
   if (context <= 0) throw std::runtime_error("this browser shows no WebGL 2");
   emscripten_webgl_make_context_current(context);
   page().hasContext = true;
+  unpackFigure();
 }
 
 /// An example by its name or the beginning of it, so that an address may say "newton".
@@ -92,7 +106,7 @@ extern "C" {
 EMSCRIPTEN_KEEPALIVE const char* page_start(const char* text) {
   try {
     const Json wanted = Json::parse(text);
-    makeContext();
+    prepareOnce();
     SandboxOptions options{.model = wanted.value("model", "figure"),
                            .width = wanted.at("width"),
                            .height = wanted.at("height"),

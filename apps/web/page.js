@@ -8,6 +8,7 @@
   const home = '/home/gelenk', openedFolder = '/opened';
   let module = null;   // once it runs
   let frames = 0, firstFrame = 0;
+  let atFirst = '';    // what was wrong with the address
 
   if (address.get('theme') === 'dark') document.documentElement.classList.add('dark');
 
@@ -120,6 +121,7 @@
       cover.hidden = true;
       if (window.parent === window) canvas.focus();
       tell({ event: 'ready' });
+      if (atFirst) say(atFirst, true);
     }
     offerSaved();
     tellPose();
@@ -228,8 +230,7 @@
   const named = { Space: 32, Quote: 39, Comma: 44, Minus: 45, Period: 46, Slash: 47, Semicolon: 59, Equal: 61, BracketLeft: 91, Backslash: 92,
     BracketRight: 93, Backquote: 96, Escape: 256, Enter: 257, Tab: 258, Backspace: 259, Insert: 260, Delete: 261, ArrowRight: 262,
     ArrowLeft: 263, ArrowDown: 264, ArrowUp: 265, PageUp: 266, PageDown: 267, Home: 268, End: 269, NumpadDecimal: 330, NumpadDivide: 331,
-    NumpadMultiply: 332, NumpadSubtract: 333, NumpadAdd: 334, NumpadEnter: 335, ShiftLeft: 340, ControlLeft: 341, AltLeft: 342, MetaLeft: 343,
-    ShiftRight: 344, ControlRight: 345, AltRight: 346, MetaRight: 347 };
+    NumpadMultiply: 332, NumpadSubtract: 333, NumpadAdd: 334, NumpadEnter: 335 };
   function keyCode(event) {
     if (/^[a-z]$/i.test(event.key)) return event.key.toUpperCase().charCodeAt(0);
     if (event.code in named) return named[event.code];
@@ -238,32 +239,40 @@
     return -1;  // function keys belong to the browser
   }
   /// What the sandbox has a use for; F5, F12, Ctrl+R, Ctrl+Q, Ctrl+T and the like stay the browser's.
-  const isOurs = (event) => !(event.ctrlKey || event.metaKey) || /^[acvxzysok]$/i.test(event.key) || event.key === 'Control' || event.key === 'Meta';
+  const isOurs = (event) => !(event.ctrlKey || event.metaKey) || /^[acvxzysok]$/i.test(event.key);
   const held = new Set();
+  function key(code, down) {
+    if (down === held.has(code)) return;
+    module._page_key(code, down ? 1 : 0);
+    if (down) held.add(code); else held.delete(code);
+  }
+  /// Shift, Control and Alt as an event tells them: they may have changed while another window had the keys. Command is Control.
+  function modifiers(event) {
+    key(340, event.shiftKey);
+    key(341, event.ctrlKey || event.metaKey);
+    key(342, event.altKey);
+    // Where Command is held, the browser tells of no key that comes up.
+    if (event.key === 'Meta' && event.type === 'keyup') for (const each of [...held]) key(each, false);
+  }
   canvas.addEventListener('keydown', (event) => {
-    const code = keyCode(event);
-    if (!module || code < 0 || !isOurs(event)) return;
-    event.preventDefault();
-    if (!event.repeat) {
-      module._page_key(code, 1);
-      held.add(code);
-    }
-    if (!event.ctrlKey && !event.metaKey && [...event.key].length === 1) module._page_character(event.key.codePointAt(0));
+    if (!module) return;
+    modifiers(event);
     wake();
+    const code = keyCode(event);
+    if (code < 0 || !isOurs(event)) return;
+    event.preventDefault();
+    if (!event.repeat) key(code, true);
+    if (!event.ctrlKey && !event.metaKey && [...event.key].length === 1) module._page_character(event.key.codePointAt(0));
   });
   canvas.addEventListener('keyup', (event) => {
-    const code = keyCode(event);
-    if (!module || code < 0) return;
-    // The letter of a key may have changed while it was held (Shift, Alt): what is down comes up by either.
-    for (const each of new Set([code, named[event.code] ?? code])) {
-      module._page_key(each, 0);
-      held.delete(each);
-    }
+    if (!module) return;
+    modifiers(event);
     wake();
+    // What is written on a key may have changed while it was held (Shift, Alt): what is down comes up by either.
+    for (const code of [keyCode(event), named[event.code] ?? -1]) if (code >= 0) key(code, false);
   });
   canvas.addEventListener('blur', () => {
-    if (module) for (const code of held) module._page_key(code, 0);
-    held.clear();
+    if (module) for (const code of [...held]) key(code, false);
     wake();
   });
 
@@ -508,7 +517,7 @@
     }
     module = loaded;
     noNews();
-    if (complaint) say(complaint, true);
+    atFirst = complaint;
     wake();
   })().catch((error) => {
     console.error(error);
