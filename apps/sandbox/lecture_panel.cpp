@@ -228,7 +228,7 @@ class LecturePanel final : public Panel {
     }
     ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
     drawSwitch(sandbox);
-    columnText(sandbox, derivation(sandbox));
+    columnText(sandbox, shown_);
     ImGui::EndChild();
   }
 
@@ -243,14 +243,13 @@ class LecturePanel final : public Panel {
     ImGui::Dummy({0, 6 * sandbox.scale()});
     ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
     // As large as the longest line allows.
-    const std::string& text = derivation(sandbox);
     std::size_t longest = 1;
-    std::istringstream lines(text);
+    std::istringstream lines(shown_);
     for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
     ImFont* font = sandbox.state().gui.fonts().large;
     const float wanted = 0.47f * font->FontSize * static_cast<float>(longest);
     ImGui::SetWindowFontScale(std::clamp(ImGui::GetContentRegionAvail().x / wanted, 0.7f, 1.15f));
-    columnText(sandbox, text, font);
+    columnText(sandbox, shown_, font);
     ImGui::EndChild();
     return true;
   }
@@ -262,7 +261,10 @@ class LecturePanel final : public Panel {
     return scene_ && scene_->moves(sandbox) ? 0.0 : std::numeric_limits<double>::infinity();
   }
   void overlay(Sandbox& sandbox) override {
-    if (scene_) scene_->overlay(sandbox);
+    if (!scene_) return;
+    scene_->overlay(sandbox);
+    shown_ = live_ ? scene_->derivation(sandbox) : derivation_;
+    sandbox.state().rulers = true;
   }
 
   void opened(Sandbox& sandbox, bool fromFile) override {
@@ -308,9 +310,6 @@ class LecturePanel final : public Panel {
     tooltip("Every number of the derivation follows the arm while you drag it.");
     ImGui::PopFont();
   }
-  const std::string& derivation(Sandbox& sandbox) {
-    return shown_ = live_ ? scene_->derivation(sandbox) : derivation_;
-  }
 
   /// The example of a document that was read from a file: begun as always, then brought to where it was.
   void takeUp(Sandbox& sandbox) {
@@ -331,7 +330,7 @@ class LecturePanel final : public Panel {
     } reset{opening_};
     scene_ = makeLectureScene(topic.id);
     topic_ = &topic;
-    derivation_ = topic.steps();
+    shown_ = derivation_ = topic.steps();
     verdicts_.clear();
     for (const LectureCheck& check : topic.checks) verdicts_.push_back(evaluate(check));
     scene_->open(sandbox);

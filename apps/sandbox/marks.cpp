@@ -107,7 +107,7 @@ void nameGesture(const Pen& pen, Sandbox& sandbox) {
 /// planar scene is seen from straight above.
 void drawRulers(const Pen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
-  if (!s.session->model().planar) return;
+  if (!s.rulers || !s.session->model().planar) return;
   const auto pixelOf = [&](double x, double y) { return s.toWindow(Vector3d(x, y, 0.0)).pixel; };
   const Eigen::Vector2d origin = pixelOf(0, 0), alongX = pixelOf(1, 0) - origin,
                         alongY = pixelOf(0, 1) - origin;

@@ -110,6 +110,13 @@ float widthOf(ImFont* font, float size, const std::string& text) {
   return font->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;
 }
 
+/// Measuring only: one type for all depths of the recursion.
+struct Nothing {
+  template <class... Any>
+  void operator()(Any&&...) const {}
+};
+constexpr Nothing nothing;
+
 /// What lies where: place(run, x, y, size, width) for text, bar(x, y, width) for fractions and roots. Returns
 /// what it takes.
 template <class Place_, class Bar>
@@ -119,7 +126,6 @@ MathExtent layOut(ImFont* font, float size, const std::vector<MathRun>& runs, fl
   MathExtent extent;
   bool afterScript = false;
   Place before = Place::Line;
-  const auto nothing = [](auto&&...) {};
   for (const MathRun& run : runs) {
     if (!run.above.empty()) {
       const float own = fractionSize * size, gap = 0.12f * size;
@@ -207,7 +213,6 @@ std::vector<MathRun> setMathematics(const std::string& plain) {
 }
 
 MathExtent mathExtent(ImFont* font, float size, const std::string& plain) {
-  const auto nothing = [](auto&&...) {};
   return layOut(font, size, setMathematics(plain), 0, 0, nothing, nothing);
 }
 

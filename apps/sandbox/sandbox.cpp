@@ -217,6 +217,7 @@ void Sandbox::frame(const Input& input, double dt) {
   s.windowHeight = input.height;
   s.settling = input.events.empty() && s.frameNumber > 1 ? std::max(0, s.settling - 1) : framesToSettle;
   s.labels.clear();
+  s.rulers = false;
   s.extras = {};
   s.shownFrames.reset();
 

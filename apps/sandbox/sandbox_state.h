@@ -116,6 +116,7 @@ struct Sandbox::State {
     Eigen::Vector4f colour;
   };
   std::vector<Label> labels;
+  bool rulers = false;                 ///< coordinates along the edges of a planar scene
   std::vector<double> limitGlow;       ///< a joint, 1 at its limit, fading
   std::optional<GoalId> selectedGoal;  ///< may have gone meanwhile: goalSelected()
 

@@ -375,7 +375,8 @@ class SolvePanel final : public Panel {
                                             ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
       if (ImGui::IsItemActivated()) s.session->remember();
       tooltip(
-          "On the squared error of this goal, times what its state brings (a pin weighs more). A heavier goal "
+          "On the squared error of this goal, times what its state brings (a pin weighs more). A heavier "
+          "goal "
           "is missed by less where not all can be reached. Default 1.");
       if (moved) s.session->setWeight(goal.id, weight);
     }

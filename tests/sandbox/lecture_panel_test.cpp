@@ -62,124 +62,124 @@ TEST(LectureScenes, TheCommandsOpenWhatTheWindowBeginsWith) {
     EXPECT_LE((ours.rest() - stage.sandbox.session().q()).cwiseAbs().maxCoeff(), 1e-15)
         << topic.id;  // one normalises
   }
+}
 
-  void actOn(Sandbox & sandbox, const std::string& words) {
-    for (const auto& panel : sandbox.state().panels)
-      if (panel->name() == "Lecture") panel->act(sandbox, {words});
+void actOn(Sandbox& sandbox, const std::string& words) {
+  for (const auto& panel : sandbox.state().panels)
+    if (panel->name() == "Lecture") panel->act(sandbox, {words});
+}
+
+/// "Live": the derivation is that of the arm as it stands; "slide": the slide's, wherever the arm is.
+TEST(LectureScenes, TheDerivationFollowsTheArmOrStaysWithTheSlide) {
+  Stage stage;
+  const auto shown = [&] {
+    stage.frames(1);
+    return nlohmann::json::parse(stage.sandbox.status())["panels"]["Lecture"]["derivation"]
+        .get<std::string>();
+  };
+  for (const LectureTopic& topic : lectureTopics()) {
+    ASSERT_TRUE(stage.sandbox.open("lecture:" + topic.id)) << topic.id;
+    actOn(stage.sandbox, "slide");
+    EXPECT_EQ(shown(), topic.steps());
+    actOn(stage.sandbox, "live");
+    EXPECT_GT(shown().size(), 100u) << topic.id;
+    EXPECT_NE(shown(), topic.steps()) << topic.id;
   }
+  ASSERT_TRUE(stage.sandbox.open("lecture:planar-fk"));
+  const Eigen::Vector3d phi(0.1, 0.2, 0.3);
+  stage.sandbox.session().setPose(phi);
+  EXPECT_EQ(shown(), forwardDerivation({.base = {0, 0}, .lengths = {4, 6, 2}}, phi));
+  ASSERT_TRUE(stage.sandbox.open("lecture:two-link"));
+  stage.sandbox.session().setTarget(*stage.sandbox.session().findGoal("end-effector"), {-3.0, 12.0, 0.0});
+  EXPECT_NE(shown().find("X = (-3, 12)"), std::string::npos) << shown();
+}
 
-  /// "Live": the derivation is that of the arm as it stands; "slide": the slide's, wherever the arm is.
-  TEST(LectureScenes, TheDerivationFollowsTheArmOrStaysWithTheSlide) {
-    Stage stage;
-    const auto shown = [&] {
-      stage.frames(1);
-      return nlohmann::json::parse(stage.sandbox.status())["panels"]["Lecture"]["derivation"]
-          .get<std::string>();
-    };
+TEST(LectureScenes, TheTwoLinkArmFollowsItsTargetByTheClosedForm) {
+  Stage stage;
+  ASSERT_TRUE(stage.sandbox.open("lecture:two-link"));
+  stage.frames(2);
+  const auto goal = stage.sandbox.session().findGoal("end-effector");
+  ASSERT_TRUE(goal);
+  EXPECT_NEAR(stage.sandbox.session().q()[1], -2.0 * M_PI / 3.0, 1e-12);  // the slide's branch
+  stage.sandbox.session().setTarget(*goal, {-3.0, 12.0, 0.0});
+  stage.frames(1);
+  EXPECT_LE(stage.sandbox.session().error(*goal), 1e-12);
+  EXPECT_EQ(stage.sandbox.session().lastSolve().iterations, 1);
+}
+
+TEST(LectureScenes, SavedExampleComesBack) {
+  Stage stage;
+  ASSERT_TRUE(stage.sandbox.open("lecture:planar-fk"));
+  Eigen::VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.3);
+  stage.sandbox.session().setPose(q);
+  stage.frames(1);
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk_lecture_" + std::to_string(getpid()) + ".json"))
+          .string();
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
+  ASSERT_TRUE(stage.sandbox.open("planar"));
+  ASSERT_TRUE(stage.sandbox.open(path));
+  std::filesystem::remove(path);
+  EXPECT_LE((stage.sandbox.session().q() - q).norm(), 1e-15);
+  EXPECT_EQ(stage.sandbox.document().lecture.topic, "planar-fk");
+}
+
+TEST(LectureScenes, AnEditedRobotComesBackWithItsTable) {
+  Stage stage;
+  ASSERT_TRUE(stage.sandbox.open("lecture:dh"));
+  DhTable table = robotTable("panda");
+  table.rows.pop_back();
+  table.rows.pop_back();
+  table.rows[1].a = 0.1 + 0.2;
+  table.rest.reset();
+  stage.sandbox.openModel(dhModel(table), {.nameOrFile = dhDescription(table)});
+  const Model opened = openModel(dhDescription(table));
+  EXPECT_EQ(opened.skeleton.nq(), stage.sandbox.session().skeleton().nq());
+  EXPECT_EQ(dhTableNamed(dhDescription(table))->rows[1].a, 0.1 + 0.2);
+  stage.frames(1);
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk_dh_" + std::to_string(getpid()) + ".json")).string();
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
+  ASSERT_TRUE(stage.sandbox.open("planar"));
+  ASSERT_TRUE(stage.sandbox.open(path));
+  EXPECT_EQ(stage.sandbox.session().skeleton().nq(), opened.skeleton.nq());
+  ASSERT_TRUE(stage.sandbox.open("lecture:dh"));
+  stage.frames(1);
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
+  ASSERT_TRUE(stage.sandbox.open("planar"));
+  ASSERT_TRUE(stage.sandbox.open(path));
+  EXPECT_EQ(stage.sandbox.document().lecture.topic, "dh");
+  stage.frames(2);
+  std::filesystem::remove(path);
+}
+
+/// What a model opens with, but for the theme, is its own: nothing of what was open before.
+TEST(LectureScenes, WhatIsOpenedAfterAnExampleBeginsAsIfItHadBeenFirst) {
+  for (const char* next : {"figure", "planar", "panda"}) {
+    std::optional<Document> alone;
     for (const LectureTopic& topic : lectureTopics()) {
-      ASSERT_TRUE(stage.sandbox.open("lecture:" + topic.id)) << topic.id;
-      actOn(stage.sandbox, "slide");
-      EXPECT_EQ(shown(), topic.steps());
-      actOn(stage.sandbox, "live");
-      EXPECT_GT(shown().size(), 100u) << topic.id;
-      EXPECT_NE(shown(), topic.steps()) << topic.id;
-    }
-    ASSERT_TRUE(stage.sandbox.open("lecture:planar-fk"));
-    const Eigen::Vector3d phi(0.1, 0.2, 0.3);
-    stage.sandbox.session().setPose(phi);
-    EXPECT_EQ(shown(), forwardDerivation({.base = {0, 0}, .lengths = {4, 6, 2}}, phi));
-    ASSERT_TRUE(stage.sandbox.open("lecture:two-link"));
-    stage.sandbox.session().setTarget(*stage.sandbox.session().findGoal("end-effector"), {-3.0, 12.0, 0.0});
-    EXPECT_NE(shown().find("X = (-3, 12)"), std::string::npos) << shown();
-  }
-
-  TEST(LectureScenes, TheTwoLinkArmFollowsItsTargetByTheClosedForm) {
-    Stage stage;
-    ASSERT_TRUE(stage.sandbox.open("lecture:two-link"));
-    stage.frames(2);
-    const auto goal = stage.sandbox.session().findGoal("end-effector");
-    ASSERT_TRUE(goal);
-    EXPECT_NEAR(stage.sandbox.session().q()[1], -2.0 * M_PI / 3.0, 1e-12);  // the slide's branch
-    stage.sandbox.session().setTarget(*goal, {-3.0, 12.0, 0.0});
-    stage.frames(1);
-    EXPECT_LE(stage.sandbox.session().error(*goal), 1e-12);
-    EXPECT_EQ(stage.sandbox.session().lastSolve().iterations, 1);
-  }
-
-  TEST(LectureScenes, SavedExampleComesBack) {
-    Stage stage;
-    ASSERT_TRUE(stage.sandbox.open("lecture:planar-fk"));
-    Eigen::VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.3);
-    stage.sandbox.session().setPose(q);
-    stage.frames(1);
-    const std::string path =
-        (std::filesystem::temp_directory_path() / ("gelenk_lecture_" + std::to_string(getpid()) + ".json"))
-            .string();
-    ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
-    ASSERT_TRUE(stage.sandbox.open("planar"));
-    ASSERT_TRUE(stage.sandbox.open(path));
-    std::filesystem::remove(path);
-    EXPECT_LE((stage.sandbox.session().q() - q).norm(), 1e-15);
-    EXPECT_EQ(stage.sandbox.document().lecture.topic, "planar-fk");
-  }
-
-  TEST(LectureScenes, AnEditedRobotComesBackWithItsTable) {
-    Stage stage;
-    ASSERT_TRUE(stage.sandbox.open("lecture:dh"));
-    DhTable table = robotTable("panda");
-    table.rows.pop_back();
-    table.rows.pop_back();
-    table.rows[1].a = 0.1 + 0.2;
-    table.rest.reset();
-    stage.sandbox.openModel(dhModel(table), {.nameOrFile = dhDescription(table)});
-    const Model opened = openModel(dhDescription(table));
-    EXPECT_EQ(opened.skeleton.nq(), stage.sandbox.session().skeleton().nq());
-    EXPECT_EQ(dhTableNamed(dhDescription(table))->rows[1].a, 0.1 + 0.2);
-    stage.frames(1);
-    const std::string path =
-        (std::filesystem::temp_directory_path() / ("gelenk_dh_" + std::to_string(getpid()) + ".json"))
-            .string();
-    ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
-    ASSERT_TRUE(stage.sandbox.open("planar"));
-    ASSERT_TRUE(stage.sandbox.open(path));
-    EXPECT_EQ(stage.sandbox.session().skeleton().nq(), opened.skeleton.nq());
-    ASSERT_TRUE(stage.sandbox.open("lecture:dh"));
-    stage.frames(1);
-    ASSERT_TRUE(stage.sandbox.saveSceneTo(path));
-    ASSERT_TRUE(stage.sandbox.open("planar"));
-    ASSERT_TRUE(stage.sandbox.open(path));
-    EXPECT_EQ(stage.sandbox.document().lecture.topic, "dh");
-    stage.frames(2);
-    std::filesystem::remove(path);
-  }
-
-  /// What a model opens with, but for the theme, is its own: nothing of what was open before.
-  TEST(LectureScenes, WhatIsOpenedAfterAnExampleBeginsAsIfItHadBeenFirst) {
-    for (const char* next : {"figure", "planar", "panda"}) {
-      std::optional<Document> alone;
-      for (const LectureTopic& topic : lectureTopics()) {
-        Stage stage;
-        stage.frames(1);  // the layout is known
-        if (!alone) {
-          ASSERT_TRUE(stage.sandbox.open(next));
-          alone = stage.sandbox.document();
-        }
-        stage.sandbox.session().theme() = Theme::Dark;
-        ASSERT_TRUE(stage.sandbox.open("lecture:" + topic.id));
-        stage.frames(1);
-        stage.sandbox.session().view().show.limits = false;
-        stage.sandbox.session().setSolver("dls");
-        stage.sandbox.session().lab().compare = true;
+      Stage stage;
+      stage.frames(1);  // the layout is known
+      if (!alone) {
         ASSERT_TRUE(stage.sandbox.open(next));
-        Document after = stage.sandbox.document();
-        EXPECT_EQ(after.theme, Theme::Dark);
-        after.theme = alone->theme;
-        const Model& model = stage.sandbox.session().model();
-        EXPECT_EQ(formatScene(after, model), formatScene(*alone, model)) << next << " after " << topic.id;
-        if (std::string(next) != "planar") break;  // the figure is large: once for one example
+        alone = stage.sandbox.document();
       }
+      stage.sandbox.session().theme() = Theme::Dark;
+      ASSERT_TRUE(stage.sandbox.open("lecture:" + topic.id));
+      stage.frames(1);
+      stage.sandbox.session().view().show.limits = false;
+      stage.sandbox.session().setSolver("dls");
+      stage.sandbox.session().lab().compare = true;
+      ASSERT_TRUE(stage.sandbox.open(next));
+      Document after = stage.sandbox.document();
+      EXPECT_EQ(after.theme, Theme::Dark);
+      after.theme = alone->theme;
+      const Model& model = stage.sandbox.session().model();
+      EXPECT_EQ(formatScene(after, model), formatScene(*alone, model)) << next << " after " << topic.id;
+      if (std::string(next) != "planar") break;  // the figure is large: once for one example
     }
   }
+}
 
 }  // namespace
 }  // namespace gelenk
