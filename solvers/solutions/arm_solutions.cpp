@@ -5,6 +5,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "solvers/solutions/meeting_pair.h"
+
 namespace gelenk {
 namespace {
 
@@ -16,7 +18,8 @@ constexpr double turn = 2.0 * M_PI;
 constexpr double exactMisfit = 1e-11;   ///< a class fits: its closed forms need no polishing
 constexpr double nearMisfit = 1e-5;     ///< it fits nearly: they do
 constexpr double acceptedError = 1e-9;  ///< of a loop that cannot be polished further (singular)
-constexpr int cutsTried = 3;
+constexpr int cutsTried = 3;            ///< of the elimination
+constexpr int pairsTried = 2;           ///< of the search beside two axes that meet
 
 Matrix3d aboutZ(double t) {
   const double c = std::cos(t), s = std::sin(t);
@@ -61,6 +64,15 @@ unsigned fromCut(const Cut& cut, unsigned bits) {
   return out;
 }
 
+bool contains(const LoopSolutions& found, const Vector6d& wanted) {
+  for (int k = 0; k < found.count; ++k) {
+    bool hit = true;
+    for (int i = 0; i < 6 && hit; ++i) hit = std::abs(std::remainder(found.u[k][i] - wanted[i], turn)) < 1e-5;
+    if (hit) return true;
+  }
+  return false;
+}
+
 bool parallel(const Isometry3d& link) { return link.linear().col(2).head<2>().norm() < 1e-9; }
 
 }  // namespace
@@ -79,6 +91,7 @@ SixJointArm::SixJointArm(const SerialChain& chain) : chain_(chain) {
   decomposition_ = decompose(fixed_, nearMisfit);
   if (decomposition_.kind == LoopClass::General) {
     rankCuts();
+    rankPairs();
     return;
   }
   cutLoop_ = cutAt(fixed_, decomposition_.cut);
@@ -203,26 +216,77 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
                                const Vector6d& reference) const {
   out.complete = false;
   out.noise = 1.0;
-  int roots = 0;
-  const size_t tries = std::min<size_t>(cutsTried, ranked_.size());
-  for (size_t k = 0; k < tries; ++k) {
-    Loop loop = rankedLoop_[k];
-    place(worldFromTip, ranked_[k], loop);
-    const LoopSolutions found = solveGeneralLoop(loop);
-    out.noise = std::min(out.noise, found.noise);
+  // Two ways that each find the whole set, or one elimination that shows nothing suspicious where there is no
+  // other way: then it is complete.
+  int counts[cutsTried + pairsTried], ways = 0, roots = 0;
+  bool clean = false;
+  const auto agreed = [&] {
+    int whole = 0;
+    for (int k = 0; k < ways; ++k) whole += counts[k] == out.count;
+    return whole >= (rankedPairs_.empty() ? 1 : 2) && clean && out.count % 2 == 0 && out.count >= roots;
+  };
+  const auto take = [&](const Cut& cut, const LoopSolutions& found) {
     out.raw = std::max(out.raw, found.raw);
-    for (int i = 0; i < found.count; ++i)
-      insert(fromCut(ranked_[k], found.u[i]), found.error[i], 0, reference, out);
-    // Roots come in pairs; an odd number, a root that led nowhere, or a noisy polynomial asks for another
-    // cut.
-    roots = std::max(roots, found.roots);
-    // A start far from its solution may have ended at another's.
-    if (found.noise < 1e-9 && found.suspects == 0 && found.raw < 1e-2 && out.count % 2 == 0 &&
-        out.count >= roots) {
-      out.complete = true;
-      return;
+    for (int i = 0; i < found.count; ++i) insert(fromCut(cut, found.u[i]), found.error[i], 0, reference, out);
+    counts[ways++] = found.count;
+  };
+  const size_t pairs = std::min<size_t>(pairsTried, rankedPairs_.size()),
+               tries = std::min<size_t>(cutsTried, ranked_.size());
+  for (size_t k = 0; k < std::max(pairs, tries); ++k) {
+    if (k < pairs) {
+      Loop loop = cutAt(fixed_, rankedPairs_[k]);
+      place(worldFromTip, rankedPairs_[k], loop);
+      take(rankedPairs_[k], solveMeetingPair(loop));
     }
+    if (k < tries) {
+      Loop loop = rankedLoop_[k];
+      place(worldFromTip, ranked_[k], loop);
+      const LoopSolutions found = solveGeneralLoop(loop);
+      out.noise = std::min(out.noise, found.noise);
+      take(ranked_[k], found);
+      // Roots come in pairs; an odd number, a root that led nowhere, or a noisy polynomial asks for another
+      // cut.
+      roots = std::max(roots, found.roots);
+      // A start far from its solution may have ended at another's.
+      clean |= found.noise < 1e-9 && found.suspects == 0 && found.raw < 1e-2;
+    }
+    if (agreed()) break;
   }
+  out.complete = agreed();
+}
+
+/// The places to hold a hinge beside two axes that meet, the one that lost fewest of some known poses first.
+void SixJointArm::rankPairs() {
+  struct Score {
+    Cut cut;
+    int missed, rank;
+  };
+  std::vector<Score> scores;
+  for (int c = 0; c < 12; ++c) {
+    const Cut cut{c % 6, c >= 6};
+    Loop loop = cutAt(fixed_, cut);
+    int goal = 0;
+    while ((cut.reversed ? (cut.joint(goal) + 5) % 6 : cut.joint(goal)) != 5) ++goal;
+    Score score{cut, 0, meetingPairRank(loop, goal, 1e-9)};
+    if (score.rank == 0) continue;
+    std::mt19937_64 random(2);
+    std::uniform_real_distribution<double> angle(-M_PI, M_PI);
+    for (int t = 0; t < 32 && score.missed < 3; ++t) {
+      Vector6d q;
+      for (double& x : q) x = angle(random);
+      place(tipFrame(chain_, Eigen::VectorXd(q)), cut, loop);
+      const LoopSolutions found = solveMeetingPair(loop);
+      if (found.suspects > 0) score.missed = 3;
+      for (int i = 0; i < 6; ++i) q[i] += chain_.constants.theta[i];
+      const Vector6d wanted = toCut(cut, q);
+      score.missed += !contains(found, wanted);
+    }
+    if (score.missed < 3) scores.push_back(score);
+  }
+  std::stable_sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) {
+    return a.rank != b.rank ? a.rank > b.rank : a.missed < b.missed;
+  });
+  for (const Score& s : scores) rankedPairs_.push_back(s.cut);
 }
 
 void SixJointArm::rankCuts() {
@@ -249,13 +313,7 @@ void SixJointArm::rankCuts() {
       score.multiple += found.multiple > 0;
       for (int i = 0; i < 6; ++i) q[i] += chain_.constants.theta[i];
       const Vector6d wanted = toCut(score.cut, q);
-      bool hit = false;
-      for (int k = 0; k < found.count && !hit; ++k) {
-        hit = true;
-        for (int i = 0; i < 6 && hit; ++i)
-          hit = std::abs(std::remainder(found.u[k][i] - wanted[i], turn)) < 1e-5;
-      }
-      score.missed += !hit;
+      score.missed += !contains(found, wanted);
       if (t == 3 && score.missed == 4) break;
     }
     if (score.missed < 4) scores.push_back(score);

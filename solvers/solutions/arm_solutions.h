@@ -27,7 +27,8 @@ struct ArmSolutions {
   static constexpr int most = LoopSolutions::most;
   int count = 0;
   std::array<ArmSolution, most> list;
-  bool complete = true;  ///< false: an elimination was too noisy, or a root led nowhere in every cut tried
+  bool complete = true;  ///< false: an elimination was too noisy, a root led nowhere in every cut tried, or
+                         ///< no two ways agreed
   double noise = 0.0;    ///< of the elimination (general class), of the resultant's largest value
   double raw = 0.0;      ///< largest error before polishing
 
@@ -67,6 +68,7 @@ class SixJointArm {
               ArmSolutions& out) const;
   void nameBranch(const Eigen::Isometry3d& worldFromTip, ArmSolution& solution) const;
   void rankCuts();
+  void rankPairs();
 
   SerialChain chain_;
   Loop fixed_;          ///< link 5 is the identity: the goal goes there; lengths over scale_
@@ -78,6 +80,7 @@ class SixJointArm {
   Loop cutLoop_;             ///< fixed_ cut for the decomposition
   std::vector<Cut> ranked_;  ///< cuts for the general elimination, the best first
   std::vector<Loop> rankedLoop_;
+  std::vector<Cut> rankedPairs_;  ///< cuts for the search beside two axes that meet
 };
 
 /// How many angles q + 2 pi k lie within the limits; 1 where these are not finite.
