@@ -212,6 +212,20 @@ void SixJointArm::nameBranch(const Isometry3d&, ArmSolution& s) const {
   s.wrist = sign(axis[4].dot(axis[3].cross(axis[5])));
 }
 
+/// As many solutions on one side of the singularities as on the other: see loopDeterminant.
+bool SixJointArm::balanced(const Isometry3d& worldFromTip, const ArmSolutions& found) const {
+  if (found.count % 2 == 1) return false;
+  Loop loop = fixed_;
+  place(worldFromTip, Cut{}, loop);
+  int surplus = 0;
+  for (const ArmSolution& s : found.all()) {
+    Vector6d u = s.q;
+    for (int i = 0; i < 6; ++i) u[i] += chain_.constants.theta[i];
+    surplus += loopDeterminant(loop, u) > 0.0 ? 1 : -1;
+  }
+  return surplus == 0;
+}
+
 void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out,
                                const Vector6d& reference) const {
   out.complete = false;
@@ -223,7 +237,8 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
   const auto agreed = [&] {
     int whole = 0;
     for (int k = 0; k < ways; ++k) whole += counts[k] == out.count;
-    return whole >= (rankedPairs_.empty() ? 1 : 2) && clean && out.count % 2 == 0 && out.count >= roots;
+    return whole >= (rankedPairs_.empty() ? 1 : 2) && clean && out.count >= roots &&
+           balanced(worldFromTip, out);
   };
   const auto take = [&](const Cut& cut, const LoopSolutions& found) {
     out.raw = std::max(out.raw, found.raw);

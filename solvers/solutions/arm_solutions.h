@@ -64,6 +64,7 @@ class SixJointArm {
   void place(const Eigen::Isometry3d& worldFromTip, const Cut& cut, Loop& loop) const;
   void solveGeneral(const Eigen::Isometry3d& worldFromTip, ArmSolutions& out,
                     const Vector6d& reference) const;
+  bool balanced(const Eigen::Isometry3d& worldFromTip, const ArmSolutions& found) const;
   void insert(const Vector6d& u, double error, unsigned free, const Vector6d& reference,
               ArmSolutions& out) const;
   void nameBranch(const Eigen::Isometry3d& worldFromTip, ArmSolution& solution) const;

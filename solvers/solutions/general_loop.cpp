@@ -430,6 +430,19 @@ Vector6d loopError(const Loop& loop, const Vector6d& u) {
   return e;
 }
 
+double loopDeterminant(const Loop& loop, const Vector6d& u) {
+  Matrix6d J;
+  Matrix3d R = Matrix3d::Identity();
+  Vector3d p = Vector3d::Zero();
+  for (int i = 0; i < 6; ++i) {
+    J.col(i) << R.col(2).cross(-p), R.col(2);  // of the frame before hinge 1, where the loop ends
+    R = R * aboutZ(u[i]);
+    p += R * loop.link[i].translation();
+    R = R * loop.link[i].linear();
+  }
+  return J.determinant();
+}
+
 bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, double& before) {
   error = INFINITY;
   Vector6d best = u;

@@ -20,6 +20,11 @@ struct LoopSolutions {
 /// Error of the loop: how far it is from closing (translation, lengths; rotation, 2 sin(angle / 2) axis).
 Vector6d loopError(const Loop& loop, const Vector6d& u);
 
+/// Determinant of the loop's Jacobian (lengths and radians; columns: hinges). Over all solutions of a pose
+/// that is not singular as many are positive as negative: the signed count is the same for every pose,
+/// reachable or not.
+double loopDeterminant(const Loop& loop, const Vector6d& u);
+
 /// Newton on the closed loop. False where it does not come below `accepted`.
 /// error: |loopError| at the end; before: at the beginning.
 bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, double& before);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "kinematics/notation/planar_chain.h"
 #include "kinematics/notation/robots.h"
@@ -203,6 +204,62 @@ TEST(SixJointArm, NewtonFromManyStartsFindsNoOtherSolution) {
   EXPECT_EQ(beyond, 0);
   EXPECT_GE(inSet + beyond, foundByNewton);
   EXPECT_GE(foundByNewton, 9 * inSet / 10);  // or the test would say nothing
+}
+
+/// The signed count of solutions is the same for every pose, so it is that of a pose out of reach: zero.
+TEST(SixJointArm, AsManySolutionsLieOnOneSideOfTheSingularitiesAsOnTheOther) {
+  std::mt19937_64 random(61);
+  int checked = 0;
+  for (int k = 0; k < 8; ++k) {
+    const char* names[] = {"puma560", "ur5", "jaco2", "crx10ia"};
+    const SixJointArm arm(chainOf(k < 2   ? robotTable(names[k])
+                                  : k < 4 ? generalArm(names[k])
+                                          : testing::randomArm(random)));
+    ArmSolutions found;
+    for (int t = 0; t < 50; ++t) {
+      arm.solve(tipFrame(arm.chain(), randomAngles(random)), Vector6d::Zero(), found);
+      int surplus = 0;
+      double least = INFINITY;
+      for (const ArmSolution& s : found.all()) {
+        // By difference quotients of the tip's pose, along the tip's axes.
+        const Isometry3d pose = tipFrame(arm.chain(), s.q);
+        Matrix6d J;
+        for (int i = 0; i < 6; ++i) {
+          Vector6d q = s.q;
+          q[i] += 1e-6;
+          const Isometry3d moved = pose.inverse() * tipFrame(arm.chain(), q);
+          J.col(i) << moved.translation(), 0.5 * (moved(2, 1) - moved(1, 2)),
+              0.5 * (moved(0, 2) - moved(2, 0)), 0.5 * (moved(1, 0) - moved(0, 1));
+        }
+        const double det = (J / 1e-6).determinant();
+        surplus += det > 0.0 ? 1 : -1;
+        least = std::min(least, std::abs(det));
+      }
+      if (least < 1e-5) continue;  // the quotient's own error
+      EXPECT_EQ(surplus, 0) << k << ", " << found.count << " solutions";
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 300);
+}
+
+/// A random arm of whose four solutions the best cut shows two, both with the same sign of the determinant.
+TEST(SixJointArm, SignsThatDoNotBalanceAskAnotherCut) {
+  std::mt19937_64 random(2026);
+  DhTable table;
+  std::uint64_t seed = 0;
+  for (int a = 0; a <= 193; ++a) table = testing::randomArm(random), seed = random();
+  const SixJointArm arm(chainOf(table));
+  std::mt19937_64 ofArm(seed);
+  Vector6d q;
+  for (int t = 0; t <= 81; ++t) q = randomAngles(ofArm);
+  ArmSolutions found;
+  arm.solve(tipFrame(arm.chain(), q), Vector6d::Zero(), found);
+  EXPECT_EQ(found.count, 4);
+  EXPECT_TRUE(found.complete);
+  double nearest = INFINITY;
+  for (const ArmSolution& s : found.all()) nearest = std::min(nearest, apart(s.q, q));
+  EXPECT_LT(nearest, 1e-5);
 }
 
 TEST(SixJointArm, SomePosesOfTheCrxHaveSixteenSolutions) {
