@@ -120,6 +120,7 @@
       firstFrame = performance.now();
       cover.hidden = true;
       if (window.parent === window) canvas.focus();
+      last = performance.now();  // what was made for the first frame is no time of the scene
       tell({ event: 'ready' });
       if (atFirst) say(atFirst, true);
     }

@@ -15,7 +15,7 @@ import time
 
 class Browser:
     flags = ['--headless=new', '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-             '--disable-component-update', '--disable-sync', '--disable-extensions', '--mute-audio', '--hide-scrollbars',
+             '--disable-component-update', '--disable-sync', '--disable-extensions', '--mute-audio', '--disable-dev-shm-usage', '--disable-gpu-watchdog', '--hide-scrollbars',
              '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--remote-debugging-pipe']
 
     def __init__(self, *more):

@@ -220,7 +220,8 @@ def size_and_pixel_ratio_are_followed(page):
     page.open('', 1000, 700, 1)
     narrow = page.status()['view']
     page.browser.size(1400, 900, 1)
-    page.browser.wait(f'gelenk.status().view.height === {narrow["height"]} + 200')
+    page.browser.wait(f'gelenk.status().view.height > {narrow["height"]} + 80')
+    assert page.browser.evaluate('document.getElementById("canvas").width') == 1400
     page.open('', 1000, 700, 2)
     fine = page.status()['view']
     assert abs(fine['width'] - 2 * narrow['width']) <= 2 and abs(fine['height'] - 2 * narrow['height']) <= 4, (fine, narrow)
@@ -243,8 +244,9 @@ def one_finger_drags_and_two_orbit_and_zoom(page):
     during = page.goal('hand_l')
     browser.touch('touchEnd')
     page.frames(3)
-    assert during['state'] == 'held' and during['error'] < 1e-3, during
+    assert during['state'] == 'dragged' and during['error'] < 1e-3, during
     assert math.dist(page.pixel('hand_l'), (x - 18, y - 48)) < 2, (page.pixel('hand_l'), x, y)
+    browser.wait('gelenk.resting')  # the pose has settled
     q = page.status()['q']
     head, foot = page.pixel('head'), page.pixel('foot_l')
     browser.touch('touchStart', (150, 500))
@@ -283,7 +285,7 @@ def a_page_drives_the_sandbox_in_its_frame(page):
     browser.console.clear()
     browser.size(1000, 700)
     browser.open(outside + 'outside.html')
-    browser.wait('document.body')
+    browser.wait('!!document.body')
     log = browser.evaluate(script % (port, 60000, frame + '&embed=' + outside.rsplit('/lectures', 1)[0]))
     answers = {m['id']: m for m in log if m.get('id')}
     assert answers[2]['ok'] and not answers[3]['ok'] and 'nonsense' in answers[3]['error'], log
@@ -291,7 +293,7 @@ def a_page_drives_the_sandbox_in_its_frame(page):
     assert pose['model'] == 'panda' and pose['q'] == [0, -0.8, 0, -2.4, 0, 1.6, 0.8], pose
     page.picture('embedded')
     browser.open(outside + 'outside.html')
-    browser.wait('document.body')
+    browser.wait('!!document.body')
     log = browser.evaluate(script % (port, 15000, frame))  # an origin that the address does not name
     assert log == [], log
 
@@ -340,18 +342,21 @@ def main():
         shutil.copytree(options.site, os.path.join(folder, 'lectures', 'site'))
         with open(os.path.join(folder, 'lectures', 'outside.html'), 'w') as file:
             file.write('<!doctype html><link rel="icon" href="data:,"><body></body>')
-        with served(folder) as port, Browser() as browser:
+        with served(folder) as port:
             for each in wanted:
                 begin = time.monotonic()
                 print(each.__name__.replace('_', ' '), flush=True)
+                console = []
                 try:
-                    each(Page(browser, port))
-                    assert not browser.console, browser.console
+                    with Browser() as browser:  # its own: one that ends takes no other check with it
+                        console = browser.console
+                        each(Page(browser, port))
+                        assert not console, console
                     print(f'    ok, {time.monotonic() - begin:.1f} s', flush=True)
                 except Exception:
                     failed += 1
                     traceback.print_exc()
-                    print(f'    FAILED; console: {browser.console}', flush=True)
+                    print(f'    FAILED; console: {console}', flush=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     print(f'{len(wanted) - failed} of {len(wanted)} checks hold')
