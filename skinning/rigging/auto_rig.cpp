@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "kinematics/motion/joint_matching.h"
+#include "skinning/rigging/fit/landmarks.h"
 #include "skinning/rigging/fit/placement.h"
 #include "skinning/rigging/fit/rig_skeleton.h"
 #include "skinning/rigging/fit/rig_transfer.h"
@@ -133,8 +134,8 @@ struct Fit {
 
 /// Every way to stand that the rough fits could not tell apart gets the first half of the schedule; the best
 /// of them the rest.
-Fit fitBest(const TemplateBody& body, const SurfaceSamples& samples, const std::vector<Placement>& placements,
-            Stages& stages) {
+Fit fitBest(const TemplateBody& body, const Mesh& mesh, const SurfaceSamples& samples,
+            const std::vector<Placement>& placements, Stages& stages) {
   std::vector<Fit> fits;
   for (const Placement& placement : placements) {
     Fit fit{placement, std::make_shared<FitTarget>(inBodySpace(samples, placement.frame), 0.05)};
@@ -154,6 +155,7 @@ Fit fitBest(const TemplateBody& body, const SurfaceSamples& samples, const std::
   twistPieces(body, *best.target, best.placement.maps, best.placement.symmetric);
   for (int k = 2; k < static_cast<int>(std::size(schedule)); ++k) {
     FitStage stage = schedule[k];
+    stage.landmarks = findLandmarks(body, mesh, best.placement.frame, *best.target, best.placement.maps);
     stage.symmetric = best.placement.symmetric;
     best.misfit = fitPieces(body, *best.target, best.placement.maps, stage);
     stages.goOn(0.5);
@@ -224,7 +226,7 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   if (placements.empty()) throw RigRefused("the body stands in none of the ways that were asked for");
 
   stages.begin("fit", 0.35);
-  Fit fit = fitBest(body, samples, placements, stages);
+  Fit fit = fitBest(body, mesh, samples, placements, stages);
   judge(body, fit, samples, report);
   const Placement& placement = fit.placement;
   std::vector<RigJoint> joints =

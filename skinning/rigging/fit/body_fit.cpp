@@ -254,6 +254,8 @@ double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
 
     MapEquations equations(body, stage.symmetric);
     for (const int v : active) equations.point(body, rest[v], body.weights[v], A[v], b[v]);
+    for (const auto& [v, place, metric] : stage.landmarks)
+      equations.point(body, rest[v], body.weights[v], metric, metric * place);
     const std::vector<Matrix3d> shapes = shapesOf(body, maps);
     for (int i = 0; i < static_cast<int>(body.pieces.size()); ++i) {
       const BodyPiece& piece = body.pieces[i];

@@ -30,6 +30,14 @@ std::vector<Eigen::Vector3d> deformed(const TemplateBody& body, const PieceMaps&
 /// Where the joints come to lie.
 std::vector<Eigen::Vector3d> deformedJoints(const TemplateBody& body, const PieceMaps& maps);
 
+/// A place of the body that is known, for one vertex of the template. Distances across a surface leave it
+/// free to slide along limbs; a saddle such as the crotch holds it.
+struct Landmark {
+  int vertex = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d metric = Eigen::Matrix3d::Zero();  ///< all distances of the surface together weigh about 1
+};
+
 struct FitStage {
   int rounds = 10;
   double stiffness = 1.0;     ///< weight of the pieces' shape: a rotation times a length and a girth
@@ -38,6 +46,7 @@ struct FitStage {
   bool symmetric = true;      ///< the solution is its own mirror image at x = 0
   int vertices = 1500;        ///< of the template that take part, about
   int samples = 1500;         ///< of the target that look for the template, about
+  std::vector<Landmark> landmarks = {};
 };
 
 /// Rounds of an articulated closest-point fit (Besl and McKay 1992; one affine map a piece as in Sumner,

@@ -122,6 +122,16 @@ TemplateBody makeHuman() {
   for (BodyPiece& piece : body.pieces) piece.from /= height, piece.to /= height;
   for (TemplateJoint& joint : body.joints) joint.position /= height;
 
+  for (int v = 0; v < static_cast<int>(body.surface.positions.size()); ++v) {
+    const Vector3d& p = body.surface.positions[v];
+    if (std::abs(p.x()) < 1e-6 && (body.crotch < 0 || p.y() < body.surface.positions[body.crotch].y()))
+      body.crotch = v;
+  }
+  // In people the hip joints lie this much above the crotch, in heights (grown bodies: 0.051 to 0.058).
+  constexpr double hipsAboveCrotch = 0.056;
+  body.crotchDrop =
+      body.pieces[body.piece("thigh_l")].from.y() - body.surface.positions[body.crotch].y() - hipsAboveCrotch;
+
   body.poses.push_back({"A", restMaps(body)});
   const auto arms = [&](const char* name, const Vector3d& clavicle, const Vector3d& arm) {
     PieceMaps maps = restMaps(body);

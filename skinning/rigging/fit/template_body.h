@@ -55,6 +55,9 @@ struct TemplateBody {
   std::vector<double> importance;                              ///< of each vertex in a fit, about 1
   std::vector<TemplateJoint> joints;
   std::vector<TemplatePose> poses;
+  int crotch =
+      -1;  ///< the vertex between the legs, where the cut in the middle is lowest; -1: not looked for
+  double crotchDrop = 0.0;  ///< how much further it lies under the hips than in people: the grid fills it
 
   int piece(const std::string& name) const;
 };
