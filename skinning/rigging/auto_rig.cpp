@@ -70,7 +70,7 @@ RigTemplate kindOf(const Skeleton& own) {
 }
 
 /// From rough to fine: the pieces may bend their shapes more and more, and far points count less and less.
-constexpr FitStage schedule[] = {
+const FitStage schedule[] = {
     {.rounds = 8, .stiffness = 0.5, .robustWidth = 0.08},
     {.rounds = 10, .stiffness = 0.2, .robustWidth = 0.05},
     {.rounds = 12, .stiffness = 0.05, .robustWidth = 0.03, .pull = 0.03},
