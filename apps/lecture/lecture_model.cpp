@@ -13,7 +13,6 @@
 namespace gelenk {
 namespace {
 
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double degree = M_PI / 180.0;
@@ -26,11 +25,10 @@ struct Beginning {
 };
 
 VectorXd threeBalls(const Skeleton& skeleton) {
-  const Vector3d angles[] = {{20, -30, 40}, {-50, 60, 10}, {70, -20, -80}};
   VectorXd q = skeleton.rest();
   for (int i = 0; i < 3; ++i)
     setBallRotation(skeleton, q, i,
-                    Eigen::Quaterniond(rotationFromEuler(eulerOrders()[0], angles[i] * degree)));
+                    Eigen::Quaterniond(rotationFromEuler(lectureEulerOrder(), slide::ballAngles[i])));
   return q;
 }
 
@@ -38,11 +36,11 @@ constexpr std::array beginnings{
     Beginning{"planar-fk", "planar:0,0:4,6,2",
               [](const Skeleton&) -> VectorXd { return slide::forwardDegrees * degree; }},
     Beginning{"two-link", "planar:0,0:10,10",
-              [](const Skeleton&) -> VectorXd { return Eigen::Vector2d(60.0, -120.0) * degree; }},
+              [](const Skeleton&) -> VectorXd { return slide::twoLinkDegrees * degree; }},
     Beginning{"newton-1d", "planar:0,0:10",
-              [](const Skeleton&) -> VectorXd { return VectorXd::Constant(1, 0.1); }},
+              [](const Skeleton&) -> VectorXd { return VectorXd::Constant(1, slide::oneLinkStart); }},
     Beginning{"newton-square", "planar:0,0:10,10",
-              [](const Skeleton&) -> VectorXd { return Eigen::Vector2d(-0.5, 1.5); }},
+              [](const Skeleton&) -> VectorXd { return slide::squareStart; }},
     Beginning{"pseudo-inverse", "planar", [](const Skeleton&) -> VectorXd { return slide::startAngles; }},
     Beginning{"shortest", "planar",
               [](const Skeleton&) -> VectorXd { return lectureNewtonRun().steps.back().phi; }},
@@ -51,7 +49,7 @@ constexpr std::array beginnings{
     Beginning{"leg", "figure",
               [](const Skeleton& figure) -> VectorXd {
                 const LegAnimation walk = pinFeet(figure, keyframedLegs(figure, lectureLegKeys()));
-                return walk.q[static_cast<std::size_t>(0.35 * walk.framesPerSecond)];
+                return walk.q[static_cast<std::size_t>(slide::walkStart * walk.framesPerSecond)];
               }},
 };
 

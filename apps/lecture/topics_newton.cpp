@@ -44,7 +44,7 @@ constexpr double degree = M_PI / 180.0;
 // --- one dimension
 // ---------------------------------------------------------------------------------------------
 
-constexpr double goodStart = 0.1, farStart = 1.2;
+constexpr double goodStart = slide::oneLinkStart, farStart = 1.2;
 
 std::vector<NewtonStep1d> convergentRun(double delta = 1e-6) {
   return newton1d(oneLinkHeight, goodStart, oneLinkTarget, delta, 1e-13);
@@ -96,7 +96,7 @@ std::string oneDimensionSteps() {
 PlanarChain twoLinkArm() {
   return {.base = Vector2d::Zero(), .lengths = {slide::armLength, slide::armLength}};
 }
-const Vector2d squareStart{-0.5, 1.5};
+using slide::squareStart;
 NewtonRun squareRun() { return planarNewton(twoLinkArm(), squareStart, slide::armTarget, 1e-12); }
 
 double stepNearStraight(double phi2) {

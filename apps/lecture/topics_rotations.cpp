@@ -4,6 +4,7 @@
 
 #include "apps/lecture/derivations.h"
 #include "apps/lecture/example.h"
+#include "apps/lecture/slide_data.h"
 #include "apps/lecture/text.h"
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
@@ -21,9 +22,7 @@ using Eigen::VectorXd;
 
 constexpr double degree = M_PI / 180.0;
 const std::vector<double> lengths{1.0, 0.8, 0.5};
-const std::array<Vector3d, 3> pose{{{20 * degree, -30 * degree, 40 * degree},
-                                    {-50 * degree, 60 * degree, 10 * degree},
-                                    {70 * degree, -20 * degree, -80 * degree}}};
+const std::array<Vector3d, 3>& pose = slide::ballAngles;
 
 /// Three joints at the ends of links along x, each with three axes in the given order, or a ball.
 Skeleton chain(const EulerOrder* order) {

@@ -182,7 +182,7 @@ class TwoLinkScene final : public PlanarScene {
   TwoLinkScene() : PlanarScene({.base = Vector2d::Zero(), .lengths = {slide::armLength, slide::armLength}}) {}
 
   void open(Sandbox& sandbox) override {
-    openArm(sandbox, Vector2d(60.0, -120.0) * degree);
+    openArm(sandbox, slide::twoLinkDegrees * degree);
     sandbox.session().setSolver("two-link");
     toTarget(sandbox, slide::armTarget);
   }
@@ -310,7 +310,7 @@ class OneDimensionScene final : public PlanarScene {
     if (ImGui::SliderInt("Delta", &exponent, -8, -1, "10^%d"))
       delta_ = std::pow(10.0, exponent), changed = true;
     if (ImGui::Button("Converging", {0.5f * ImGui::GetContentRegionAvail().x - 4, 0}))
-      start_ = 0.1, target_ = oneLinkTarget, delta_ = 1e-6, changed = true;
+      start_ = slide::oneLinkStart, target_ = oneLinkTarget, delta_ = 1e-6, changed = true;
     ImGui::SameLine();
     if (ImGui::Button("Diverging", {-1, 0})) start_ = 1.2, target_ = 0.0, delta_ = 1e-6, changed = true;
     if (changed) restart(sandbox);
@@ -392,7 +392,7 @@ class OneDimensionScene final : public PlanarScene {
     sandbox.session().setPose(VectorXd::Constant(1, run_[i].phi));
   }
 
-  double start_ = 0.1, target_ = oneLinkTarget, delta_ = 1e-6;
+  double start_ = slide::oneLinkStart, target_ = oneLinkTarget, delta_ = 1e-6;
   std::vector<NewtonStep1d> run_;
   std::size_t at_ = 0;
 };
@@ -554,7 +554,7 @@ class NewtonScene final : public PlanarScene {
  private:
   void setSlide() {
     if (example_ == NewtonExample::Square) {
-      start_ = Vector2d(-0.5, 1.5);
+      start_ = slide::squareStart;
       target_ = slide::armTarget;
     } else {
       start_ = slide::startAngles;

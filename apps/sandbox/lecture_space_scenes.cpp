@@ -9,6 +9,7 @@
 #include "apps/document/chain_models.h"
 #include "apps/lecture/derivations.h"
 #include "apps/lecture/leg_animation.h"
+#include "apps/lecture/slide_data.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -41,9 +42,7 @@ class RotationsScene final : public LectureScene {
   void open(Sandbox& sandbox) override {
     const std::string name = "balls:1,0.8,0.5";
     sandbox.openModel(*parseBallChain(name), {.nameOrFile = name});
-    setAngles(sandbox, 0, Vector3d(20, -30, 40) * degree);
-    setAngles(sandbox, 1, Vector3d(-50, 60, 10) * degree);
-    setAngles(sandbox, 2, Vector3d(70, -20, -80) * degree);
+    for (int i = 0; i < 3; ++i) setAngles(sandbox, i, slide::ballAngles[i]);
     sandbox.options().ground = false;  // it turns freely in space
     sandbox.camera().elevation = 0.45;
     frameView(sandbox, Eigen::AlignedBox3d(Vector3d(-0.5, -0.7, -0.5), Vector3d(1.9, 0.7, 0.9)));
@@ -328,7 +327,7 @@ class LegScene final : public LectureScene {
     pinned_ = pinFeet(figure, keyed_);
     keyedFeet_ = measureFeet(figure, keyed_);
     pinnedFeet_ = measureFeet(figure, pinned_);
-    time_ = 0.35;
+    time_ = slide::walkStart;
     sandbox.setPlaying(true);
     show(sandbox);
     Camera& camera = sandbox.camera();

@@ -376,8 +376,7 @@ class SolvePanel final : public Panel {
       if (ImGui::IsItemActivated()) s.session->remember();
       tooltip(
           "On the squared error of this goal, times what its state brings (a pin weighs more). A heavier "
-          "goal "
-          "is missed by less where not all can be reached. Default 1.");
+          "goal is missed by less where not all can be reached. Default 1.");
       if (moved) s.session->setWeight(goal.id, weight);
     }
     if (changed) try {

@@ -21,3 +21,18 @@ ${entries}  };
 ")
   target_sources(${target} PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp")
 endfunction()
+
+# The shaders of skinning/gpu, as skinningShaders(). skin_methods.glsl includes all parts of the skinning methods: a new one belongs
+# to them by lying there.
+function(gelenk_embed_skinning_shaders target)
+  file(GLOB shaders CONFIGURE_DEPENDS "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/shaders/*")
+  set(parts "")
+  foreach(file ${shaders})
+    get_filename_component(name "${file}" NAME)
+    if(name MATCHES "^skin_.*\\.glsl$" AND NOT name STREQUAL "skin_bones.glsl")
+      string(APPEND parts "#include \"${name}\"\n")
+    endif()
+  endforeach()
+  file(CONFIGURE OUTPUT skin_methods.glsl CONTENT "${parts}" @ONLY)
+  gelenk_embed_shaders(${target} skinningShaders ${shaders} "${CMAKE_CURRENT_BINARY_DIR}/skin_methods.glsl")
+endfunction()

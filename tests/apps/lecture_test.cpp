@@ -130,5 +130,34 @@ TEST(Derivations, TheTwoLinksSayWhenTheTargetIsOutOfReach) {
     EXPECT_EQ(text.find("nan"), std::string::npos) << text;
 }
 
+/// One number of every derivation in space, by another route: the frames, the keys.
+TEST(Derivations, InSpaceToo) {
+  DhTable table{.rows = {{.a = 0.2, .alpha = 0.5, .d = 0.1, .phi = 0.3},
+                         {.kind = DhJoint::Prismatic, .a = 0.0, .alpha = -0.7, .d = 0.4, .phi = 0.1}}};
+  const Eigen::Vector2d q(0.25, 0.05);
+  const std::string dh = dhDerivation(table, q);
+  const Frames frames = forwardKinematics(toSkeleton(table), q);
+  EXPECT_NE(dh.find(text::matrix(frames.back().matrix(), 6)), std::string::npos) << dh;
+  EXPECT_NE(dh.find("  0.2           28.6479         0.1           31.5127 "), std::string::npos)
+      << dh;  // phi + q
+  EXPECT_NE(dh.find("  0             -40.107         0.45          5.72958 "), std::string::npos)
+      << dh;  // d + q
+
+  const Eigen::Vector3d quarter(0.0, 0.0, M_PI / 2), none = Eigen::Vector3d::Zero();
+  const std::string turned = rotationsDerivation({quarter, none, none});
+  EXPECT_NE(turned.find("quaternions  (0, 2.3, 0)"), std::string::npos) << turned;  // all links along y
+
+  const Skeleton figure = mannequin();
+  const LegAnimation walk = keyframedLegs(figure, lectureLegKeys());
+  const LegKeys keys = lectureLegKeys();
+  const std::string leg =
+      legDerivation(walk, {FootMeasure{.sliding = 0.25}, FootMeasure{.penetration = 0.5}}, 20);
+  const double phase = 20.0 / walk.framesPerSecond / keys.cycle;
+  EXPECT_NE(leg.find(fmt::format("knee     {:8.3f}", keyedAngle(keys.knee, phase))), std::string::npos)
+      << leg;
+  EXPECT_NE(leg.find("2.500e-01"), std::string::npos) << leg;
+  EXPECT_NE(leg.find("5.000e-01"), std::string::npos) << leg;
+}
+
 }  // namespace
 }  // namespace gelenk
