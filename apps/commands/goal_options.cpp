@@ -81,7 +81,8 @@ std::vector<TypedGoal> readGoals(const std::string& path, const Skeleton& skelet
   using nlohmann::json;
   std::vector<TypedGoal> goals;
   try {
-    const json list = json::parse(readFile(path));
+    const std::string text = readFile(path);
+    const json list = json::parse(plainText(text, path));
     if (!list.is_array()) throw ParseError(path, 0, "a list of goals", list.type_name());
     for (std::size_t i = 0; i < list.size(); ++i) {
       const json& one = list[i];

@@ -111,9 +111,7 @@ Imported carriedOnto(const Request& request, const Imported& from) {
                     carried.scale, smallestUsualScale, largestUsualScale, request.in));
   std::vector<Note> notes = describe(target.model.skeleton, carried, carried.clip.framesPerSecond);
   if (request.scale > 0.0) std::erase_if(notes, [](const Note& note) { return note.kind == "path-scale"; });
-  demandNoNotes(request.in, notes);
-  if (!notesAreQuiet())
-    for (const Note& note : notes) fmt::print("{}: {}\n", request.onto, note.text);
+  sayNotes(request.in, notes);
   target.model.clip = carried.clip;
   target.clips.clear();
   return target;

@@ -40,7 +40,7 @@ std::vector<Isometry3d> readPoses(const std::string& path) {
   const std::string text = readFile(path);
   std::vector<Isometry3d> poses;
   int number = 0;
-  for (const std::string_view line : splitLines(text)) {
+  for (const std::string_view line : splitLines(plainText(text, path))) {
     ++number;
     std::string words(line.substr(0, line.find('#')));
     std::replace(words.begin(), words.end(), ',', ' ');
@@ -53,7 +53,7 @@ std::vector<Isometry3d> readPoses(const std::string& path) {
       throw ParseError(path, number, "X Y Z QW QX QY QZ", fmt::format("{} values", list.size()));
     for (int i = 0; i < 7; ++i) {
       const auto value = parseNumber(list[i]);
-      if (!value) throw ParseError(path, number, "a finite number", fmt::format("'{}'", list[i]));
+      if (!value) throw ParseError(path, number, "a finite number", badNumber(list[i]));
       v[i] = *value;
     }
     const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);

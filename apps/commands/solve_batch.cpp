@@ -12,6 +12,7 @@
 #include "kinematics/io/csv.h"
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
+#include "kinematics/io/word_stream.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
 #include "solvers/serial/serial_pose.h"
@@ -27,30 +28,38 @@ double since(Clock::time_point begin) { return std::chrono::duration<double>(Clo
 /// Quaternions of length 1 to 1e-3.
 bool isNearlyUnit(const Eigen::Quaterniond& q) { return std::abs(q.norm() - 1.0) < 1e-3; }
 
+std::string_view withoutBlanks(std::string_view field) {
+  const std::size_t first = field.find_first_not_of(" \t");
+  return first == field.npos ? "" : field.substr(first, field.find_last_not_of(" \t") - first + 1);
+}
+
 BatchTargets readTargets(const std::string& path) {
   const std::string text = readFile(path);
-  CsvReader reader(text);
+  CsvReader reader(plainText(text, path));
   std::vector<std::string> fields;
-  if (!reader.next(fields)) throw ParseError(path, 1, "a header x,y,z or x,y,z,qw,qx,qy,qz", "an empty file");
+  const std::string headers = "a header x,y,z or x,y,z,qw,qx,qy,qz or qw,qx,qy,qz";
+  if (!reader.next(fields)) throw ParseError(path, 1, headers, "an empty file");
   std::string header;
-  for (const std::string& field : fields) header += (header.empty() ? "" : ",") + field;
+  for (const std::string& field : fields)
+    header += (header.empty() ? "" : ",") + lowerCase(withoutBlanks(field));
   BatchTargets targets;
   if (header == "x,y,z,qw,qx,qy,qz")
     targets.kind = GoalKind::Pose;
   else if (header == "qw,qx,qy,qz")
     targets.kind = GoalKind::Orientation;
   else if (header != "x,y,z")
-    throw ParseError(path, 1, "a header x,y,z or x,y,z,qw,qx,qy,qz or qw,qx,qy,qz", "'" + header + "'");
+    throw ParseError(path, 1, headers, "'" + header + "'");
   const std::size_t columns = fields.size();
   std::vector<double> numbers(columns);
   while (reader.next(fields)) {
-    if (fields.size() == 1 && fields[0].empty()) continue;  // a blank line at the end
+    if (fields.size() == 1 && withoutBlanks(fields[0]).empty()) continue;  // a blank line
     if (fields.size() != columns)
       throw ParseError(path, reader.line(), std::to_string(columns) + " values",
                        std::to_string(fields.size()));
     for (std::size_t k = 0; k < columns; ++k) {
-      const auto value = parseNumber(fields[k]);
-      if (!value) throw ParseError(path, reader.line(), "a number", "'" + fields[k] + "'");
+      const std::string_view word = withoutBlanks(fields[k]);
+      const auto value = parseNumber(word);
+      if (!value) throw ParseError(path, reader.line(), "a finite number", badNumber(word));
       numbers[k] = *value;
     }
     if (targets.kind != GoalKind::Orientation)

@@ -219,9 +219,9 @@ std::vector<Note> modelNotes(const Model& model) {
     std::string guess;
     for (const char* unit : {"dm", "cm", "mm", "in", "ft"})
       if (const double size = extent * metresPerUnit(unit); guess.empty() && size > 1.2 && size < 2.3)
-        guess = fmt::format("; in {} it would be {:.3g} m", unit, size);
+        guess = fmt::format(" (with '{}' it would be {:.3g} m)", unit, size);
     tell(notes, "unit-suspect",
-         fmt::format("the joints span {:.3g} m: is the unit another one{}?", extent, guess));
+         fmt::format("the joints span {:.3g} m: is the unit another one?{}", extent, guess));
   }
   std::vector<std::string> locked, unmoved;
   const Skeleton& skeleton = model.skeleton;

@@ -555,7 +555,7 @@ struct Tree {
   bool wasVersion1 = false;
 };
 Tree readTree(std::string_view text, const std::string& file) {
-  Json tree = parseJson(text, file);
+  Json tree = parseJson(plainText(text, file), file);
   const JsonEntry root(file, tree, "");
   if (!tree.is_object()) root.fail("a Gelenk scene {\"format\": \"gelenk-scene\", ...}");
   if (root.at("format").text() != formatName)

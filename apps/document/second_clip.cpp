@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -88,6 +89,9 @@ FittedClip clipFor(const Model& model, double framesPerSecond, const std::string
   const Imported other = open(path, modelFile, std::move(companions));
   if (!other.model.clip) throw std::invalid_argument("'" + path + "' has no motion");
   FittedClip result{.clip = *other.model.clip, .notes = {}};
+  for (const Note& note : other.model.notes)  // those of a skeleton that both have were told before
+    if (std::ranges::find(model.notes, note.text, &Note::text) == model.notes.end())
+      result.notes.push_back(note);
   if (!sameJoints(other.model.skeleton, model.skeleton)) {
     RetargetedClip carried =
         retargeted(other.model.skeleton, result.clip, model.skeleton, {.targetUp = model.up});

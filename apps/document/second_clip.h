@@ -11,8 +11,7 @@ namespace gelenk {
 /// A motion of another file, made to fit a model.
 struct FittedClip {
   MotionClip clip;
-  std::vector<Note>
-      notes;  ///< what was done to it: resampled, carried over by names, joints that nothing moves
+  std::vector<Note> notes;  ///< its file's, and what was done to it: carried over by names, resampled
 };
 
 /// The motion in `path` for the model, at the given rate (Hz). A motion of the same skeleton is taken as it

@@ -201,7 +201,10 @@ int expand(const Replay::Command& command, std::vector<Replay::Command>& out) {
 
 }  // namespace
 
-Replay Replay::read(const std::string& path) { return parse(path, readFile(path)); }
+Replay Replay::read(const std::string& path) {
+  const std::string text = readFile(path);
+  return parse(path, std::string(plainText(text, path)));
+}
 
 Replay Replay::parse(const std::string& name, const std::string& text) {
   Replay replay;

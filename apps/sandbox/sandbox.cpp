@@ -10,6 +10,7 @@
 
 #include "apps/commands/image.h"
 #include "apps/document/model_files.h"
+#include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/driver.h"
@@ -114,6 +115,8 @@ void Sandbox::openDocument(std::shared_ptr<const Model> model, Document document
 
 void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   State& s = *state_;
+  const std::vector<Note>& notes = session->model().notes;
+  demandNoNotes(session->document().model.nameOrFile, notes);
   auto view = std::make_unique<SceneView>(*session);
   if (s.session && !fromFile) session->theme() = s.theme();
   s.session = std::move(session);
@@ -133,7 +136,8 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   followDocument(*this);
   if (!fromFile) s.camera() = s.view->wholeView(*s.session, s.viewport(), whole);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
-  for (const Note& note : s.session->model().notes) say(note.line());
+  if (!notesAreQuiet())
+    for (const Note& note : notes) say(note.line());
 }
 
 bool Sandbox::open(const ModelReference& reference) {

@@ -9,6 +9,7 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/image.h"
+#include "apps/document/notes.h"
 #include "apps/sandbox/remote.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -52,7 +53,8 @@ void requireWritableFolder(const std::string& path) {
   std::filesystem::remove(probe);
 }
 
-void tellStart(const Arguments& arguments, const Sandbox& sandbox, Clock::time_point begin) {
+void tellStart(const Arguments& arguments, Sandbox& sandbox, Clock::time_point begin) {
+  sayNotes(arguments.sandbox.model, sandbox.session().model().notes);
   if (arguments.verbose)
     std::fprintf(stderr, "first frame after %.3f s, %s\n", secondsSince(begin), sandbox.renderer().c_str());
 }

@@ -47,14 +47,18 @@ void writeFile(const std::string& path, std::string_view content) {
 
 std::string_view plainText(std::string_view text, const std::string& file) {
   using namespace std::string_view_literals;
-  for (const std::string_view mark : {"\xff\xfe\0\0"sv, "\0\0\xfe\xff"sv})
-    if (text.starts_with(mark)) throw ParseError(file, 1, "text in UTF-8", "UTF-32: save it as UTF-8");
-  // Without a mark, every other byte of UTF-16 text in Latin letters is zero.
-  const bool unmarked = text.size() >= 4 && (text.substr(0, 4).find('\0') == 0 || text[1] == '\0') &&
-                        (text[0] == '\0') == (text[2] == '\0') && (text[1] == '\0') == (text[3] == '\0') &&
-                        (text[0] == '\0') != (text[1] == '\0');
-  if (text.starts_with("\xff\xfe"sv) || text.starts_with("\xfe\xff"sv) || unmarked)
-    throw ParseError(file, 1, "text in UTF-8", "UTF-16: save it as UTF-8");
+  struct Encoding {
+    std::string_view name, mark, letters;  ///< letters: which of the first four bytes are zero in Latin text
+  };
+  static constexpr Encoding others[] = {{"UTF-32LE", "\xff\xfe\0\0"sv, "x000"},
+                                        {"UTF-32BE", "\0\0\xfe\xff"sv, "000x"},
+                                        {"UTF-16LE", "\xff\xfe"sv, "x0x0"},
+                                        {"UTF-16BE", "\xfe\xff"sv, "0x0x"}};
+  std::string zeros;
+  for (const char byte : text.substr(0, 4)) zeros += byte == '\0' ? '0' : 'x';
+  for (const Encoding& other : others)
+    if (text.starts_with(other.mark) || zeros == other.letters)
+      throw ParseError(file, 1, "text in UTF-8", std::string(other.name) + ": save it as UTF-8");
   if (text.starts_with("\xef\xbb\xbf"sv)) text.remove_prefix(3);
   return text;
 }

@@ -87,6 +87,9 @@ class Reader {
     const TiXmlElement* robot = document_.RootElement();
     if (robot->ValueStr() != "robot") fail(robot, "an element <robot>", "<" + robot->ValueStr() + ">");
     if (const char* name = robot->Attribute("name")) robot_.name = name;
+    for (const TiXmlElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement())
+      if (e->ValueStr().starts_with("xacro:"))
+        fail(e, "URDF", "<" + e->ValueStr() + ">, which the program xacro turns into URDF");
     collect(robot);
     build();
     return std::move(robot_);
@@ -169,8 +172,13 @@ class Reader {
                          .child = attribute(child(e, "child"), "link")};
       if (!names.insert(joint.name).second)
         fail(e, "a joint name that is used once", "'" + joint.name + "' again");
-      for (const std::string& link : {joint.parent, joint.child})
-        if (!links_.count(link)) fail(e, "a link that exists", "'" + link + "'");
+      if (!links_.count(joint.child)) fail(e, "a link that exists", "'" + joint.child + "'");
+      if (links_.emplace(joint.parent, Link{.line = e->Row(), .visuals = {}}).second) {
+        linkOrder_.push_back(joint.parent);  // "world", or what a hand is made to be mounted on
+        tell(robot_.notes, "link-added",
+             "joint '" + joint.name + "' hangs on link '" + joint.parent +
+                 "', which the file does not have: added, without a body");
+      }
       Link& below = links_[joint.child];
       if (below.parentJoint >= 0) fail(e, "one parent a link", "a second one for '" + joint.child + "'");
       below.parentJoint = static_cast<int>(joints_.size());
@@ -344,8 +352,12 @@ class Reader {
       const TiXmlElement* limit = child(source.element, "limit");
       dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
       dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
-      if (dof.lower > dof.upper)
-        fail(limit, "lower <= upper", exactNumber(dof.lower) + " and " + exactNumber(dof.upper));
+      if (dof.lower > dof.upper) {
+        tell(robot_.notes, "limits-exchanged",
+             "joint '" + source.name + "' has a lower limit above its upper one, " + exactNumber(dof.lower) +
+                 " and " + exactNumber(dof.upper) + ": exchanged");
+        std::swap(dof.lower, dof.upper);
+      }
     } else if (type != "continuous") {
       fail(source.element, "a joint type revolute, continuous, prismatic, fixed, floating or planar",
            "'" + type + "'");
@@ -418,10 +430,19 @@ class Reader {
         result.shape = UrdfVisual::Shape::Sphere;
         result.size.setConstant(number(sphere, "radius"));
       } else {
-        fail(geometry, "a mesh, box, cylinder or sphere", "another geometry");
+        const TiXmlElement* other = geometry->FirstChildElement();
+        tell(robot_.notes, "geometry-unknown",
+             (other ? "<" + other->ValueStr() + ">" : "an empty <geometry>") +
+                 " is no mesh, box, cylinder or sphere: passed over, line " +
+                 std::to_string(geometry->Row()));
+        continue;
       }
-      if (result.shape != UrdfVisual::Shape::Mesh && !(result.size.minCoeff() > 0.0))
-        fail(geometry, "sizes above 0", exactNumber(result.size.minCoeff()));
+      if (result.shape != UrdfVisual::Shape::Mesh && !(result.size.minCoeff() > 0.0)) {
+        tell(robot_.notes, "geometry-empty",
+             "a box, cylinder or sphere whose size is not above 0 is passed over, line " +
+                 std::to_string(geometry->Row()));
+        continue;
+      }
       robot_.visuals.push_back(std::move(result));
     }
   }

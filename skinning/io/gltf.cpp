@@ -42,7 +42,7 @@ bool decodeImage(tinygltf::Image* image, int index, std::string*, std::string* w
 }
 
 /// What a file must not do without, but this reader does: by name, since the library says something else or
-/// nothing. Extensions of materials, textures and lights change nothing that is read here.
+/// nothing. Extensions of materials, textures and lights change colours only: a note tells them.
 void refuseRequiredExtensions(std::string_view bytes, bool binary, const std::string& file) {
   std::string_view text = bytes;
   if (binary) {  // a head of 12 bytes, then the length and the type of the chunk of JSON
@@ -311,6 +311,7 @@ class Reader {
       : model_(model), file_(file), options_(options) {}
 
   GltfModel read() {
+    tellRequiredExtensions();
     findUses();
     visitNodes();
     makeSkeleton();
@@ -320,6 +321,17 @@ class Reader {
   }
 
  private:
+  /// Those that refuseRequiredExtensions lets pass, without the ones that are read or mean nothing here.
+  void tellRequiredExtensions() {
+    std::vector<std::string> unread;
+    for (const std::string& name : model_.extensionsRequired)
+      if (name != "KHR_mesh_quantization" && !name.starts_with("KHR_xmp")) unread.push_back(name);
+    if (!unread.empty())
+      tell(result_.notes, "extension-unread",
+           "the file needs extensions that are not read, so that colours differ: " + listed(unread),
+           static_cast<int>(unread.size()));
+  }
+
   int nodeCount() const { return static_cast<int>(model_.nodes.size()); }
   void checkNode(int n, const std::string& what) const {
     if (n < 0 || n >= nodeCount())

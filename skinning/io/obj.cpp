@@ -147,7 +147,7 @@ bool readMaterials(const std::string& path, MeshLook& look) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;
   const std::string text = readFile(path);
-  for (const std::string_view line : splitLines(text)) {
+  for (const std::string_view line : splitLines(plainText(text, path))) {
     const Words words = splitWords(line.substr(0, line.find('#')));
     if (words.size() > 1 && words[0] == "newmtl") look.materials.push_back({.name = std::string(words[1])});
     if (words.size() == 4 && words[0] == "Kd" && !look.materials.empty()) {

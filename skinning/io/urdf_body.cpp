@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 
 #include "kinematics/io/word_stream.h"
 #include "skinning/io/collada.h"
@@ -20,10 +21,11 @@ bool isReadable(const std::string& path) {
 }
 
 std::optional<std::string> findFile(const std::string& urdfPath, const std::string& fileName) {
-  constexpr std::string_view package = "package://", local = "file://";
+  constexpr std::string_view local = "file://";
   std::vector<std::string> tails;
-  if (fileName.starts_with(package)) {
-    tails.push_back(fileName.substr(package.size()));
+  const std::size_t scheme = fileName.find("://");  // package://NAME/PATH, model://NAME/PATH
+  if (scheme != std::string::npos && !fileName.starts_with(local)) {
+    tails.push_back(fileName.substr(scheme + 3));
     const std::size_t slash = tails[0].find('/');
     if (slash != std::string::npos) tails.push_back(tails[0].substr(slash + 1));
     for (std::size_t at = tails.back().find('/'); at != std::string::npos; at = tails.back().find('/'))
@@ -98,8 +100,9 @@ Mesh sphere(double radius) {
   return mesh;
 }
 
-/// nullopt where the mesh is missing.
-std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath, MeshLook& look) {
+/// nullopt where the mesh is missing; empty where it cannot be read.
+std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath, MeshLook& look,
+                           std::vector<Note>& notes) {
   switch (visual.shape) {
     case UrdfVisual::Shape::Box: return box(visual.size);
     case UrdfVisual::Shape::Cylinder:
@@ -110,9 +113,15 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
   const auto path = findMesh(urdfPath, visual.fileName);
   if (!path) return std::nullopt;
   const std::string name = lowerCase(*path);
-  Mesh mesh = name.ends_with(".stl")   ? readStl(*path)
-              : name.ends_with(".dae") ? readCollada(*path, &look)
-                                       : readObj(*path);
+  Mesh mesh;
+  try {
+    mesh = name.ends_with(".stl")   ? readStl(*path)
+           : name.ends_with(".dae") ? readCollada(*path, &look)
+                                    : readObj(*path, &notes);
+  } catch (const std::runtime_error& error) {
+    tell(notes, "mesh-unreadable", "meshes that cannot be read are left out: " + std::string(error.what()));
+    return mesh;
+  }
   if (name.ends_with(".obj"))
     if (auto colours = readObjLook(*path, mesh)) look = *std::move(colours);
   for (Vector3d& p : mesh.positions) p = p.cwiseProduct(visual.size);
@@ -171,7 +180,7 @@ UrdfModel openUrdf(const std::string& path) {
       for (const UrdfVisual& visual : robot.visuals) {
         if (visual.joint != joint || visual.collision != collision) continue;
         MeshLook own;
-        if (const auto body = bodyOf(visual, path, own)) {
+        if (const auto body = bodyOf(visual, path, own, model.notes)) {
           add(visual, *body, std::move(own));
           drawn = true;
           substituted = substituted || collision;

@@ -16,7 +16,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         "0\nlength 1\naxis 0 0 0 XYZ\ndof rx rz\nend\n"
         ":hierarchy\nbegin\nroot a\nend\n",
         "fuzz.asf");
-    validate(asf.skeleton, parseAmc(text, "fuzz.amc", asf));
+    std::vector<Note> notes;
+    const MotionClip clip = parseAmc(text, "fuzz.amc", asf, 120.0, &notes);
+    validate(asf.skeleton, clip);
+    formatAmc(asf.skeleton, clip);
   } catch (const ParseError&) {
   }
   return 0;

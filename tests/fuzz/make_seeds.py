@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes tiny files of our own as seeds for the fuzz targets: make_seeds.py FOLDER"""
+"""Writes tiny files of our own, and those of tests/data, as seeds for the fuzz targets: make_seeds.py FOLDER"""
 import base64
 import os
 import struct
@@ -11,16 +11,23 @@ SEEDS = {
     "pinocchio_weights": [b"0.5 0.5\n0 1\n1 0\n", b"1 0\n"],
     "asf": [b":units\nlength 0.45\nangle deg\n:root\norder TX TY TZ RX RY RZ\naxis XYZ\nposition 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\nname a\n"
             b"direction 0 -1 0\nlength 2\naxis 0 0 20 XYZ\ndof rx ry rz\nlimits (-160.0 20.0)\n(-inf inf)\n(0 1)\nend\nbegin\nname b\ndirection 1 0 0\nlength 0\n"
-            b"axis 0 0 0 XYZ\nend\n:hierarchy\nbegin\nroot a\na b\nend\n"],
-    "amc": [b"#!OML\n:FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 2 3 4 5\na 7.6e-016 -1\n2\na 1 2\nroot 0 0 0 0 0 0\n"],
+            b"axis 0 0 0 XYZ\nend\n:hierarchy\nbegin\nroot a\na b\nend\n",
+            b":root\naxis ZYX\norder rz tx l\n:bonedata\nbegin name A direction 0 0 1 length 1 axis 1 2 3 YZX dof l tz rx limits (0 1) (-1 1) (-inf inf) bodymass 1 cofmass .5 end\n:hierarchy begin root A end"],
+    "amc": [b"#!OML\n:FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 2 3 4 5\na 7.6e-016 -1\n2\na 1 2\nroot 0 0 0 0 0 0\n", b":RADIANS\n:SAMPLES-PER-SECOND 60\n1\nroot 0 0 0 0 0 0\nstranger 1 2\na 0 0\n"],
     "bvh": [b"HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\nJOINT b\n{\nOFFSET 1 0 0\nCHANNELS 3 "
-            b"Yrotation Zrotation Xrotation\nEnd Site\n{\nOFFSET .5 0 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.025\n0 1 0 0 0 0 0 0 0\n0 1 0 90 0 0 90 90 0\n"],
+            b"Yrotation Zrotation Xrotation\nEnd Site\n{\nOFFSET .5 0 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.025\n0 1 0 0 0 0 0 0 0\n0 1 0 90 0 0 90 90 0\n",
+            b"\xef\xbb\xbfHIERARCHY\r\nROOT a b\r\n{\r\nOFFSET 0 0 0\r\nCHANNELS 1 Xrotation\r\nEnd Site tip\r\n{\r\nOFFSET 0 1 0\r\n}\r\n}\r\nROOT c\r\n{\r\nOFFSET 1 0 0\r\n"
+            b"CHANNELS 6 Xposition Yposition Zposition Xrotation Yrotation Zrotation\r\nJOINT d\r\n{\r\nOFFSET 0 1 0\r\nCHANNELS 6 Xposition Yposition Zposition Zrotation "
+            b"Xrotation Yrotation\r\n}\r\n}\r\nMOTION\r\nFrames:3\r\nFrame Time:0.1\r\n1 0 0 0 0 0 0 0 1 0 0 0 0\r\n2 0 0\r\n"],
     "tutorial": [b"NumJoints: 3\nNonAnimatedJointPositions:\n0.0, 0.0, 0.0,\n0, 1, 0,\n0, 2, 0,\nNumBones: 2\n0, 1,\n1, 2,\nNumJointHierarchies: 1\n"
                  b"NumJoints-all: 3\n0, 1, 2,\n", b"NumJoints: 2\nJointAngles:\n0.1, 0, 0,\n0, -0.17, 0,\n"],
     "urdf": [b'<robot name="r"><link name="a"><visual><geometry><box size="1 2 3"/></geometry></visual></link><link name="b"/>'
              b'<joint name="j" type="revolute"><origin xyz="0 0 1" rpy="0 1 0"/><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint></robot>',
              b'<robot><link name="a"/><link name="b"/><link name="c"/><joint name="i" type="continuous"><parent link="a"/><child link="b"/></joint>'
-             b'<joint name="j" type="prismatic"><parent link="a"/><child link="c"/><limit/><mimic joint="i" multiplier="-1" offset="2"/></joint></robot>'],
+             b'<joint name="j" type="prismatic"><parent link="a"/><child link="c"/><limit/><mimic joint="i" multiplier="-1" offset="2"/></joint></robot>',
+             b'<robot><link name="a"><inertial><mass value="2"/></inertial></link><link name="b"/><link name="c"/><link name="d"/><joint name="i" type="floating"><parent link="a"/><child link="b"/></joint>'
+             b'<joint name="j" type="revolute"><parent link="b"/><child link="c"/><limit lower="0" upper="1"/></joint><joint name="k" type="revolute"><parent link="b"/><child link="d"/>'
+             b'<limit lower="-2" upper="0"/><mimic joint="j" multiplier="-2"/></joint></robot>'],
     "stl": [b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
             b" " * 80 + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)],
     "dh": [b"convention modified\nrevolute 0 0 0.1 0\nprismatic 0.5 90 0 0\n"],
@@ -46,6 +53,13 @@ SEEDS["gltf"].append((
     '{"bufferView":4,"componentType":5126,"count":2,"type":"SCALAR"},{"bufferView":5,"componentType":5126,"count":2,"type":"VEC4"}]}'
     % (len(triangle), base64.b64encode(triangle).decode(),
        ",".join('{"buffer":0,"byteOffset":%d,"byteLength":%d}' % v for v in views))).encode())
+
+data = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "data")
+for file in sorted(os.listdir(data)):
+    target = {"skel": "pinocchio_skeleton"}.get(file.split(".")[-1], file.split(".")[-1])
+    if target in SEEDS:
+        with open(os.path.join(data, file), "rb") as source:
+            SEEDS[target].append(source.read())
 
 for name, seeds in SEEDS.items():
     folder = os.path.join(sys.argv[1], name)

@@ -11,7 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace gelenk;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   try {
-    const Mesh mesh = parseObj(text, "fuzz.obj");
+    std::vector<Note> notes;
+    const Mesh mesh = parseObj(text, "fuzz.obj", &notes);
     validate(mesh);
     if (parseObj(formatObj(mesh), "again.obj").positions != mesh.positions) __builtin_trap();
   } catch (const ParseError&) {

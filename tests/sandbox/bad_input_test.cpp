@@ -52,6 +52,20 @@ TEST_F(BadInput, AMissingModelNamesTheFile) {
   expectRefusal({"nosuchmodel", "--offscreen"}, "no model is called 'nosuchmodel'; there are: figure");
 }
 
+TEST_F(BadInput, WithStrictEveryNoteIsAnError) {
+  const std::string odd = testing::inputFolder() + "/frames_less.bvh", picture = folder_ / "strict.png";
+  expectRefusal({odd, "--offscreen", "--strict", "--screenshot", picture}, "(a note, and --strict)");
+  const Finished render =
+      runProgram({testing::programFile(), "render", odd, "--output", picture, "--strict"});
+  EXPECT_EQ(render.status, 1) << render.output;
+  EXPECT_NE(render.output.find("(a note, and --strict)"), std::string::npos) << render.output;
+  EXPECT_FALSE(std::filesystem::exists(picture));
+  const Finished told = runProgram({testing::programFile(), "sandbox", odd, "--offscreen"}),
+                 quiet = runProgram({testing::programFile(), "sandbox", odd, "--offscreen", "--quiet"});
+  EXPECT_NE(told.output.find("note: 'Frames:' says 1"), std::string::npos) << told.output;
+  EXPECT_EQ(quiet.output, "");
+}
+
 TEST_F(BadInput, BadBodies) {
   const std::string bones = file("two.skel", skeleton_);
   expectRefusal({file("empty.obj", ""), "--skeleton", bones, "--offscreen"}, "empty.obj");

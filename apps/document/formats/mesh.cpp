@@ -19,7 +19,7 @@
 namespace gelenk {
 namespace {
 
-Mesh meshInMetres(const std::string& path, double metresPerUnit, std::vector<Note>* notes = nullptr) {
+Mesh meshInMetres(const std::string& path, double metresPerUnit, std::vector<Note>* notes) {
   Mesh mesh = readMesh(path, notes);
   for (auto& p : mesh.positions) p *= metresPerUnit;
   return mesh;
@@ -117,7 +117,8 @@ std::vector<BonePath> pathsFor(const AsfSkeleton& asf, const Skeleton& fitted) {
 /// The exercise sheet: the fitted skeleton on the ASF skeleton, Pinocchio's weights on its bones.
 Imported exerciseSheet(const std::string& objPath, const Companions& files, const ImportOptions& options) {
   const double unit = options.metresPerUnit.value_or(1.0);  // the body's; the ASF says its own
-  Mesh mesh = meshInMetres(objPath, unit);
+  std::vector<Note> meshNotes;
+  Mesh mesh = meshInMetres(objPath, unit, &meshNotes);
   const Skeleton fitted = scaled(namedAsHuman(readPinocchioSkeleton(files.skeleton)), unit);
   if (files.weights.empty())
     throw std::invalid_argument(
@@ -128,7 +129,8 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
   const auto paths = files.mapping.empty() ? pathsFor(*result.asf, fitted)
                                            : parseBonePaths(readFile(files.mapping), files.mapping);
   const TransferredSkeleton transferred = transferSkeleton(*result.asf, fitted, paths);
-  result.model = {.name = stem(objPath), .skeleton = transferred.skeleton};
+  result.model = {.name = stem(objPath), .skeleton = transferred.skeleton, .notes = result.asf->notes};
+  tell(result.model.notes, meshNotes);
   WeightLoss loss;
   auto influences = fourLargest(transferWeights(bones, mesh.positions, fitted, transferred),
                                 transferred.skeleton.jointCount(), &loss);

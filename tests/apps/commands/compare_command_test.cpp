@@ -280,6 +280,15 @@ TEST(SolveCommand, ATableOfTargetsGivesATableOfAnswers) {
   EXPECT_EQ(some.status, 2);
   EXPECT_NE(some.output.find("\n1,converged,1,"), std::string::npos);
   EXPECT_NE(some.output.find("\n2,"), std::string::npos);
+  // as a spreadsheet writes it
+  std::ofstream(in) << "\xef\xbb\xbfX, Y, Z\r\n 0.4 , 0.2,0.5\r\n  \r\n\"0.3\",0.2,+5e-1\r\n";
+  const Outcome sheet = type({"solve", "--targets", in});
+  EXPECT_EQ(sheet.status, 0) << sheet.complaint;
+  EXPECT_NE(sheet.output.find("\n2,converged,1,"), std::string::npos);
+  std::ofstream(in) << "x,y,z\n0.4,0.2,\"0,5\"\n";
+  EXPECT_NE(
+      type({"solve", "--targets", in}).complaint.find(":2: expected a finite number, found '0,5' (the "),
+      std::string::npos);
   std::ofstream(in) << "x,y,z\n0.4,0.2,0.5\n9,0\n";
   EXPECT_NE(type({"solve", "--targets", in}).complaint.find(":3: expected 3 values"), std::string::npos);
   std::ofstream(in) << "a,b\n";

@@ -93,7 +93,10 @@ TEST_F(RealFiles, ABodyOfTwentyFourMetresIsToldWithTheUnitThatMakesAPersonOfIt) 
                   "unit-suspect");
   };
   EXPECT_FALSE(noteFor(1.0));
-  for (const auto& [unit, guess] : {std::pair{10.0, "in dm"}, {100.0, "in cm"}, {1000.0, "in mm"}}) {
+  for (const auto& [unit, guess] : {std::pair{10.0, "with 'dm' it"},
+                                    {100.0, "with 'cm' it"},
+                                    {1000.0, "with 'mm' it"},
+                                    {1.0 / 0.0254, "with 'in' it"}}) {
     const auto note = noteFor(unit);
     ASSERT_TRUE(note) << unit;
     EXPECT_THAT(note->text, HasSubstr(guess)) << unit;
@@ -125,7 +128,8 @@ TEST_F(RealFiles, StrictMakesEveryNoteAnErrorBeforeAnythingIsWrittenButLetsFacts
   EXPECT_TRUE(fs::exists(path("a.bvh")));
 }
 
-/// frames_less.bvh has a note that is no mere fact; so has a polygon that crosses itself.
+/// frames_less.bvh has a note that is no mere fact; so has a polygon that crosses itself. The sandbox and
+/// render have their test in tests/sandbox/bad_input_test.cpp.
 TEST_F(RealFiles, EveryCommandThatOpensAFileKnowsStrict) {
   writeFile(path("crossing.obj"), "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n");
   writeFile(path("poses.csv"), "x,y,z,qw,qx,qy,qz\n0,0,0,1,0,0,0\n1,0,0,1,0,0,0\n");
@@ -148,7 +152,9 @@ TEST_F(RealFiles, EveryCommandThatOpensAFileKnowsStrict) {
       {"rig", path("crossing.obj"), "--out", path("rig")},
       {"rig", path("crossing.obj"), "--out", path("rig"), "--json"},
       {"convert", file, path("a.bvh")},
-      {"motion", file, "-o", path("a.bvh")}};
+      {"motion", file, "-o", path("a.bvh")},
+      {"motion", inputs + "apose.bvh", "--then", file, "-o", path("a.bvh")},
+      {"motion", inputs + "forearm.bvh", "--onto", file, "-o", path("a.bvh")}};
   for (std::vector<std::string> words : commands) {
     std::string line;
     for (const std::string& word : words) line += word + " ";

@@ -153,6 +153,46 @@ TEST(OtherProgramsUrdf, LimitsOfZeroToZeroAreTold) {
   EXPECT_THAT(robot.notes[0].line(), HasSubstr("(2 of this kind)"));
 }
 
+TEST(OtherProgramsUrdf, BodiesWithoutSizeOrOfAnotherKindArePassedOverAndTheRobotOpens) {
+  const auto visual = [](const std::string& geometry) {
+    return "<visual><geometry>" + geometry + "</geometry></visual>";
+  };
+  const UrdfRobot robot =
+      parseUrdf("<robot><link name=\"a\">" + visual("<box size=\"0 0 0\"/>") +
+                    visual("<cylinder radius=\"0.1\" length=\"0\"/>") + visual("<sphere radius=\"-1\"/>") +
+                    visual("<capsule radius=\"1\" length=\"2\"/>") + visual("") +
+                    visual("<sphere radius=\"1\"/>") + "</link></robot>",
+                "m.urdf");
+  EXPECT_EQ(robot.visuals.size(), 1u);
+  EXPECT_EQ(kinds(robot.notes), (std::vector<std::string>{"geometry-empty", "geometry-unknown"}));
+  EXPECT_EQ(robot.notes[0].count, 3);
+  EXPECT_EQ(robot.notes[1].count, 2);
+  EXPECT_THAT(robot.notes[1].text, HasSubstr("<capsule>"));
+}
+
+TEST(OtherProgramsUrdf, LimitsTheWrongWayRoundAreExchanged) {
+  const UrdfRobot robot =
+      parseUrdf(urdf("<joint name=\"j1\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
+                     "<limit lower=\"2\" upper=\"-1\"/></joint>"
+                     "<joint name=\"j2\" type=\"fixed\"><parent link=\"b\"/><child link=\"c\"/></joint>"),
+                "m.urdf");
+  const AxisDof& dof = robot.skeleton.joint(robot.skeleton.jointIndex("j1")).axes[0];
+  EXPECT_EQ(dof.lower, -1.0);
+  EXPECT_EQ(dof.upper, 2.0);
+  EXPECT_EQ(kinds(robot.notes), std::vector<std::string>{"limits-exchanged"});
+}
+
+/// Hands are described for the arm that they are mounted on, and some programs know a link "world".
+TEST(OtherProgramsUrdf, AParentLinkThatTheFileDoesNotHaveIsAddedAndTold) {
+  const UrdfRobot robot = parseUrdf(
+      "<robot><link name=\"a\"/><joint name=\"j\" type=\"fixed\"><origin xyz=\"0 0 2\"/><parent "
+      "link=\"world\"/><child link=\"a\"/></joint></robot>",
+      "m.urdf");
+  EXPECT_EQ(robot.skeleton.joint(0).name, "world");
+  EXPECT_EQ(restFrames(robot.skeleton)[1].translation(), Vector3d(0, 0, 2));
+  EXPECT_EQ(kinds(robot.notes), std::vector<std::string>{"link-added"});
+}
+
 struct Text {
   const char* format;
   std::string text;
@@ -189,13 +229,25 @@ TEST(OtherProgramsText, AByteOrderMarkIsNoPartOfAnyText) {
   }
 }
 
-TEST(OtherProgramsText, Utf16IsToldAsSuchWithAndWithoutItsMark) {
+TEST(OtherProgramsText, WideTextIsToldByItsEncodingWithAndWithoutItsMark) {
+  const auto widened = [](const std::string& text, std::size_t bytes, bool bigEndian) {
+    std::string wide;
+    for (const char c : text) {
+      const std::string zeros(bytes - 1, '\0');
+      wide += bigEndian ? zeros + c : c + zeros;
+    }
+    return wide;
+  };
   for (const Text& text : texts())
     for (const bool bigEndian : {false, true})
-      for (const bool marked : {false, true}) {
-        std::string wide = !marked ? "" : bigEndian ? "\xfe\xff" : "\xff\xfe";
-        for (const char c : text.text) wide += bigEndian ? std::string{'\0', c} : std::string{c, '\0'};
-        EXPECT_THAT(refusal([&] { text.parse(wide); }), HasSubstr("UTF-16: save it as UTF-8")) << text.format;
+      for (const std::size_t bytes : {2u, 4u}) {
+        const std::string mark = bigEndian ? "\xfe\xff" : "\xff\xfe", zeros(bytes - 2, '\0');
+        const std::string marked = (bigEndian ? zeros + mark : mark + zeros);
+        const std::string name = "UTF-" + std::to_string(8 * bytes) + (bigEndian ? "BE" : "LE");
+        for (const std::string& begin : {std::string(), marked})
+          EXPECT_THAT(refusal([&] { text.parse(begin + widened(text.text, bytes, bigEndian)); }),
+                      HasSubstr(name + ": save it as UTF-8"))
+              << text.format;
       }
 }
 

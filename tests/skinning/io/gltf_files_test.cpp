@@ -225,11 +225,21 @@ TEST(GltfBody, RequiredExtensionsThatAreNotReadAreNamed) {
     file.root["extensionsRequired"] = {name};
     EXPECT_THAT(message([&] { file.read(); }), HasSubstr(std::string("needs ") + name));
   }
-  for (const char* name : {"KHR_texture_transform", "KHR_materials_unlit", "KHR_mesh_quantization"}) {
+  for (const auto& [name, isRead] : {std::pair{"KHR_texture_transform", false},
+                                     {"KHR_texture_basisu", false},
+                                     {"KHR_materials_unlit", false},
+                                     {"KHR_lights_punctual", false},
+                                     {"KHR_mesh_quantization", true}}) {
     Builder file;
     file.root["nodes"] = {{{"name", "a"}}};
     file.root["extensionsRequired"] = {name};
     EXPECT_EQ(message([&] { file.read(); }), "read") << name;
+    const std::vector<Note> notes = file.read().notes;
+    ASSERT_EQ(notes.size(), isRead ? 0u : 1u) << name;
+    if (isRead) continue;
+    EXPECT_EQ(notes[0].kind, "extension-unread");
+    EXPECT_FALSE(notes[0].fact);
+    EXPECT_THAT(notes[0].text, HasSubstr(name));
   }
 }
 
