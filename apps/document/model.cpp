@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "apps/document/chain_models.h"
+#include "apps/document/described_model.h"
 #include "apps/document/model_files.h"
 #include "apps/lecture/lecture_model.h"
 #include "kinematics/notation/mannequin.h"
@@ -93,6 +94,7 @@ Model openModel(const std::string& nameOrFile) {
   if (const auto chain = parsePlanarChain(nameOrFile)) return planarModel(*chain);
   if (auto balls = parseBallChain(nameOrFile)) return *std::move(balls);
   if (const auto table = dhTableNamed(nameOrFile)) return dhModel(*table);
+  if (auto joints = parseJointsDescription(nameOrFile)) return *std::move(joints);
   if (constexpr std::string_view lecture = "lecture:"; nameOrFile.starts_with(lecture))
     return lectureModel(std::string_view(nameOrFile).substr(lecture.size()));
   if (fileKind(nameOrFile) || std::filesystem::exists(nameOrFile)) return openModelFile(nameOrFile);

@@ -250,7 +250,7 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
                      const ImportOptions& options) {
   const auto names = builtInModels();
   if (std::find(names.begin(), names.end(), nameOrFile) != names.end() || nameOrFile.starts_with("dh:") ||
-      nameOrFile.starts_with("lecture:"))
+      nameOrFile.starts_with("joints:") || nameOrFile.starts_with("lecture:"))
     return {.model = openModel(nameOrFile)};
   const auto kind = fileKind(nameOrFile);
   if (!kind && !std::filesystem::exists(nameOrFile))

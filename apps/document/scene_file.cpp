@@ -457,18 +457,20 @@ Json toJson(const View& view, Theme theme) {
   const Camera& camera = view.camera;
   Json show = Json::object();
   for (const auto& [option, name] : viewOptionNames()) show[std::string(name)] = view.show.*option;
-  return {{"camera",
-           {{"target", toJson(camera.target)},
-            {"up", toJson(camera.up)},
-            {"distance", camera.distance},
-            {"azimuth", camera.azimuth},
-            {"elevation", camera.elevation},
-            {"vertical_field_of_view", camera.verticalFieldOfView},
-            {"orthographic", camera.orthographic}}},
-          {"show", show},
-          {"hidden", view.hidden},
-          {"theme", nameIn(themeNames, theme)},
-          {"selected", view.selectedJoint}};
+  Json tree{{"camera",
+             {{"target", toJson(camera.target)},
+              {"up", toJson(camera.up)},
+              {"distance", camera.distance},
+              {"azimuth", camera.azimuth},
+              {"elevation", camera.elevation},
+              {"vertical_field_of_view", camera.verticalFieldOfView},
+              {"orthographic", camera.orthographic}}},
+            {"show", show},
+            {"hidden", view.hidden},
+            {"theme", nameIn(themeNames, theme)},
+            {"selected", view.selectedJoint}};
+  if (camera.distance == 0.0) tree.erase("camera");
+  return tree;
 }
 
 Camera readCamera(const JsonEntry& entry) {
@@ -487,7 +489,10 @@ Camera readCamera(const JsonEntry& entry) {
 }
 
 void readView(const JsonEntry& from, const Skeleton& skeleton, Document& document) {
-  document.view.camera = readCamera(from.at("camera"));
+  if (const auto camera = from.find("camera"))
+    document.view.camera = readCamera(*camera);
+  else
+    document.view.camera.distance = 0.0;  // whoever shows it moves it to where the whole is seen
   if (const auto show = from.find("show"))
     for (const auto& [option, name] : viewOptionNames())
       if (const auto entry = show->find(std::string(name).c_str()))

@@ -36,7 +36,7 @@ class SharedModel {
   const Skeleton& skeleton() const { return model_->skeleton; }
   const Eigen::VectorXd& pose() const { return pose_; }      ///< nq: the scene's own, else the rest pose
   const std::vector<Goal>& goals() const { return goals_; }  ///< a scene's
-  /// What another process opens to have the same model; none where it was made here.
+  /// The files that another process opens to have the same model; none where it was made here.
   const std::optional<ModelReference>& reference() const { return reference_; }
 
   /// The solver of a choice's text, prepared for this skeleton once. Throws std::invalid_argument.
@@ -109,6 +109,10 @@ py::array_t<double> framesArray(Frames frames);
 py::array_t<double> view(std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides, const double* data,
                          py::handle owner);
 py::array readOnly(py::array array);
+py::list noteList(const std::vector<Note>& notes);  ///< (kind, sentence)
+
+/// The scene that opens this model elsewhere.
+std::string sceneText(const SharedModel& model);
 
 // ---- one function a subject, each in its file
 

@@ -198,9 +198,12 @@ void addGoals(py::module_& m) {
       "kind weight (on the squared residual), role ('drag', 'hold', 'pin'), priority, name.\n"
       "Joints by name or index; metres, radians, world frame; rotations as w, x, y, z or 3 x 3.")
       .def(py::init(&makeGoal), "kind"_a)
-      .def_property_readonly("kind", [](const GoalValue& g) { return goalType(g.goal.kind).name; })
-      .def_property_readonly("weight", [](const GoalValue& g) { return g.goal.weight; })
-      .def_property_readonly("role", [](const GoalValue& g) { return toString(g.goal.role); })
+      .def_property_readonly(
+          "kind", [](const GoalValue& g) { return goalType(g.goal.kind).name; }, "As goal_types() names it.")
+      .def_property_readonly(
+          "weight", [](const GoalValue& g) { return g.goal.weight; }, "On the squared residual.")
+      .def_property_readonly(
+          "role", [](const GoalValue& g) { return toString(g.goal.role); }, "drag, hold or pin.")
       .def(
           "text",
           [](const GoalValue& g, const SharedModel& model) {

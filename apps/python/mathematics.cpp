@@ -193,8 +193,10 @@ void addMathematics(py::module_& m) {
       "measured from the x axis, every other angle from the link before. Radians.")
       .def(py::init(&planarChain), "lengths"_a, "base"_a = py::none())
       .def_static("lecture", &lecturePlanarChain, "P_1 = (50, 400), l = 150, 200, 100 (10.1.4).")
-      .def_property_readonly("lengths", [](const PlanarChain& c) { return c.lengths; })
-      .def_property_readonly("base", [](const PlanarChain& c) { return toArray(VectorXd(c.base)); })
+      .def_property_readonly(
+          "lengths", [](const PlanarChain& c) { return c.lengths; }, "l_1 ... l_n.")
+      .def_property_readonly(
+          "base", [](const PlanarChain& c) { return toArray(VectorXd(c.base)); }, "(2,) P_1.")
       .def_property_readonly("degrees_of_freedom", &degreesOfFreedom, "n + 2: P_1 and n angles.")
       .def("points", &pointsOf, "phi"_a, "(n + 1, 2): P_1 ... P_{n+1}.")
       .def(
@@ -239,12 +241,16 @@ void addMathematics(py::module_& m) {
           "A table as docs/formats/dh.md describes it.")
       .def_static("of", &dhOf, "model"_a, "end"_a = py::none(),
                   "A serial chain of a model by the common normals of its axes, modified convention.")
-      .def_property_readonly("name", [](const DhTable& t) { return t.name; })
-      .def_property_readonly("convention", [](const DhTable& t) { return toString(t.convention); })
-      .def_property_readonly("rows", &rowsOf)
-      .def_property_readonly("base", [](const DhTable& t) { return toArray(t.base); })
-      .def_property_readonly("tool", [](const DhTable& t) { return toArray(t.tool); })
-      .def_property_readonly("variable_count", &DhTable::variableCount)
+      .def_property_readonly(
+          "name", [](const DhTable& t) { return t.name; }, "Of the robot.")
+      .def_property_readonly(
+          "convention", [](const DhTable& t) { return toString(t.convention); }, "modified or standard.")
+      .def_property_readonly("rows", &rowsOf, "Dicts of kind, a, alpha, d, phi, lower, upper.")
+      .def_property_readonly(
+          "base", [](const DhTable& t) { return toArray(t.base); }, "(4, 4) before the first row.")
+      .def_property_readonly(
+          "tool", [](const DhTable& t) { return toArray(t.tool); }, "(4, 4) after the last row.")
+      .def_property_readonly("variable_count", &DhTable::variableCount, "Rows that move: the length of q.")
       .def_property_readonly("parameter_count", &parameterCount, "4 n + 3.")
       .def(
           "frames",
@@ -267,10 +273,12 @@ void addMathematics(py::module_& m) {
           [](const DhTable& t, const std::string& c) { return toConvention(t, conventionOf(c)); },
           "convention"_a, "The same motion in the other convention.")
       .def("text", &formatDhTable, "As docs/formats/dh.md describes it; parse() gives the same values back.")
-      .def("model",
-           [](const DhTable& t) {
-             return std::make_shared<SharedModel>(dhModel(t), ModelReference{.nameOrFile = dhDescription(t)});
-           })
+      .def(
+          "model",
+          [](const DhTable& t) {
+            return std::make_shared<SharedModel>(dhModel(t), ModelReference{.nameOrFile = dhDescription(t)});
+          },
+          "The same robot as a Model.")
       .def("__repr__", [](const DhTable& t) {
         return fmt::format("<gelenk.DhTable '{}': {} rows, {}>", t.name, t.rows.size(),
                            toString(t.convention));

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "apps/commands/solve_batch.h"
 #include "apps/document/chain_models.h"
+#include "apps/document/described_model.h"
 #include "apps/document/model_files.h"
 #include "apps/document/scene_file.h"
 #include "apps/document/session.h"
 #include "apps/python/goal_value.h"
 #include "kinematics/configuration.h"
+#include "kinematics/io/text_file.h"
 #include "kinematics/jacobian.h"
 #include "kinematics/motion/motion_clip.h"
 #include "kinematics/symmetry.h"
@@ -37,7 +40,8 @@ ModelPtr builtIn(const std::string& name) {
 ModelPtr load(const py::object& path, const py::object& skeleton, const py::object& weights,
               const py::object& asf, const py::object& amc, const py::object& mapping,
               const py::object& figure, const py::object& clip, const py::object& unit,
-              std::optional<double> fps, std::optional<double> sampleAt, bool zUp, bool body) {
+              std::optional<double> fps, std::optional<double> sampleAt, const py::object& up, bool zUp,
+              bool body) {
   const auto text = [](const py::object& value) {
     return value.is_none() ? std::string()
                            : std::string(py::str(py::module_::import("os").attr("fspath")(value)));
@@ -49,7 +53,8 @@ ModelPtr load(const py::object& path, const py::object& skeleton, const py::obje
                      .amc = text(amc),
                      .mapping = text(mapping),
                      .figure = text(figure),
-                     .clip = text(clip)};
+                     .clip = text(clip),
+                     .up = up.is_none() ? std::string() : std::string(py::str(up))};
   ImportOptions options{.framesPerSecond = fps, .sampleAt = sampleAt, .zUp = zUp};
   if (py::isinstance<py::str>(unit))
     options.metresPerUnit = metresPerUnit(unit.cast<std::string>());
@@ -97,6 +102,55 @@ py::array fk(const SharedModel& model, py::handle value) {
     }
   }
   return out;
+}
+
+/// f of one configuration, or of every row: (size,) or (n, size).
+template <typename Function>
+py::array ofEach(const SharedModel& model, py::handle q, Eigen::Index size, const Function& f) {
+  const Configurations all = configurations(model.skeleton(), q);
+  MatrixXd out(size, all.q.cols());
+  {
+    const py::gil_scoped_release alone;
+    for (Eigen::Index i = 0; i < out.cols(); ++i) out.col(i) = f(VectorXd(all.q.col(i)));
+  }
+  return all.single ? toArray(VectorXd(out.col(0))) : samples(std::move(out));
+}
+
+py::object violation(const SharedModel& model, py::handle q) {
+  const py::array all = ofEach(model, q, 1, [&](const VectorXd& one) {
+    return Eigen::Matrix<double, 1, 1>(limitViolation(model.skeleton(), one));
+  });
+  return all.ndim() == 1 ? py::object(all[py::int_(0)]) : all.attr("ravel")();
+}
+
+/// from, to and s: one, or as many of each.
+py::array interpolated(const SharedModel& model, py::handle from, py::handle to, py::handle s) {
+  const Skeleton& skeleton = model.skeleton();
+  const Configurations a = configurations(skeleton, from, "from_"), b = configurations(skeleton, to, "to");
+  const bool oneTime = numbers(s, "s").ndim() == 0;
+  const VectorXd t = oneTime ? vectorOf(py::make_tuple(s), 1, "s") : vectorOf(s, -1, "s");
+  std::set<Eigen::Index> counts;
+  if (!a.single) counts.insert(a.q.cols());
+  if (!b.single) counts.insert(b.q.cols());
+  if (!oneTime) counts.insert(t.size());
+  if (counts.size() > 1)
+    throw std::invalid_argument(
+        fmt::format("from_, to and s: {}, {} and {} of them", a.q.cols(), b.q.cols(), t.size()));
+  MatrixXd out(skeleton.nq(), counts.empty() ? 1 : *counts.begin());
+  VectorXd q;
+  for (Eigen::Index i = 0; i < out.cols(); ++i) {
+    interpolate(skeleton, VectorXd(a.q.col(a.single ? 0 : i)), VectorXd(b.q.col(b.single ? 0 : i)),
+                t[oneTime ? 0 : i], q);
+    out.col(i) = q;
+  }
+  return counts.empty() ? toArray(VectorXd(out.col(0))) : samples(std::move(out));
+}
+
+py::array centreOfMassOf(const SharedModel& model, py::handle q) {
+  if (!model.model().masses) throw std::invalid_argument("'" + model.model().name + "' has no masses");
+  return ofEach(model, q, 3, [&](const VectorXd& one) {
+    return centreOfMass(*model.model().masses, forwardKinematics(model.skeleton(), one));
+  });
 }
 
 /// 6 x nv: linear rows first.
@@ -333,13 +387,24 @@ std::vector<std::string> namesOf(const Skeleton& skeleton) {
   return names;
 }
 
-py::list notesOf(const SharedModel& model) {
-  py::list notes;
-  for (const Note& note : model.model().notes) notes.append(py::make_tuple(note.kind, note.line()));
-  return notes;
+}  // namespace
+
+py::list noteList(const std::vector<Note>& notes) {
+  py::list out;
+  for (const Note& note : notes) out.append(py::make_tuple(note.kind, note.line()));
+  return out;
 }
 
-}  // namespace
+std::string sceneText(const SharedModel& model) {
+  if (model.reference() && isScene(model.reference()->nameOrFile))
+    return readFile(model.reference()->nameOrFile);
+  const ModelReference reference =
+      model.reference().value_or(ModelReference{.nameOrFile = jointsDescription(model.model())});
+  const Model shown = withBody(model.model());
+  Document document = newDocument(shown, reference);
+  document.view.camera.distance = 0.0;  // the whole is shown
+  return formatScene(document, shown);
+}
 
 int effector(const SharedModel& model, py::handle joint) {
   if (!joint.is_none()) return jointOf(model.skeleton(), joint);
@@ -353,20 +418,6 @@ int effector(const SharedModel& model, py::handle joint) {
 }
 
 void addModel(py::module_& m) {
-  m.def("models", &builtInModels, "Names of the built-in models.");
-  m.def("model", &builtIn, "name"_a,
-        "A built-in model: a name of models(), 'planar:X,Y:L1,L2,...' or 'balls:L1,L2,...'.");
-  m.def(
-      "load", &load, "path"_a, py::kw_only(), "skeleton"_a = py::none(), "weights"_a = py::none(),
-      "asf"_a = py::none(), "amc"_a = py::none(), "mapping"_a = py::none(), "figure"_a = py::none(),
-      "clip"_a = py::none(), "unit"_a = py::none(), "fps"_a = py::none(), "sample_at"_a = py::none(),
-      "z_up"_a = false, "body"_a = false,
-      "The model that a file holds, told by its extension: .urdf, .dh, .skel, .asf, .amc (with asf=), .bvh,\n"
-      ".gltf, .glb, .obj (with skeleton=), .nurbs, .figure, .pose (with figure=), or a scene (.json).\n"
-      "unit: metres a unit, or 'cm', 'in', ...; fps: of an AMC; sample_at: Hz, of motions of splines;\n"
-      "z_up: the file has z up, turned to y up; body: makes a rounded body around bones without a skin.\n"
-      "Raises ParseError (file, line, expected, found) and ValueError.");
-
   py::class_<SharedModel, ModelPtr>(
       m, "Model",
       "An articulated model: joints, rest pose, perhaps a skin and a motion. Constant: threads may share "
@@ -380,14 +431,19 @@ void addModel(py::module_& m) {
           "A model from dicts, parents first: name, parent (a name), offset (x, y, z or a 4 x 4 pose in\n"
           "the parent), axes (dicts of kind 'rotation' or 'translation', axis, lower, upper), ball,\n"
           "ball_limit (a dict as in ball_limits), mimic (a dict of joint, multiplier, offset).")
-      .def_property_readonly("name", [](const SharedModel& m) { return m.model().name; })
+      .def_property_readonly(
+          "name", [](const SharedModel& m) { return m.model().name; }, "Of the model or its file.")
       .def_property_readonly(
           "nq", [](const SharedModel& m) { return m.skeleton().nq(); }, "Length of a configuration.")
       .def_property_readonly(
           "nv", [](const SharedModel& m) { return m.skeleton().nv(); },
           "Length of a tangent: the degrees of freedom.")
-      .def_property_readonly("joint_names", [](const SharedModel& m) { return namesOf(m.skeleton()); })
-      .def_property_readonly("joint_count", [](const SharedModel& m) { return m.skeleton().jointCount(); })
+      .def_property_readonly(
+          "joint_names", [](const SharedModel& m) { return namesOf(m.skeleton()); },
+          "In the order of their indices.")
+      .def_property_readonly(
+          "joint_count", [](const SharedModel& m) { return m.skeleton().jointCount(); },
+          "How many joints, fixed ones among them.")
       .def_property_readonly(
           "parents",
           [](const SharedModel& m) {
@@ -452,7 +508,9 @@ void addModel(py::module_& m) {
           "Of balls by name: swing_centre, swing_radii and twist in swing-twist coordinates.")
       .def_property_readonly(
           "up", [](const SharedModel& m) { return toArray(m.model().up); }, "(3,) against gravity.")
-      .def_property_readonly("notes", &notesOf, "(kind, sentence) of all that the reader wants known.")
+      .def_property_readonly(
+          "notes", [](const SharedModel& m) { return noteList(m.model().notes); },
+          "(kind, sentence) of all that the reader wants known.")
       .def("fk", &fk, "q"_a,
            "Forward kinematics: worldFromJoint of every joint, (joints, 4, 4), metres. (n, nq) gives\n"
            "(n, joints, 4, 4). One pose comes without a copy, with strides (128, 8, 32).")
@@ -468,37 +526,30 @@ void addModel(py::module_& m) {
       .def(
           "project",
           [](const SharedModel& m, py::handle q) {
-            return toArray(projectToLimits(m.skeleton(), configuration(m.skeleton(), q)));
+            return ofEach(m, q, m.skeleton().nq(),
+                          [&](const VectorXd& one) { return projectToLimits(m.skeleton(), one); });
           },
           "q"_a, "(nq,) the nearest configuration within limits, joint by joint.")
-      .def(
-          "violation",
-          [](const SharedModel& m, py::handle q) {
-            return limitViolation(m.skeleton(), configuration(m.skeleton(), q));
-          },
-          "q"_a, "How far the worst joint lies outside its limits, radians or metres; 0 within.")
+      .def("violation", &violation, "q"_a,
+           "How far the worst joint lies outside its limits, radians or metres; 0 within.")
       .def(
           "mirror",
           [](const SharedModel& m, py::handle q) {
-            return toArray(mirrorPose(m.skeleton(), configuration(m.skeleton(), q)));
+            return ofEach(m, q, m.skeleton().nq(),
+                          [&](const VectorXd& one) { return mirrorPose(m.skeleton(), one); });
           },
           "q"_a, "(nq,) left and right exchanged. Raises ValueError where the model is not symmetric.")
-      .def(
-          "interpolate",
-          [](const SharedModel& m, py::handle from, py::handle to, double s) {
-            if (!std::isfinite(s)) throw std::invalid_argument("s must be a finite number");
-            VectorXd out;
-            interpolate(m.skeleton(), configuration(m.skeleton(), from, "from_"),
-                        configuration(m.skeleton(), to, "to"), s, out);
-            return toArray(out);
-          },
-          "from_"_a, "to"_a, "s"_a, "(nq,) rotations of whole joints along the shorter arc; s from 0 to 1.")
+      .def("interpolate", &interpolated, "from_"_a, "to"_a, "s"_a,
+           "(nq,) rotations of whole joints along the shorter arc; s from 0 to 1. Many of from_, to or s "
+           "give\n"
+           "(n, nq).")
       .def(
           "coupled",
           [](const SharedModel& m, py::handle q) {
-            VectorXd out = configuration(m.skeleton(), q);
-            m.skeleton().couple(out);
-            return toArray(out);
+            return ofEach(m, q, m.skeleton().nq(), [&](VectorXd one) {
+              m.skeleton().couple(one);
+              return one;
+            });
           },
           "q"_a, "(nq,) with what a URDF's mimic joints follow put in, as `gelenk fk` does.")
       .def_property_readonly(
@@ -507,29 +558,29 @@ void addModel(py::module_& m) {
             return m.model().masses ? py::object(py::float_(m.model().masses->total())) : py::none();
           },
           "kg, None where the masses are unknown.")
-      .def(
-          "centre_of_mass",
-          [](const SharedModel& m, py::handle q) {
-            if (!m.model().masses) throw std::invalid_argument("'" + m.model().name + "' has no masses");
-            return toArray(centreOfMass(*m.model().masses,
-                                        forwardKinematics(m.skeleton(), configuration(m.skeleton(), q))));
-          },
-          "q"_a, "(3,) metres, world.")
-      .def_property_readonly(
-          "_scene",
-          [](const SharedModel& m) -> py::object {
-            if (!m.reference()) return py::none();
-            if (isScene(m.reference()->nameOrFile)) return py::str(m.reference()->nameOrFile);
-            const Model shown = withBody(m.model());
-            return py::str(formatScene(newDocument(shown, *m.reference()), shown));
-          },
-          "The text of a scene, or the file of one.")
-      .def_property_readonly("_planar", [](const SharedModel& m) { return m.model().planar; })
+      .def("centre_of_mass", &centreOfMassOf, "q"_a, "(3,) metres, world.")
+      .def_property_readonly("_scene", &sceneText, "Text of the scene that opens this model elsewhere.")
       .def("__repr__", [](const SharedModel& m) {
         return fmt::format("<gelenk.Model '{}': {} joints, nq {}, nv {}{}{}>", m.model().name,
                            m.skeleton().jointCount(), m.skeleton().nq(), m.skeleton().nv(),
                            m.model().skin ? ", skin" : "", m.model().clip ? ", motion" : "");
       });
+
+  m.def("models", &builtInModels, "Names of the built-in models.");
+  m.def("model", &builtIn, "name"_a,
+        "A built-in model: a name of models(), 'planar:X,Y:L1,L2,...' or 'balls:L1,L2,...'.");
+  m.def(
+      "load", &load, "path"_a, py::kw_only(), "skeleton"_a = py::none(), "weights"_a = py::none(),
+      "asf"_a = py::none(), "amc"_a = py::none(), "mapping"_a = py::none(), "figure"_a = py::none(),
+      "clip"_a = py::none(), "unit"_a = py::none(), "fps"_a = py::none(), "sample_at"_a = py::none(),
+      "up"_a = py::none(), "z_up"_a = false, "body"_a = false,
+      "The model that a file holds, told by its extension: .urdf, .dh, .skel, .asf, .amc (with asf=), .bvh,\n"
+      ".gltf, .glb, .obj (with skeleton=), .nurbs, .figure, .pose (with figure=), or a scene (.json).\n"
+      "unit: metres a unit, or 'cm', 'in', ...; fps: of an AMC; sample_at: Hz, of motions of splines;\n"
+      "up: 'y' or 'z' where the format does not say which axis points up; z_up: the file has z up and is "
+      "turned\n"
+      "to y up; body: makes a rounded body around bones without a skin.\n"
+      "Raises ParseError (file, line, expected, found) and ValueError.");
 }
 
 }  // namespace gelenk::python

@@ -6,14 +6,11 @@
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
+#include "apps/document/scene_file.h"
 #include "apps/python/binding.h"
-#include "kinematics/io/asf_amc.h"
-#include "kinematics/io/bvh.h"
-#include "kinematics/io/dh_text.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/motion/motion_edit.h"
 #include "kinematics/motion/motion_retarget.h"
-#include "skinning/io/gltf.h"
 
 // Motion as arrays, motion for another model, and files.
 
@@ -120,31 +117,26 @@ py::tuple planted(const Clip& self, const py::iterable& feet, double floor) {
                                  "slide_after"_a = after.meanSlide));
 }
 
-void save(const py::object& where, const ModelPtr& model, const py::object& clip) {
+/// As `gelenk convert` writes it; what the format cannot hold: (kind, sentence).
+py::list save(const py::object& where, const ModelPtr& model, const py::object& clip) {
   const std::string path = py::str(py::module_::import("os").attr("fspath")(where));
-  const auto kind = fileKind(path);
-  const Model& m = model->model();
-  std::optional<MotionClip> motion = m.clip;
+  Imported whole{.model = model->model()};
+  whole.model.notes.clear();
   if (!clip.is_none()) {
     const Clip& given = clip.cast<const Clip&>();
-    if (given.clip->q.rows() != m.skeleton.nq()) throw std::invalid_argument("clip: it is of another model");
-    motion = *given.clip;
+    if (given.clip->q.rows() != model->skeleton().nq())
+      throw std::invalid_argument("clip: it is of another model");
+    if (isScene(path)) throw std::invalid_argument("a scene holds no clip; save it as .glb or .bvh");
+    whole.model.clip = *given.clip;
   }
-  const auto motionOrPose = [&] {
-    return motion ? *motion : MotionClip{.framesPerSecond = 30.0, .q = m.skeleton.rest()};
-  };
-  if (kind == FileKind::Gltf) {
-    std::vector<GltfClip> clips;
-    if (motion) clips.push_back({m.clipName.empty() ? m.name : m.clipName, *motion});
-    return writeGltf(path, m.skeleton, m.skin ? &*m.skin : nullptr, clips);
+  {
+    const py::gil_scoped_release alone;
+    if (isScene(path))
+      writeFile(path, sceneText(*model));
+    else
+      exportFile(path, whole);
   }
-  if (kind == FileKind::Bvh) return writeFile(path, formatBvh(m.skeleton, motionOrPose()));
-  if (kind == FileKind::Asf) return writeFile(path, formatAsf(m.skeleton));
-  if (kind == FileKind::Amc) return writeFile(path, formatAmc(m.skeleton, motionOrPose()));
-  if (kind == FileKind::DhTable) return writeFile(path, formatDhTable(dhFromSkeleton(m.skeleton).table));
-  throw std::invalid_argument("'" + path +
-                              "': a model can be saved as .glb, .gltf, .bvh, .asf, .amc or .dh; "
-                              "gelenk.command('convert', ...) knows more");
+  return noteList(whole.model.notes);
 }
 
 /// A command of the program, in this process; its exit status.
@@ -177,8 +169,10 @@ py::object clipOf(const ModelPtr& model) {
 void addMotion(py::module_& m) {
   py::class_<Clip>(m, "Clip", "A motion of a model, sampled at a constant rate.")
       .def(py::init(&makeClip), modelArgument(), "q"_a, "frames_per_second"_a = 30.0, "q: (frames, nq).")
-      .def_property_readonly("model", [](const Clip& c) { return c.model; })
-      .def_property_readonly("frames_per_second", [](const Clip& c) { return c.clip->framesPerSecond; })
+      .def_property_readonly(
+          "model", [](const Clip& c) { return c.model; }, "The Model that it moves.")
+      .def_property_readonly(
+          "frames_per_second", [](const Clip& c) { return c.clip->framesPerSecond; }, "Hz.")
       .def_property_readonly(
           "duration", [](const Clip& c) { return c.clip->duration(); }, "Seconds.")
       .def_property_readonly(
@@ -197,7 +191,7 @@ void addMotion(py::module_& m) {
           [](const Clip& c, double rate) {
             return c.with(resampled(c.model->skeleton(), *c.clip, demandPositive(rate, "frames_per_second")));
           },
-          "frames_per_second"_a)
+          "frames_per_second"_a, "The same motion at another rate, Hz.")
       .def(
           "low_passed",
           [](const Clip& c, double cutoff) {
@@ -228,7 +222,10 @@ void addMotion(py::module_& m) {
                                      .attr("property")(py::cpp_function(&clipOf), py::none(), py::none(),
                                                        "The Clip that came with it, or None.");
   m.def("save", &save, "path"_a, modelArgument(), "clip"_a = py::none(),
-        "Writes a model, its skin and its motion (or another clip) as .glb, .gltf, .bvh, .asf, .amc or .dh.");
+        "Writes a model, its skin and its motion (or another clip) in the format of the path's ending, as "
+        "`gelenk "
+        "convert`\n"
+        "does, or as a scene (.json). A list of (kind, sentence) of what that format cannot hold.");
   m.def("command", &command,
         "A command of the program in this process, such as command('convert', 'walk.bvh', 'walk.glb'); "
         "prints what\n"

@@ -144,13 +144,19 @@ void addProblem(py::module_& m) {
       m, "Problem", "What a solver of one's own is asked; good until its call ends.")
       .def_property_readonly(
           "start", [](const Problem& p) { return toArray(p.get().start); }, "(nq,)")
-      .def_property_readonly("nq", [](const Problem& p) { return p.skeleton().nq(); })
-      .def_property_readonly("nv", [](const Problem& p) { return p.skeleton().nv(); })
+      .def_property_readonly(
+          "nq", [](const Problem& p) { return p.skeleton().nq(); }, "Length of a configuration.")
+      .def_property_readonly(
+          "nv", [](const Problem& p) { return p.skeleton().nv(); }, "Length of a tangent.")
       .def_property_readonly(
           "tolerance", [](const Problem& p) { return p.get().positionTolerance; }, "Metres and radians.")
-      .def_property_readonly("max_iterations", [](const Problem& p) { return p.budget().maxIterations; })
-      .def_property_readonly("restarts", [](const Problem& p) { return p.budget().restarts; })
-      .def_property_readonly("seed", [](const Problem& p) { return p.budget().seed; })
+      .def_property_readonly(
+          "max_iterations", [](const Problem& p) { return p.budget().maxIterations; }, "Of each attempt.")
+      .def_property_readonly(
+          "restarts", [](const Problem& p) { return p.budget().restarts; },
+          "Further attempts that are allowed.")
+      .def_property_readonly(
+          "seed", [](const Problem& p) { return p.budget().seed; }, "Of whatever is random.")
       .def(
           "evaluate",
           [](Problem& p, py::handle q) {

@@ -128,7 +128,8 @@ void addBlends(py::module_& m) {
           },
           "frames"_a, "(vertices, 3), metres; (n, joints, 4, 4) gives (n, vertices, 3).")
       .def("with_normals", &blendWithNormals, "frames"_a, "(vertices, 3) and unit normals (vertices, 3).")
-      .def_property_readonly("method", [](const Blend& self) { return self.choice; })
+      .def_property_readonly(
+          "method", [](const Blend& self) { return self.choice; }, "Text of the choice.")
       .def("__repr__", [](const Blend& self) { return "<gelenk.Blend " + self.choice + ">"; });
   m.def("skin_methods", &methodTable, "The skinning methods: dicts of name, title, reference.");
 }
@@ -337,7 +338,7 @@ void addSkin(py::module_& m) {
            "keep_volume"_a = true)
       .def("__call__", &Muscles::operator(), "frames"_a,
            "(vertices, 3), metres; (n, joints, 4, 4) gives (n, vertices, 3).")
-      .def_property_readonly("limbs", &Muscles::limbs);
+      .def_property_readonly("limbs", &Muscles::limbs, "Names of the limbs that carry muscles.");
   m.attr("Model").attr("skin") =
       py::module_::import("builtins")
           .attr("property")(py::cpp_function(&skinOf), py::none(), py::none(), "The Skin, or None.");
@@ -348,7 +349,8 @@ void addSkin(py::module_& m) {
         return std::make_shared<SharedModel>(withBody(model->model()));
       },
       modelArgument(), "The model with a rounded body around its bones where it has no skin.");
-  py::register_exception<RigRefused>(m, "RigRefused", PyExc_ValueError);
+  py::register_exception<RigRefused>(m, "RigRefused", PyExc_ValueError).doc() =
+      "The body is none of the kind that was asked for, or no skeleton fits it.";
   m.def("rig", &rig, "body"_a, "triangles"_a = py::none(), py::kw_only(), "skeleton"_a = "human",
         "up"_a = py::none(), "front"_a = py::none(), "name"_a = "body", "progress"_a = py::none(),
         "A skeleton and weights for a body that has neither: (Model, report). body: a file (OBJ, STL, glTF), "

@@ -143,7 +143,9 @@ void addResult(py::module_& m) {
           "unsupported.")
       .def_property_readonly(
           "solver", [](const Result& r) { return r.solver; }, "Text of the choice.")
-      .def_property_readonly("unsupported_because", [](const Result& r) { return r.unsupported; })
+      .def_property_readonly(
+          "unsupported_because", [](const Result& r) { return r.unsupported; },
+          "A sentence where the status is unsupported, else empty.")
       .def_property_readonly(
           "position_error", [](const Result& r) { return r.largest(&GoalError::position); },
           "Largest of all goals, metres.")
@@ -151,13 +153,20 @@ void addResult(py::module_& m) {
           "orientation_error", [](const Result& r) { return r.largest(&GoalError::orientation); },
           "Largest of all goals, radians.")
       .def_property_readonly("goal_errors", &errorsOf, "(goals, 2): metres and radians.")
-      .def_property_readonly("limit_violation", [](const Result& r) { return r.verdict.limitViolation; })
+      .def_property_readonly(
+          "limit_violation", [](const Result& r) { return r.verdict.limitViolation; },
+          "How far the worst joint lies outside its limits, radians or metres.")
       .def_property_readonly(
           "residual", [](const Result& r) { return r.report.residual; },
           "Weighted norm, as the solver sees it.")
-      .def_property_readonly("counters", [](const Result& r) { return countersOf(r.report.counters); })
-      .def_property_readonly("iterations", [](const Result& r) { return r.report.counters.iterations; })
-      .def_property_readonly("seconds", [](const Result& r) { return r.report.seconds; })
+      .def_property_readonly(
+          "counters", [](const Result& r) { return countersOf(r.report.counters); },
+          "How often: iterations, forward_kinematics, jacobians, hessians, factorisations, restarts.")
+      .def_property_readonly(
+          "iterations", [](const Result& r) { return r.report.counters.iterations; },
+          "Of all attempts together.")
+      .def_property_readonly(
+          "seconds", [](const Result& r) { return r.report.seconds; }, "Of the solver, on the clock.")
       .def_property_readonly(
           "trace", &traceOf,
           "None, or with trace=True a dict of arrays: residual, step, damping, seconds (k,) and\n"
@@ -281,7 +290,8 @@ void addBatch(py::module_& m) {
       .def_property_readonly(
           "orientation_error", [](const BatchResult& r) { return errorsOf(r, &GoalError::orientation); },
           "(n,) radians.")
-      .def_property_readonly("seconds", [](const BatchResult& r) { return r.seconds; })
+      .def_property_readonly(
+          "seconds", [](const BatchResult& r) { return r.seconds; }, "All of them together, on the clock.")
       .def("__len__", [](const BatchResult& r) { return r.answers.solved.size(); })
       .def("__repr__", [](const BatchResult& r) {
         const auto& solved = r.answers.solved;

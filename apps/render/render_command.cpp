@@ -190,7 +190,7 @@ Camera cameraOf(const Request& request, const Session& session, const SceneView&
   const bool asked = !request.view.empty() || !request.focus.empty() || request.azimuth ||
                      request.elevation || request.orthographic;
   Camera camera = session.document().view.camera;
-  if (!isScene(request.input) && !asked) {
+  if ((!isScene(request.input) || camera.distance == 0.0) && !asked) {
     camera = view.wholeView(session, viewport, view.bounds());
   } else if (asked) {
     if (const auto standard = standardView(request.view)) camera = lookFrom(camera, *standard);

@@ -134,7 +134,8 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
   s.limitGlow.assign(s.session->skeleton().jointCount(), 0.0);
   const Eigen::AlignedBox3d whole = s.view->bounds();
   followDocument(*this);
-  if (!fromFile) s.camera() = s.view->wholeView(*s.session, s.viewport(), whole);
+  if (!fromFile || s.camera().distance == 0.0)
+    s.camera() = s.view->wholeView(*s.session, s.viewport(), whole);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
   if (!notesAreQuiet())
     for (const Note& note : notes) say(note.line());

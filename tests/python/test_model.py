@@ -1,5 +1,8 @@
 """Models and their mathematics: against the definitions, differences, and the command line to the bit."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -86,21 +89,90 @@ def test_one_pose_comes_without_a_copy(figure):
     assert np.array_equal(figure.fk(figure.rest)[5], first)
 
 
-def test_every_format_loads(inputs, root, tmp_path):
-    load = gelenk.load
+def test_every_format_loads(inputs, root):
+    load, assets = gelenk.load, root / "assets"
     assert load(inputs / "five_dof.dh").nq == 5
     assert load(inputs / "straight.urdf").nv > 0
-    assert load(inputs / "tube.obj", skeleton=inputs / "tube.skel").nq > 0
-    assert load(inputs / "apose.bvh").nv > 0
-    assert load(inputs / "two_clips.gltf").name
+    assert load(inputs / "tube.obj", skeleton=inputs / "tube.skel").skin
+    assert load(assets / "nurbs_arm.nurbs", skeleton=assets / "nurbs_arm.skel").skin
+    assert load(inputs / "apose.bvh").clip
+    assert load(inputs / "two_clips.gltf", clip="second" if "second" in (inputs / "two_clips.gltf").read_text() else None).clip
     assert load(inputs / "tube.skel").joint_count > 1
-    scene = load(root / "assets/scenes/reach.json")
+    assert load(assets / "tutorial_figure.figure").nq > 0
+    assert load(assets / "tutorial_stride.pose", figure=assets / "tutorial_figure.figure").nq > 0
+    scene = load(assets / "scenes/reach.json")
     assert scene.pose.shape == (scene.nq,)
-    assert load(root / "assets/tutorial_figure.figure").nq > 0
-    cm = load(inputs / "tube.skel", unit="cm")
-    m = load(inputs / "tube.skel")
-    ratio = np.abs(m.fk(m.rest)[:, :3, 3]).max() / np.abs(cm.fk(cm.rest)[:, :3, 3]).max()
-    assert ratio == pytest.approx(100)
+    cm, m = load(inputs / "tube.skel", unit="cm"), load(inputs / "tube.skel")
+    assert np.abs(m.fk(m.rest)[:, :3, 3]).max() / np.abs(cm.fk(cm.rest)[:, :3, 3]).max() == pytest.approx(100)
+    assert load(inputs / "apose.bvh", up="z").up.tolist() == [0, 0, 1]
+    with pytest.raises(ValueError, match="y or z"):
+        load(inputs / "apose.bvh", up="w")
+
+
+data = Path(os.environ.get("GELENK_DATA_DIR") or "/nowhere")
+
+
+@pytest.mark.skipif(not data.exists(), reason="the trial data are not there")
+def test_strangers_files_load():
+    asf = data / "mocap/asf/02.asf"
+    walk = gelenk.load(data / "mocap/asf/02_01.amc", asf=asf)
+    assert len(walk.clip) == 343 and walk.fk(walk.clip.q).shape[1:] == (walk.joint_count, 4, 4)
+    assert gelenk.load(data / "mocap/asf/02_01.amc", asf=asf, fps=60).clip.duration == pytest.approx(2 * walk.clip.duration)
+    body = gelenk.load(data / "pinocchio/mh_male.game_engine.skel")
+    assert body.joint_count > 10
+    for file in ("characters/gltf/Fox.glb", "characters/kaykit/Knight.glb", "robots/panda/urdf/panda.urdf", "mocap/bvh/mh_walk1.bvh"):
+        model = gelenk.load(data / file)
+        assert np.isfinite(model.fk(model.rest)).all(), file
+    assert gelenk.load(data / "robots/panda/urdf/panda.urdf").nv == 8  # the second finger follows the first
+
+
+def places(model):
+    """Where the joints stand, whatever they are called: as a motion begins, else at rest."""
+    return np.sort(model.fk(model.clip.q[0] if model.clip else model.rest)[:, :3, 3], axis=0)
+
+
+@pytest.mark.parametrize("ending", ["glb", "gltf", "bvh", "asf", "skel", "figure", "json"])
+def test_what_is_saved_loads_again(ending, inputs, tmp_path):
+    tube = gelenk.load(inputs / "tube.obj", skeleton=inputs / "tube.skel")
+    notes = gelenk.save(tmp_path / f"tube.{ending}", tube)
+    assert all(len(note) == 2 for note in notes)
+    again = gelenk.load(tmp_path / f"tube.{ending}")
+    for end in places(again)[[0, -1]]:  # bones that end nowhere get an end of their own
+        assert np.abs(places(tube) - end).max(1).min() < 1e-5, ending
+
+
+def test_motions_robots_and_bodies_are_saved(inputs, tmp_path):
+    tube = gelenk.load(inputs / "tube.obj", skeleton=inputs / "tube.skel")
+    gelenk.save(tmp_path / "tube.obj", tube)
+    gelenk.save(tmp_path / "tube.attachment", tube)
+    gelenk.save(tmp_path / "tube.skel", tube)
+    again = gelenk.load(tmp_path / "tube.obj", skeleton=tmp_path / "tube.skel", weights=tmp_path / "tube.attachment")
+    assert np.allclose(again.skin.vertices, tube.skin.vertices, atol=1e-6)
+    gelenk.save(tmp_path / "ur5.dh", gelenk.model("ur5"))
+    ur5 = gelenk.load(tmp_path / "ur5.dh")
+    q = ur5.random(1)
+    assert np.allclose(ur5.fk(q)[-1], gelenk.model("ur5").fk(q)[-1], atol=1e-9)
+    motion = gelenk.load(inputs / "apose.bvh")
+    gelenk.save(tmp_path / "a.asf", motion)
+    gelenk.save(tmp_path / "a.amc", motion)
+    assert len(gelenk.load(tmp_path / "a.amc", asf=tmp_path / "a.asf").clip) == len(motion.clip)
+    with pytest.raises(ValueError, match="no clip"):
+        gelenk.save(tmp_path / "a.json", motion, motion.clip)
+    with pytest.raises(ValueError, match="read only"):
+        gelenk.save(tmp_path / "a.urdf", motion)
+
+
+def test_rows_are_answered_one_by_one(model):
+    Q = model.integrate(model.random(1, 6), np.random.default_rng(2).normal(size=(6, model.nv)))
+    for f in (model.project, model.violation, model.coupled, model.fk):
+        assert np.array_equal(f(Q), [f(q) for q in Q])
+    assert isinstance(model.violation(Q[0]), float)
+    s = np.linspace(0, 1, 6)
+    a = model.interpolate(Q, Q[::-1].copy(), s)
+    assert np.array_equal(a, [model.interpolate(p, q, t) for p, q, t in zip(Q, Q[::-1], s)])
+    assert np.array_equal(model.interpolate(Q[0], Q[1], s)[3], model.interpolate(Q[0], Q[1], s[3]))
+    with pytest.raises(ValueError, match="of them"):
+        model.interpolate(Q, Q[:3], 0.5)
 
 
 def test_a_file_that_does_not_parse_says_where(tmp_path):
@@ -183,6 +255,7 @@ def test_balls_keep_their_limits():
 def test_mirror_twice_is_nothing(figure):
     q = figure.random(6)
     assert np.allclose(figure.mirror(figure.mirror(q)), q, atol=1e-12)
+    assert np.array_equal(figure.mirror([q, figure.rest])[0], figure.mirror(q))
     with pytest.raises(ValueError):
         gelenk.model("panda").mirror(gelenk.model("panda").rest)
 
@@ -190,5 +263,6 @@ def test_mirror_twice_is_nothing(figure):
 def test_centre_of_mass(figure):
     assert figure.mass == pytest.approx(73)
     assert 0.8 < figure.centre_of_mass(figure.rest)[1] < 1.2
+    assert np.array_equal(figure.centre_of_mass([figure.rest] * 3)[2], figure.centre_of_mass(figure.rest))
     with pytest.raises(ValueError, match="no masses"):
         gelenk.model("planar").centre_of_mass(gelenk.model("planar").rest)

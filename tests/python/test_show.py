@@ -1,5 +1,8 @@
 """The window's process driven from a script (offscreen), and pictures."""
 
+import json
+import shutil
+import subprocess
 import time
 
 import numpy as np
@@ -16,7 +19,7 @@ def needs_graphics(program, monkeypatch):
     monkeypatch.setenv("GELENK_PROGRAM", program.path)
 
 
-def until(condition, seconds=30):
+def until(condition, seconds=200):  # machines that test may be busy
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         if condition():
@@ -93,18 +96,127 @@ def test_a_picture_is_that_of_the_program(panda, program, tmp_path):
     assert (with_handles != picture).any()
     dark = gelenk.render(panda, q, size=(320, 200), theme="dark")
     assert dark.mean() < picture.mean()
-    with pytest.raises(ValueError, match="made in this script"):
-        gelenk.show(gelenk.Model.from_joints([dict(name="alone")]), offscreen=True)
-    # a model made here is drawn as well, in the same places
-    figure = gelenk.model("figure")
-    made = gelenk.bind(figure, figure.skin.vertices, figure.skin.triangles)
-    q = figure.rest
-    q[figure.q_slice("lowerarm_l")][0] = 1.5
-    def moved(model):  # pixels that the arm leaves or enters, whatever the colour of the skin
-        straight, bent = (gelenk.render(model, pose, size=(200, 200), shadow=False).astype(int) for pose in (None, q))
-        return np.abs(straight - bent).max(-1) > 20
-
-    ours, theirs = moved(made), moved(figure)
-    assert ours.sum() > 100 and (ours & theirs).sum() > 0.7 * (ours | theirs).sum()
+    told = tmp_path / "told.ppm"
+    program("render", "panda", "-o", told, "--size", "320x200", "--q", *(repr(float(v)) for v in q))
+    assert np.array_equal(picture, gelenk._show._read_ppm(told.read_bytes()))
     chain = gelenk.PlanarChain([1, 0.7]).model()
     assert gelenk.render(chain, [0.3, 0.4], size=(200, 200)).std() > 1
+
+
+def arm_of_the_script():
+    ball = dict(name="shoulder", ball=True, ball_limit=dict(swing_radii=(0.9, 0.9), twist=(-0.3, 0.4)))
+    elbow = dict(name="elbow", parent="shoulder", offset=(0, 0, 1), axes=[dict(axis=(1, 0, 0), lower=0, upper=2)])
+    finger = dict(name="finger", parent="elbow", offset=(0, 0, 0.8), axes=[dict(kind="translation", axis=(1, 0, 0), lower=0, upper=0.2)])
+    twin = dict(name="twin", parent="elbow", offset=(0, 0, 0.8), axes=[dict(kind="translation", axis=(-1, 0, 0), lower=0, upper=0.2)],
+                mimic=dict(joint="finger"))
+    return gelenk.Model.from_joints([ball, elbow, finger, twin], name="arm of the script")
+
+
+def made_models(inputs):
+    figure = gelenk.model("figure")
+    tube = gelenk.load(inputs / "tube.obj", skeleton=inputs / "tube.skel", unit="cm")
+    return [arm_of_the_script(), tube, gelenk.bind(figure, figure.skin.vertices, figure.skin.triangles, None)]
+
+
+def test_models_of_a_script_are_shown_as_they_are(inputs, tmp_path):
+    for model in made_models(inputs):
+        gelenk.save(tmp_path / "made.json", model)  # what the window opens
+        again = gelenk.load(tmp_path / "made.json")
+        wild = model.integrate(model.random(1), np.random.default_rng(2).normal(size=model.nv))
+        for q in (model.rest, model.random(3), wild):
+            assert np.array_equal(again.fk(q), model.fk(q))
+            assert again.violation(q) == model.violation(q)
+            assert np.array_equal(again.project(q), model.project(q))
+            if model.skin:
+                assert np.array_equal(again.skin(again.fk(q)), model.skin(model.fk(q)))
+        assert again.nv == model.nv and again.name == model.name
+
+
+def test_a_model_of_the_script_moves_in_the_window():
+    arm = arm_of_the_script()
+    with gelenk.show(arm, offscreen=True) as view:
+        q = arm.random(3)
+        view.q = q
+        assert np.array_equal(view.q, q)
+        target = arm.fk(arm.random(4))[arm.index("finger")][:3, 3]
+        view.set_goal("finger", target)
+        assert until(lambda: np.linalg.norm(arm.fk(view.q)[arm.index("finger")][:3, 3] - target) < 2e-3)
+        q = view.q
+        assert arm.violation(q) < 1e-6 and np.array_equal(arm.coupled(q), q)
+    pictures = [gelenk.render(arm, q, size=(200, 200)).astype(int) for q in (arm.rest, q)]
+    assert (np.abs(pictures[0] - pictures[1]).max(-1) > 20).sum() > 100
+
+
+def test_a_damaged_description_is_told(tmp_path, inputs):
+    arm = arm_of_the_script()
+    gelenk.save(tmp_path / "arm.json", arm)
+    scene = json.loads((tmp_path / "arm.json").read_text())
+    tree = json.loads(scene["model"]["name"].removeprefix("joints:"))
+
+    def opened(change):
+        copy = json.loads(json.dumps(tree))
+        change(copy)
+        scene["model"]["name"] = "joints:" + json.dumps(copy)
+        (tmp_path / "bad.json").write_text(json.dumps(scene))
+        return gelenk.load(tmp_path / "bad.json")
+
+    assert opened(lambda t: None).nv == arm.nv
+    for change, word in ((lambda t: t.pop("joints"), "joints"), (lambda t: t["joints"].clear(), "at least one joint"), (lambda t: t["joints"][1].update(parent=7), "parent"),
+                         (lambda t: t["joints"][1].update(offset=[1, 2]), r"joints\[1\].offset"), (lambda t: t["joints"][1]["axes"][0].update(kind="screw"), "rotation"),
+                         (lambda t: t["rest"].pop(), "rest"), (lambda t: t.update(handles=["nobody"]), "nobody"), (lambda t: t.update(up=[0, 0, 2]), "up"),
+                         (lambda t: t.update(skin={}), "skin"), (lambda t: t["joints"][3]["mimic"].update(joint=9), "twin")):
+        with pytest.raises(ValueError, match=word):
+            opened(change)
+
+
+# ---- a person's hand: a real window on a display of its own, and a mouse
+
+
+@pytest.fixture
+def display(monkeypatch):
+    for needed in ("Xvfb", "xdotool"):
+        if not shutil.which(needed):
+            pytest.skip(f"{needed} is not installed")
+    server = subprocess.Popen(["Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-noreset", "-nolisten", "tcp"],
+                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    monkeypatch.setenv("DISPLAY", ":" + server.stdout.readline().strip())
+    monkeypatch.setenv("LIBGL_ALWAYS_SOFTWARE", "1")
+    yield lambda *words: subprocess.run(["xdotool", *map(str, words)], check=True)
+    server.terminate()
+    server.wait()
+
+
+@pytest.mark.parametrize("model, joint", [(gelenk.model("figure"), "hand_r"), (arm_of_the_script(), "finger")], ids=["figure", "script"])
+def test_what_a_person_drags_comes_back(model, joint, display, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    q = model.rest
+    if joint == "finger":
+        q[model.q_slice("elbow")] = 0.7
+    with gelenk.show(model, q, size=(900, 640)) as view:
+        def goal():
+            return next(g for g in view.goals if g["name"] == joint)
+
+        assert until(lambda: view._ask("status")["frame"] >= 2)
+        before, at, area = view.q, goal()["pixel"], view._ask("status")["view"]
+        for g in view.goals:  # the window opens with the whole in view
+            assert area["x"] < g["pixel"][0] < area["x"] + area["width"] and area["y"] < g["pixel"][1] < area["y"] + area["height"]
+        seen = []
+        view.on_change = lambda v: seen.append(v)
+        display("mousemove", round(at[0]), round(at[1]))
+        assert until(lambda: np.abs(np.subtract(view._ask("status")["mouse"], at)).max() < 2)
+        display("mousedown", 1)
+        assert until(lambda: view._ask("status")["dragging"] == joint)
+        for k in range(1, 11):
+            display("mousemove", round(at[0]) - 2 * k, round(at[1]) - 5 * k)
+        change = view.wait_for_change(timeout=200)
+        assert change["dragging"] == joint and change["q"]
+        assert until(lambda: goal()["error"] < 2e-3 and abs(goal()["pixel"][1] - at[1] + 50) < 2, 40), (at, goal(), view._ask("status")["mouse"], view._ask("status")["frame"])
+        display("mouseup", 1)
+        assert until(lambda: not view._ask("status")["dragging"])
+        now = view._now()  # one frame's pose and goals
+        after, held = np.array(now["q"]), next(g for g in now["goals"] if g["name"] == joint)
+        there = model.fk(after)[model.index(joint)][:3, 3]
+        assert np.abs(model.difference(before, after)).max() > 0.02 and seen
+        assert np.allclose(there, held["reached"], atol=1e-9)
+        assert np.linalg.norm(there - held["target"]) < 5e-3
+        assert model.violation(after) < 1e-6

@@ -23,25 +23,11 @@ def program():
     raise FileNotFoundError("the program gelenk is not there: build it with graphics, or name it in GELENK_PROGRAM")
 
 
-def _stand_in(model, q, folder):
-    """A model made in this script as a file, (model, q): the same bodies and places, but joints of its own."""
-    clip = _gelenk.Clip(model, [model.pose if q is None else q])
-    path = Path(folder) / "model.glb"
-    _gelenk.save(path, model, clip)
-    again = _gelenk.load(path)
-    return again, again.clip.q[0]
-
-
 def _write_scene(model, q, folder, handles=True):
     """The file that the program opens to have this model in this pose."""
     if not isinstance(model, _gelenk.Model):
         raise TypeError(f"expected a Model, found {type(model).__name__}")
-    scene = model._scene
-    if scene is None:
-        raise ValueError(f"'{model.name}' was made in this script, so that no other process can open it: save it with "
-                         "gelenk.save and load the file")
-    text = Path(scene).read_text() if "\n" not in scene and scene.endswith(".json") else scene
-    tree = json.loads(text)
+    tree = json.loads(model._scene)
     if isinstance(tree.get("model"), dict):
         _absolute(tree["model"])
     if q is not None:
@@ -60,7 +46,7 @@ def _absolute(entry):
     for key, value in entry.items():
         if isinstance(value, dict):
             _absolute(value)
-        elif isinstance(value, str) and value and os.path.exists(value):
+        elif isinstance(value, str) and 0 < len(value) < 4096 and os.path.exists(value):
             entry[key] = os.path.abspath(value)
 
 
@@ -187,7 +173,7 @@ class View:
 
     @property
     def goals(self):
-        """The goals in the window: dicts of name, state, target, position and more; what a person drags changes them."""
+        """The goals in the window: dicts of name, state, target and reached (3,), error (metres), pixel; what a person drags changes them."""
         return self._now()["goals"]
 
     def set_goal(self, joint, target=None, state="held"):
@@ -277,13 +263,10 @@ def render(model, q=None, *, size=(1280, 800), scale=1.0, theme="light", view=No
     view: 'front', 'side', 'top', 'three-quarter'; azimuth, elevation: degrees. bones: drawn through the skin; handles: where it is dragged.
     """
     with tempfile.TemporaryDirectory() as folder:
-        if isinstance(model, _gelenk.Model) and model._scene is None:
-            model, q = _stand_in(model, q, folder)
-        scene, picture = _write_scene(model, q, folder, handles), Path(folder) / "picture.ppm"
+        picture = Path(folder) / "picture.ppm"
+        scene = _write_scene(model, q, folder, handles)
         words = [program(), "render", str(scene), "-o", str(picture), "--size", f"{size[0]}x{size[1]}", "--scale", str(scale),
                  "--theme", theme, "--zoom", str(zoom)]
-        if view is None and azimuth is None and elevation is None and not model._scene.endswith(".json"):
-            view = "top" if model._planar else "three-quarter"
         for flag, wanted in (("--bones", bones), ("--wireframe", wireframe), ("--no-ground", not ground),
                              ("--no-shadow", not shadow)):
             words += [flag] * bool(wanted)
