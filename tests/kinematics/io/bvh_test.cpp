@@ -64,12 +64,15 @@ TEST(Bvh, JointsAreWrittenWithThreeRotationsAndWithoutPositionsThatStandStill) {
       << text;
   EXPECT_NE(text.find("CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"),
             std::string::npos);
-  const BvhMotion again = parseBvh(text, "again.bvh");
-  for (int f = 0; f < 2; ++f) {
-    const Frames before = forwardKinematics(skeleton, clip.q.col(f)),
-                 after = forwardKinematics(again.skeleton, again.clip.q.col(f));
-    for (int i = 0; i < skeleton.jointCount(); ++i)
-      EXPECT_LE((before[i].translation() - after[i].translation()).norm(), 1e-12);
+  // Blender puts positions in the place of OFFSET, three.js adds them to it.
+  for (const BvhPositions positions : {BvhPositions::Automatic, BvhPositions::Replace, BvhPositions::Add}) {
+    const BvhMotion again = parseBvh(text, "again.bvh", {.positions = positions});
+    for (int f = 0; f < 2; ++f) {
+      const Frames before = forwardKinematics(skeleton, clip.q.col(f)),
+                   after = forwardKinematics(again.skeleton, again.clip.q.col(f));
+      for (int i = 0; i < skeleton.jointCount(); ++i)
+        EXPECT_LE((before[i].translation() - after[i].translation()).norm(), 1e-12);
+    }
   }
 }
 
