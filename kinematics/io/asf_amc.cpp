@@ -36,8 +36,7 @@ struct BoneBlock {
   Vector3d axis = Vector3d::Zero();
   std::string order = "xyz";
   std::vector<DofName> dofs;
-  std::vector<std::pair<double, double>> limits;
-  bool hasLimits = false;
+  std::vector<double> limits;  ///< lower and upper of each dof; none: unlimited
 };
 
 struct AsfFile {
@@ -51,6 +50,7 @@ struct AsfFile {
   std::map<std::string, int> boneByName;   ///< lower case; -1 is the root
   std::vector<std::vector<int>> children;  ///< of bone i at i + 1; of the root at 0
   std::vector<bool> hasParent;
+  std::vector<Note> notes;
 };
 
 Vector3d vector3(WordStream& words) {
@@ -108,6 +108,12 @@ double limit(WordStream& words) {
   return words.number("a limit, a number or inf");
 }
 
+/// True where a number or an infinity comes next; letters begin the block's next entry.
+bool isLimit(std::string_view word) {
+  return !word.empty() &&
+         (sameWord(word, "inf") || word.find_first_of("0123456789+-") == 0 || word.front() == '.');
+}
+
 void parseUnits(WordStream& words, AsfFile& file) {
   while (!words.atEnd() && words.peek().front() != ':') {
     if (words.take("mass")) {
@@ -146,7 +152,7 @@ void parseRoot(WordStream& words, AsfFile& file) {
   }
 }
 
-BoneBlock parseBone(WordStream& words) {
+BoneBlock parseBone(WordStream& words, std::vector<Note>& notes) {
   BoneBlock bone;
   bone.line = words.lineTaken();
   while (!words.take("end")) {
@@ -170,12 +176,11 @@ BoneBlock parseBone(WordStream& words) {
       bone.dofs = dofList(words);
       if (bone.dofs.empty()) words.fail("degrees of freedom after dof");
     } else if (words.take("limits")) {
-      bone.hasLimits = true;
-      for (std::size_t k = 0; k < bone.dofs.size(); ++k) {
+      while (isLimit(words.peek())) {
         const double lower = limit(words), upper = limit(words);
         if (lower > upper)
           words.failTaken("limits with lower <= upper", exactNumber(lower) + " and " + exactNumber(upper));
-        bone.limits.emplace_back(lower, upper);
+        bone.limits.insert(bone.limits.end(), {lower, upper});
       }
     } else if (words.take("bodymass") || words.take("cofmass")) {
       words.number();
@@ -188,6 +193,12 @@ BoneBlock parseBone(WordStream& words) {
   if (!bone.length) words.failTaken("a length in the block of '" + bone.name + "'", "none");
   if (bone.direction->norm() == 0.0 && *bone.length > 0.0)
     words.failTaken("a direction for the bone '" + bone.name + "' of positive length", "0 0 0");
+  if (!bone.limits.empty() && bone.limits.size() != 2 * bone.dofs.size()) {
+    tell(notes, "limits-count",
+         "bone '" + bone.name + "' has " + std::to_string(bone.limits.size() / 2) + " limits for " +
+             std::to_string(bone.dofs.size()) + " degrees of freedom: passed over");
+    bone.limits.clear();
+  }
   return bone;
 }
 
@@ -195,7 +206,7 @@ void parseBones(WordStream& words, AsfFile& file) {
   file.hasBones = true;
   while (!words.atEnd() && words.peek().front() != ':') {
     words.expect("begin");
-    BoneBlock bone = parseBone(words);
+    BoneBlock bone = parseBone(words, file.notes);
     const auto [at, isNew] =
         file.boneByName.emplace(lowerCase(bone.name), static_cast<int>(file.bones.size()));
     if (!isNew)
@@ -270,7 +281,8 @@ Quaterniond eulerRotation(const Vector3d& angles, const std::string& order) {
 }
 
 /// The joint's axes for a block's dofs: translations first, along the axes of the parent's world; then the
-/// rotations, those that `order` names last outermost. from[k]: which dof of the block axis k is.
+/// rotations about fixed axes in the order of the dofs, so that the last is outermost. from[k]: which dof of
+/// the block axis k is.
 void addAxes(const BoneBlock& block, const Matrix3d& axesOfTranslation, double metresPerUnit,
              double radiansPerUnit, Joint& joint, std::vector<int>& from) {
   const auto add = [&](int d) {
@@ -280,15 +292,27 @@ void addAxes(const BoneBlock& block, const Matrix3d& axesOfTranslation, double m
                  .axis = dof.rotation ? Vector3d(Vector3d::Unit(dof.axis))
                                       : Vector3d(axesOfTranslation.col(dof.axis).normalized())};
     if (!block.limits.empty())
-      axis.lower = scale * block.limits[d].first, axis.upper = scale * block.limits[d].second;
+      axis.lower = scale * block.limits[2 * d], axis.upper = scale * block.limits[2 * d + 1];
     joint.axes.push_back(axis);
     from.push_back(d);
   };
-  for (int d = 0; d < static_cast<int>(block.dofs.size()); ++d)
+  const int count = static_cast<int>(block.dofs.size());
+  for (int d = 0; d < count; ++d)
     if (!block.dofs[d].rotation && !block.dofs[d].isLength()) add(d);
-  for (int k = 2; k >= 0; --k)
-    for (int d = 0; d < static_cast<int>(block.dofs.size()); ++d)
-      if (block.dofs[d].rotation && block.dofs[d].axis == block.order[k] - 'x') add(d);
+  for (int d = count - 1; d >= 0; --d)
+    if (block.dofs[d].rotation) add(d);
+}
+
+/// True where the dofs turn in another order than the letters after `axis` name.
+bool turnsInOwnOrder(const BoneBlock& block) {
+  std::size_t last = 0;
+  for (const DofName& dof : block.dofs) {
+    if (!dof.rotation) continue;
+    const std::size_t place = block.order.find(static_cast<char>('x' + dof.axis));
+    if (place < last) return true;
+    last = place;
+  }
+  return false;
 }
 
 class Builder {
@@ -318,8 +342,11 @@ class Builder {
     if (joints_.size() != file_.bones.size() + 1) rejectUnconnected();
     addEnds();
     result_.skeleton = Skeleton(std::move(joints_));
+    result_.notes = file_.notes;
+    std::vector<std::string> ownOrder;
     for (AsfSkeleton::Bone& bone : result_.bones) {
       const BoneBlock& block = *blocks_[bone.joint];
+      if (turnsInOwnOrder(block)) ownOrder.push_back(bone.name);
       bone.channels.resize(block.dofs.size(), {.qIndex = -1, .scale = 0.0, .rotation = false});
       if (std::any_of(block.dofs.begin(), block.dofs.end(), [](const DofName& d) { return d.isLength(); }))
         tell(result_.notes, "length-dof",
@@ -331,6 +358,10 @@ class Builder {
                             block.dofs[d].rotation};
       }
     }
+    if (!ownOrder.empty())
+      tellFact(result_.notes, "rotation-order",
+               "bones turn in the order of their dofs, which is not that of the letters after 'axis': " +
+                   listed(ownOrder));
     return std::move(result_);
   }
 

@@ -377,7 +377,8 @@ void hierarchy(const Skeleton& skeleton, const Frames& rest, const std::vector<P
       continue;
     }
     const Plan& plan = plans[step.joint];
-    // Position channels replace OFFSET in some programs and are added to it in others: the same where it is 0.
+    // Position channels replace OFFSET in some programs and are added to it in others: the same where it is
+    // 0.
     const Vector3d offset =
         plan.positions ? Vector3d(Vector3d::Zero()) : localPosition(skeleton, rest, rest, step.joint);
     text += indent +

@@ -87,9 +87,6 @@ class Reader {
     const TiXmlElement* robot = document_.RootElement();
     if (robot->ValueStr() != "robot") fail(robot, "an element <robot>", "<" + robot->ValueStr() + ">");
     if (const char* name = robot->Attribute("name")) robot_.name = name;
-    for (const TiXmlElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement())
-      if (e->ValueStr().starts_with("xacro:"))
-        fail(e, "URDF", "<" + e->ValueStr() + ">, which the program xacro turns into URDF");
     collect(robot);
     build();
     return std::move(robot_);
@@ -161,6 +158,13 @@ class Reader {
       for (const char* kind : {"visual", "collision"})
         for (const TiXmlElement* v = e->FirstChildElement(kind); v; v = v->NextSiblingElement(kind))
           at->second.visuals.push_back(v);
+    }
+    for (const TiXmlElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) {
+      if (!e->ValueStr().starts_with("xacro:")) continue;
+      if (links_.empty()) fail(e, "URDF", "<" + e->ValueStr() + ">, which the program xacro turns into URDF");
+      tell(robot_.notes, "xacro-left",
+           "elements that the program xacro did not replace are passed over: <" + e->ValueStr() + ">, line " +
+               std::to_string(e->Row()));
     }
     if (links_.empty()) fail(robot, "at least one <link>", "none");
     std::set<std::string> names;

@@ -14,6 +14,7 @@
 namespace gelenk {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 const std::string data = testing::dataFolder() + "/mocap/asf/";
@@ -126,8 +127,7 @@ TEST(Asf, BadInputIsRefusedWithItsLine) {
           {"dof twice", with(leg, "dof rx rz", "dof rx rx"), 16, "second rx"},
           {"two lengths", with(leg, "dof rx rz", "dof l l"), 16, "a second l"},
           {"dof without any", with(leg, "dof rx rz", "dof"), 17, "after dof"},
-          {"too few limits", with(leg, " (-inf inf)\n", ""), 18, "a limit"},
-          {"too many limits", with(leg, "(-inf inf)", "(-inf inf)\n(0 1)"), 19, "'0'"},
+          {"half a limit", with(leg, " (-inf inf)\n", " (-inf)\n"), 19, "a limit"},
           {"reversed limits", with(leg, "(-90 20)", "(20 -90)"), 17, "lower <= upper"},
           {"bone twice", with(leg, "name shin", "name thigh"), 21, "'thigh' again"},
           {"bone twice in other case", with(leg, "name shin", "name Thigh"), 21, "'Thigh' again"},
@@ -215,6 +215,42 @@ TEST(Amc, BonesThatOnlyOneOfTheTwoHasAreTold) {
   EXPECT_EQ(notes[0].kind, "bones-unknown");
   EXPECT_NE(notes[0].text.find("sword"), std::string::npos);
   EXPECT_EQ(more.q.col(1), parseAmc("1\nroot 0 1 0 0 0 0\nthigh 3 4\nshin 5\n", "f", asf).q.col(0));
+}
+
+/// Acclaim's definition of the format, and Vicon's notes on it: `order` and `dof` say in which sequence the
+/// rotations are made about fixed axes, `axis` only in which one its own three angles are.
+TEST(Asf, RotationsFollowTheOrderOfTheDofs) {
+  const std::string text =
+      ":root\norder TX TY TZ RZ RX RY\naxis XYZ\nposition 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nname "
+      "a\ndirection 0 1 0\nlength 1\naxis 30 0 20 ZYX\ndof ry rz rx\nend\n:hierarchy\nbegin\nroot a\nend\n";
+  const AsfSkeleton asf = parseAsf(text, "a.asf", 1.0);
+  const MotionClip clip = parseAmc(":DEGREES\n1\nroot 1 2 3 10 20 30\na 40 50 60\n", "a.amc", asf);
+  const auto turn = [](double degrees, int axis) {
+    return Eigen::AngleAxisd(degrees * M_PI / 180.0, Vector3d::Unit(axis)).toRotationMatrix();
+  };
+  const Matrix3d root = turn(30, 1) * turn(20, 0) * turn(10, 2), C = turn(30, 0) * turn(20, 2),
+                 M = turn(60, 0) * turn(50, 2) * turn(40, 1);
+  const Vector3d expected = Vector3d(1, 2, 3) + root * C * M * C.transpose() * Vector3d::UnitY();
+  const Frames frames = forwardKinematics(asf.skeleton, clip.q.col(0));
+  EXPECT_LT((frames[asf.bones[1].endJoint].translation() - expected).norm(), 1e-12);
+  ASSERT_EQ(asf.notes.size(), 1u);
+  EXPECT_EQ(asf.notes[0].kind, "rotation-order");
+  EXPECT_TRUE(asf.notes[0].fact);
+  EXPECT_NE(asf.notes[0].text.find("root, a"), std::string::npos);
+  EXPECT_TRUE(parseAsf(leg, "leg.asf").notes.empty());
+}
+
+TEST(Asf, LimitsThatDoNotFitTheDofsArePassedOverAndTold) {
+  for (const std::string limits : {"limits (0 1)", "limits (0 1) (0 1) (0 1)"}) {
+    const AsfSkeleton asf =
+        parseAsf(":root\norder TX\n:bonedata\nbegin\nname a\ndirection 0 1 0\nlength 1\naxis 0 0 0 XYZ\n" +
+                     limits + "\ndof rx rz\nend\n:hierarchy\nbegin\nroot a\nend\n",
+                 "a.asf");
+    ASSERT_EQ(asf.notes.size(), 1u) << limits;
+    EXPECT_EQ(asf.notes[0].kind, "limits-count");
+    EXPECT_FALSE(asf.notes[0].fact);
+    EXPECT_EQ(asf.skeleton.joint(1).axes[0].upper, unlimited);
+  }
 }
 
 struct Walk {

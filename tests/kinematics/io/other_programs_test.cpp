@@ -182,6 +182,12 @@ TEST(OtherProgramsUrdf, LimitsTheWrongWayRoundAreExchanged) {
   EXPECT_EQ(kinds(robot.notes), std::vector<std::string>{"limits-exchanged"});
 }
 
+TEST(OtherProgramsUrdf, WhatXacroLeftOverIsPassedOverAndTold) {
+  const UrdfRobot robot = parseUrdf("<robot><link name=\"a\"/><xacro:pelvis/><xacro:usb/></robot>", "m.urdf");
+  ASSERT_EQ(kinds(robot.notes), std::vector<std::string>{"xacro-left"});
+  EXPECT_EQ(robot.notes[0].count, 2);
+}
+
 /// Hands are described for the arm that they are mounted on, and some programs know a link "world".
 TEST(OtherProgramsUrdf, AParentLinkThatTheFileDoesNotHaveIsAddedAndTold) {
   const UrdfRobot robot = parseUrdf(
