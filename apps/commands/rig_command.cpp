@@ -72,6 +72,9 @@ json jsonOf(const std::string& name, const RiggedBody& body, const std::vector<N
     stages[stage.name] = stage.seconds;
     total += stage.seconds;
   }
+  json confidences = json::object();
+  for (int j = 0; j < body.skeleton.jointCount(); ++j)
+    confidences[body.skeleton.joint(j).name] = report.jointConfidence[j];
   return {{"body", name},
           {"joints", body.skeleton.jointCount()},
           {"up", numbers(report.up)},
@@ -81,6 +84,9 @@ json jsonOf(const std::string& name, const RiggedBody& body, const std::vector<N
           {"pose", report.pose},
           {"symmetric", report.symmetric},
           {"misfit", report.misfit},
+          {"strain", report.strain},
+          {"limbs", report.limbs},
+          {"jointConfidence", confidences},
           {"lostWeight", {{"mean", report.loss.mean}, {"max", report.loss.max}}},
           {"seconds", total},
           {"stages", stages},
@@ -139,7 +145,7 @@ bool rig(const std::string& path, const Request& request, json& all) {
   const Skin skin =
       bindSkin(mesh, restFrames(body.skeleton), fourLargest(body.weights, body.skeleton.jointCount()));
   writeGltf((folder / (name + ".glb")).string(), plainIds ? namedAsHuman(body.skeleton) : body.skeleton,
-            &skin, {});
+            &skin, {}, GltfJoints::AsTheyMove);
   if (request.asJson)
     all.push_back(jsonOf(name, body, notes));
   else

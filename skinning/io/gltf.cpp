@@ -15,9 +15,11 @@
 #include <sstream>
 
 #include "kinematics/configuration.h"
+#include "kinematics/forward_kinematics.h"
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/rotation.h"
+#include "skinning/io/gltf_joints.h"
 
 namespace gelenk {
 namespace {
@@ -400,8 +402,30 @@ class Reader {
         if (jointOfNode_[n] < 0) fail(file_, "a skin's joints within the scene", "node " + std::to_string(n));
   }
 
+  /// Axes and limits that this program wrote beside the node: the node's frame is where they rest.
+  bool takeMotion(const tinygltf::Node& node, Joint& joint, std::vector<double>& rest) const {
+    try {
+      const auto motion = motionOf(node.extras);
+      if (!motion) return false;
+      joint.axes = motion->axes;
+      joint.ball = motion->ball;
+      joint.ballLimit = motion->ballLimit;
+      Joint alone = joint;
+      alone.parent = -1;
+      alone.parentFromZero.setIdentity();
+      const Eigen::VectorXd q = Eigen::VectorXd::Map(motion->rest.data(), motion->rest.size());
+      const Isometry3d turned = jointMotion(Skeleton({alone}, q), q, 0);
+      joint.parentFromZero = joint.parentFromZero * turned.inverse(Eigen::Isometry);
+      rest.insert(rest.end(), motion->rest.begin(), motion->rest.end());
+      return true;
+    } catch (const std::invalid_argument& wrong) {
+      fail(file_, "the motion of node '" + node.name + "' in its extras", wrong.what());
+    }
+  }
+
   void makeSkeleton() {
     std::vector<Joint> joints;
+    std::vector<double> rest;
     std::set<std::string> names;
     for (std::size_t j = 0; j < order_.size(); ++j) {
       const int n = order_[j];
@@ -419,13 +443,19 @@ class Reader {
       joint.parentFromZero.linear() = local.rotation.toRotationMatrix();
       joint.parentFromZero.translation() = local.translation;
       joint.ball = n >= 0 && turns_[n];
+      if (n >= 0 && model_.animations.empty() && takeMotion(model_.nodes[n], joint, rest)) {
+        joints.push_back(std::move(joint));
+        continue;
+      }
       if (n >= 0 && (moves_[n] || (j == 0 && turns_[n])))
         for (int k = 0; k < 3; ++k)  // along the parent's axes
           joint.axes.push_back(
               {AxisDof::Kind::Translation, (local.rotation.conjugate() * Vector3d::Unit(k)).normalized()});
+      rest.insert(rest.end(), joint.axes.size(), 0.0);
+      if (joint.ball) rest.insert(rest.end(), {1.0, 0.0, 0.0, 0.0});
       joints.push_back(std::move(joint));
     }
-    result_.skeleton = Skeleton(std::move(joints));
+    result_.skeleton = Skeleton(std::move(joints), Eigen::VectorXd::Map(rest.data(), rest.size()));
     restFrames_ = restFrames(result_.skeleton);
   }
 
@@ -888,7 +918,8 @@ namespace {
 /// Appends data to the only buffer and describes it.
 class Writer {
  public:
-  Writer(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips) {
+  Writer(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips, GltfJoints joints)
+      : joints_(joints) {
     model_.asset.version = "2.0";
     model_.asset.generator = "gelenk";
     model_.buffers.resize(1);
@@ -940,6 +971,10 @@ class Writer {
       node.translation = {local.translation().x(), local.translation().y(), local.translation().z()};
       node.rotation = {r.x(), r.y(), r.z(), r.w()};
       node.children = skeleton.children(i);
+      if (joints_ == GltfJoints::AsTheyMove) {
+        const double* first = skeleton.rest().data() + skeleton.qIndex(i);
+        node.extras = withMotion(skeleton.joint(i), {first, first + skeleton.qCount(i)});
+      }
       model_.nodes.push_back(node);
     }
     tinygltf::Scene scene;
@@ -1047,12 +1082,13 @@ class Writer {
     if (!animation.channels.empty()) model_.animations.push_back(animation);
   }
 
+  GltfJoints joints_;
   tinygltf::Model model_;
 };
 
 std::string format(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips,
-                   bool binary) {
-  Writer writer(skeleton, skin, clips);
+                   bool binary, GltfJoints joints) {
+  Writer writer(skeleton, skin, clips, joints);
   tinygltf::TinyGLTF out;
   std::ostringstream stream;
   if (!out.WriteGltfSceneToStream(&writer.model(), stream, !binary, binary))
@@ -1063,12 +1099,12 @@ std::string format(const Skeleton& skeleton, const Skin* skin, const std::vector
 }  // namespace
 
 std::string formatGlb(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips) {
-  return format(skeleton, skin, clips, true);
+  return format(skeleton, skin, clips, true, GltfJoints::Frames);
 }
 
 void writeGltf(const std::string& path, const Skeleton& skeleton, const Skin* skin,
-               const std::vector<GltfClip>& clips) {
-  writeFile(path, format(skeleton, skin, clips, !path.ends_with(".gltf")));
+               const std::vector<GltfClip>& clips, GltfJoints joints) {
+  writeFile(path, format(skeleton, skin, clips, !path.ends_with(".gltf"), joints));
 }
 
 }  // namespace gelenk

@@ -52,8 +52,12 @@ GltfModel parseGltf(std::string_view bytes, const std::string& file, const std::
 /// A binary glTF (.glb): nodes in the rest pose, mesh with skin where there is one, one animation a clip
 /// (linear, on quaternions). Numbers of mesh and animation are floats.
 std::string formatGlb(const Skeleton& skeleton, const Skin* skin, const std::vector<GltfClip>& clips);
+/// What is written of a joint: where it rests, or its axes, limits and rest angles, too, as extras that
+/// readGltf takes up in a file without animations (gltf_joints.h).
+enum class GltfJoints { Frames, AsTheyMove };
+
 /// .glb is binary, .gltf text with the data inside.
 void writeGltf(const std::string& path, const Skeleton& skeleton, const Skin* skin,
-               const std::vector<GltfClip>& clips);
+               const std::vector<GltfClip>& clips, GltfJoints joints = GltfJoints::Frames);
 
 }  // namespace gelenk

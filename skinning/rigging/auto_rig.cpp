@@ -7,7 +7,9 @@
 #include <memory>
 
 #include "kinematics/motion/joint_matching.h"
+#include "kinematics/symmetry.h"
 #include "skinning/rigging/fit/landmarks.h"
+#include "skinning/rigging/fit/limbs.h"
 #include "skinning/rigging/fit/placement.h"
 #include "skinning/rigging/fit/rig_skeleton.h"
 #include "skinning/rigging/fit/rig_transfer.h"
@@ -89,8 +91,12 @@ double windingNumber(const Mesh& mesh, const Vector3d& p) {
   return sum / (2.0 * M_PI);
 }
 
-/// Joints that came to lie outside go towards the middle of their neighbours until they are inside.
-void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh) {
+/// Joints that came to lie outside go towards the middle of their neighbours until they are inside. Where
+/// faces disagree about that the air decides (voxels).
+void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh, const VoxelBody* voxels) {
+  const auto isInside = [&](const Vector3d& p) {
+    return voxels ? !voxels->isOutside(p) : std::abs(windingNumber(mesh, p)) > 0.5;
+  };
   const std::vector<RigJoint> before = joints;
   for (std::size_t k = 0; k < joints.size(); ++k) {
     Vector3d home = Vector3d::Zero();
@@ -102,7 +108,7 @@ void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh) {
     home /= neighbours;
     for (int step = 0; step <= 8; ++step) {
       const Vector3d p = before[k].position + 0.05 * step * (home - before[k].position);
-      if (!(std::abs(windingNumber(mesh, p)) > 0.5)) continue;
+      if (!isInside(p)) continue;
       joints[k].position = p;
       break;
     }
@@ -145,11 +151,13 @@ Fit fitBest(const TemplateBody& body, const Mesh& mesh, const SurfaceSamples& sa
       if (k == 1) twistPieces(body, *fit.target, fit.placement.maps, placement.symmetric);
       fit.misfit = fitPieces(body, *fit.target, fit.placement.maps, stage);
     }
-    if (placement.authored) fit.misfit *= 0.97;
     fits.push_back(std::move(fit));
     stages.goOn(0.4);
   }
-  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.misfit < b.misfit; });
+  const auto rank = [](const Fit& fit) {
+    return fit.misfit * (fit.placement.authored ? authoredBonus : 1.0);
+  };
+  std::stable_sort(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) { return rank(a) < rank(b); });
   Fit best = fits[0];
   if (fits.size() > 1) best.rival = fits[1].misfit / best.misfit;
   twistPieces(body, *best.target, best.placement.maps, best.placement.symmetric);
@@ -161,6 +169,22 @@ Fit fitBest(const TemplateBody& body, const Mesh& mesh, const SurfaceSamples& sa
     stages.goOn(0.5);
   }
   return best;
+}
+
+/// 1 for a surface as near as that of people, 0 for one that is not the template's.
+double likenessOf(double misfit) { return std::clamp((0.03 - misfit) / 0.02, 0.0, 1.0); }
+
+/// The confidence in each joint: the whole body's, and how near the surface lies around the joint.
+std::vector<double> jointConfidences(const TemplateBody& body, const Fit& fit,
+                                     const std::vector<RigJoint>& joints, double whole) {
+  const std::vector<double> misfits = pieceMisfits(body, *fit.target, fit.placement.maps);
+  std::vector<double> out;
+  for (const RigJoint& joint : joints) {
+    const int above = body.pieces[joint.piece].parent;
+    const double near = std::max(misfits[joint.piece], above < 0 ? 0.0 : misfits[above]);
+    out.push_back(whole * likenessOf(near));
+  }
+  return out;
 }
 
 /// Fills the report and refuses what is no such body: the template misses the surface, or had to change its
@@ -181,18 +205,36 @@ void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& sampl
     high = std::max(high, report.up.dot(p));
   }
   report.height = high - low;
-  const double likeness = std::clamp((0.035 - report.misfit) / 0.02, 0.0, 1.0),
-               proportion = std::clamp((0.8 - report.strain) / 0.4, 0.0, 1.0),
+  const double likeness = likenessOf(report.misfit),
+               proportion = std::clamp((3.0 * body.variety - report.strain) / (2.0 * body.variety), 0.0, 1.0),
                margin = std::clamp((fit.rival - 1.0) / 0.1, 0.0, 1.0);
   report.confidence = likeness * proportion * (0.3 + 0.7 * margin);
+  report.middle = Eigen::Hyperplane<double, 3>(placement.frame.axes.col(0), placement.frame.origin);
   if (likeness < 0.5) report.doubts.push_back("the surface is unlike the template's");
   if (proportion < 0.5) report.doubts.push_back("the proportions are unlike the template's");
   if (margin < 0.5) report.doubts.push_back("the body could also stand or face another way (--up, --front)");
+  if (report.limbs < 2 && likeness < 0.5)
+    throw RigRefused(
+        "no such body is in this mesh: no limbs stand out of it, and its surface is unlike the "
+        "template's");
   if (report.misfit > 0.05 || report.strain > 1.2)
     throw RigRefused("no such body is in this mesh: the template's surface stays " +
                      std::to_string(std::lround(100.0 * report.misfit)) +
                      " % of its height away, with its proportions changed by a factor of " +
                      std::to_string(std::lround(10.0 * std::exp(report.strain)) / 10) + " on average");
+}
+
+/// Each joint of the one skeleton takes the value of the nearest joint of the other.
+std::vector<double> carriedOver(const std::vector<double>& values, const Skeleton& from, const Skeleton& to) {
+  const Frames places = restFrames(from);
+  std::vector<double> out;
+  for (const Eigen::Isometry3d& frame : restFrames(to)) {
+    const auto nearest = std::min_element(places.begin(), places.end(), [&](const auto& a, const auto& b) {
+      return (a.translation() - frame.translation()).norm() < (b.translation() - frame.translation()).norm();
+    });
+    out.push_back(values[nearest - places.begin()]);
+  }
+  return out;
 }
 
 Skeleton layOwn(const Skeleton& fitted, const Skeleton& own, RigReport& report) {
@@ -219,7 +261,9 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   SurfaceSamples samples = sampleSurface(mesh, 6000);
   if (samples.points.empty()) throw RigRefused("no triangle has an area");
   const VoxelBody voxels(mesh, 128);
-  tellRepairs(faceOutwards(samples, voxels), topology(mesh), report);
+  const SurfaceAir air = faceOutwards(samples, voxels);
+  const bool flipped = air.flipped > 0.0;
+  tellRepairs(air, topology(mesh), report);
 
   stages.begin("placing", 0.15);
   const std::vector<Placement> placements = placeBody(body, samples, {options.up, options.front});
@@ -227,21 +271,79 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
 
   stages.begin("fit", 0.35);
   Fit fit = fitBest(body, mesh, samples, placements, stages);
+  report.limbs = countLimbs(VoxelBody(mesh, 64));
   judge(body, fit, samples, report);
   const Placement& placement = fit.placement;
   std::vector<RigJoint> joints =
       rigJoints(body, kind, placement,
                 refineJoints(body, *fit.target, placement.maps, {.symmetric = placement.symmetric}));
-  moveInside(joints, mesh);
+  moveInside(joints, mesh, flipped ? &voxels : nullptr);
   out.skeleton = rigSkeleton(joints);
-  if (options.own) out.skeleton = layOwn(out.skeleton, *options.own, report);
+  report.jointConfidence = jointConfidences(body, fit, joints, report.confidence);
+  if (options.own) {
+    const Skeleton fitted = std::move(out.skeleton);
+    out.skeleton = layOwn(fitted, *options.own, report);
+    report.jointConfidence = carriedOver(report.jointConfidence, fitted, out.skeleton);
+  }
 
   stages.begin("weights", 0.6);
-  RigWeights weights = rigWeights(mesh, out.skeleton, {}, &report.loss);
-  out.weights = std::move(weights.joints);
-  out.bones = std::move(weights.bones);
+  weigh(mesh, out);
   stages.end();
   return out;
+}
+
+void weigh(const Mesh& mesh, RiggedBody& body) {
+  RigWeights weights = rigWeights(mesh, body.skeleton, {}, &body.report.loss);
+  body.weights = std::move(weights.joints);
+  body.bones = std::move(weights.bones);
+}
+
+Skeleton withJointAt(const Skeleton& skeleton, int joint, const Vector3d& place) {
+  Frames frames = restFrames(skeleton);
+  std::vector<Joint> joints = skeleton.joints();
+  const Frames before = frames;
+  frames[joint].translation() = place;
+  const auto parentFrom = [&](const Frames& all, int i) {
+    return skeleton.parent(i) < 0
+               ? all[i]
+               : Eigen::Isometry3d(all[skeleton.parent(i)].inverse(Eigen::Isometry) * all[i]);
+  };
+  const auto settle = [&](int i) {  // rest frame = offset * motion at rest, and the motion stays
+    joints[i].parentFromZero =
+        parentFrom(frames, i) * parentFrom(before, i).inverse(Eigen::Isometry) * joints[i].parentFromZero;
+  };
+  settle(joint);
+  for (const int child : skeleton.children(joint)) settle(child);
+  return Skeleton(std::move(joints), skeleton.rest());
+}
+
+Skeleton withJointAt(const Skeleton& skeleton, int joint, const Vector3d& place,
+                     const Eigen::Hyperplane<double, 3>& middle) {
+  const int partner = mirrorPartners(skeleton)[joint];
+  if (partner == joint) return withJointAt(skeleton, joint, middle.projection(place));
+  const Vector3d image = place - 2.0 * middle.signedDistance(place) * middle.normal();
+  return withJointAt(withJointAt(skeleton, joint, place), partner, image);
+}
+
+RigGrips rigGrips(const Skeleton& skeleton) {
+  RigGrips grips;
+  const auto add = [&](std::vector<std::string>& out, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+      if (skeleton.findJoint(name)) out.emplace_back(name);
+  };
+  const bool fourLegged = skeleton.findJoint("ffoot_l").has_value(),
+             full = skeleton.findJoint("wrist_l").has_value();
+  if (fourLegged) {
+    add(grips.pins, {"ffoot_l", "ffoot_r", "hfoot_l", "hfoot_r"});
+    add(grips.handles, {"ffoot_l", "ffoot_r", "hfoot_l", "hfoot_r", "head", "tail", "pelvis"});
+  } else if (full) {
+    add(grips.pins, {"ankle_l", "ankle_r"});
+    add(grips.handles, {"wrist_l", "wrist_r", "ankle_l", "ankle_r", "headbase", "pelvis"});
+  } else {  // Pinocchio's human
+    add(grips.pins, {"ankle_left", "ankle_right"});
+    add(grips.handles, {"hand_left", "hand_right", "ankle_left", "ankle_right", "head", "pelvis"});
+  }
+  return grips;
 }
 
 }  // namespace gelenk

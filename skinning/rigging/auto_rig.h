@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <functional>
 #include <optional>
 #include <stdexcept>
@@ -40,9 +41,13 @@ struct RigReport {
   double misfit = 0.0;      ///< root mean square distance between body and fitted template, in heights
   double strain = 0.0;      ///< how far the template's proportions had to change, as a logarithm
   double confidence = 0.0;  ///< 0 to 1; below 0.5 the result needs a look
-  std::string pose;         ///< the template's pose that the body was nearest to
-  bool symmetric = false;   ///< the body is its own mirror image, and so is the skeleton then
-  WeightLoss loss;          ///< by keeping four influences
+  std::vector<double> jointConfidence;  ///< of each joint; lower where the surface around it is unlike
+  int limbs = 0;                        ///< slender branches of the body (fit/limbs.h)
+  std::string pose;                     ///< the template's pose that the body was nearest to
+  /// Between left and right, facing left: the plane of symmetry where the body has one.
+  Eigen::Hyperplane<double, 3> middle{Eigen::Vector3d::UnitX(), 0.0};
+  bool symmetric = false;  ///< the body is its own mirror image, and so is the skeleton then
+  WeightLoss loss;         ///< by keeping four influences
   std::vector<RigStage> stages;
   std::vector<std::string> repairs;  ///< what was mended for the fit; the mesh itself stays as it is
   std::vector<std::string> doubts;
@@ -69,5 +74,22 @@ struct RigStopped : std::runtime_error {
 /// The same input gives the same bits. Throws RigRefused, RigStopped, std::invalid_argument for an invalid
 /// mesh.
 RiggedBody rigBody(const Mesh& mesh, const RigOptions& options = {});
+
+/// A fitted joint mended by hand: it rests at `place`, all others where they did. Motions, limits and rest
+/// angles stay, offsets change.
+Skeleton withJointAt(const Skeleton& skeleton, int joint, const Eigen::Vector3d& place);
+/// The same with its partner at the mirrored place; a joint without partner stays in the plane. Throws
+/// std::invalid_argument where the names tell no partners (symmetry.h).
+Skeleton withJointAt(const Skeleton& skeleton, int joint, const Eigen::Vector3d& place,
+                     const Eigen::Hyperplane<double, 3>& middle);
+
+/// The weights anew for the skeleton as it is now.
+void weigh(const Mesh& mesh, RiggedBody& body);
+
+/// What of a rig is taken by hand, and what of that stands pinned: by the names of the joints here.
+struct RigGrips {
+  std::vector<std::string> handles, pins;
+};
+RigGrips rigGrips(const Skeleton& skeleton);
 
 }  // namespace gelenk

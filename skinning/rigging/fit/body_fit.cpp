@@ -92,13 +92,13 @@ class MapEquations {
       }
   }
 
-  /// Adds weight |linear of a piece - linear of its parent|^2 / 2; parent < piece.
-  void together(int piece, int parent, double weight) {
-    for (int e = 0; e < 9; ++e) {
-      const int i = 12 * piece + e, j = 12 * parent + e;
-      N_(i, i) += weight;
-      N_(j, j) += weight;
-      N_(i, j) -= weight;
+  /// Adds weight |linear of a piece - turn * linear of its parent|^2 / 2; parent < piece.
+  void together(int piece, int parent, const Matrix3d& turn, double weight) {
+    for (int c = 0; c < 3; ++c) {
+      const int i = 12 * piece + 3 * c, j = 12 * parent + 3 * c;
+      N_.block<3, 3>(i, i).diagonal().array() += weight;
+      N_.block<3, 3>(j, j).diagonal().array() += weight;
+      N_.block<3, 3>(i, j) -= weight * turn;
     }
   }
 
@@ -179,6 +179,19 @@ std::vector<Matrix3d> shapesOf(const TemplateBody& body, const PieceMaps& maps) 
   for (std::size_t i = 0; i < n; ++i)
     out[i] = R[i] * frame[i] * stretch[i].asDiagonal() * frame[i].transpose();
   return out;
+}
+
+/// How a piece turns beside its parent: not at all, but for a shoulder blade, which goes along with an arm
+/// that is raised above the horizontal (the scapulohumeral rhythm, Inman, Saunders and Abbott 1944).
+Matrix3d turnBesideParent(const TemplateBody& body, const PieceMaps& maps, int piece) {
+  constexpr double share = 0.4;
+  const int lifter = body.pieces[piece].lifter;
+  if (lifter < 0) return Matrix3d::Identity();
+  const Matrix3d trunk = rotationOf(maps[body.pieces[piece].parent].linear);
+  const Vector3d arm = maps[lifter].linear * (body.pieces[lifter].to - body.pieces[lifter].from);
+  const double raised = std::asin(std::clamp(trunk.col(1).dot(arm.normalized()), 0.0, 1.0));
+  const double side = body.pieces[piece].to.x() > 0.0 ? 1.0 : -1.0;
+  return Eigen::AngleAxisd(side * share * raised, trunk.col(2)).toRotationMatrix();
 }
 
 }  // namespace
@@ -265,11 +278,35 @@ double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
       // The joint, as it moves with either piece, stays one point.
       equations.point(body, piece.from, {{{i, 1.0}, {piece.parent, -1.0}}}, 10.0 * Matrix3d::Identity(),
                       Vector3d::Zero());
-      equations.together(i, piece.parent, piece.bond * stage.stiffness * size * size);
+      equations.together(i, piece.parent, turnBesideParent(body, maps, i),
+                         piece.bond * stage.stiffness * size * size);
     }
     equations.solve(maps);
   }
   return error;
+}
+
+std::vector<double> pieceMisfits(const TemplateBody& body, const FitTarget& target, const PieceMaps& maps) {
+  const std::vector<Vector3d> now = deformed(body, maps), normals = normalsOf(body.surface, now);
+  const SurfaceSamples& samples = target.samples();
+  std::vector<double> square(maps.size(), 0.0), weight(maps.size(), 1e-9);
+  const auto pair = [&](int v, int s, double share) {
+    const double across = 0.5 * (normals[v] + samples.normals[s]).dot(samples.points[s] - now[v]);
+    for (const auto& [k, w] : body.weights[v]) {
+      square[k] += share * w * across * across;
+      weight[k] += share * w;
+    }
+  };
+  const int n = static_cast<int>(now.size()), m = static_cast<int>(samples.points.size());
+  for (int v = 0; v < n; ++v) pair(v, target.nearest(now[v], normals[v]), 1.0);
+  std::vector<KdTree<6>::Point> points;
+  for (int v = 0; v < n; ++v) points.push_back(lifted(now[v], normals[v], target.normalReach()));
+  const KdTree<6> tree(std::move(points));
+  for (int s = 0; s < m; ++s)
+    pair(tree.nearest(lifted(samples.points[s], samples.normals[s], target.normalReach())), s,
+         static_cast<double>(n) / m);
+  for (std::size_t k = 0; k < square.size(); ++k) square[k] = std::sqrt(square[k] / weight[k]);
+  return square;
 }
 
 double shapeStrain(const TemplateBody& body, const PieceMaps& maps) {

@@ -55,6 +55,10 @@ struct FitStage {
 /// length and girth. Returns the root mean square distance of the last round (robust weights, both ways).
 double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& maps, const FitStage& stage);
 
+/// The same piece by piece: root mean square distance across the surface, both ways, of what the piece
+/// carries.
+std::vector<double> pieceMisfits(const TemplateBody& body, const FitTarget& target, const PieceMaps& maps);
+
 /// How much the pieces' lengths and girths differ from those of the template in one size: the root mean
 /// square of the logarithms of their stretches about the mean. About 0.15 among people, infinite where a
 /// piece lost all extent.

@@ -133,7 +133,7 @@ std::vector<Placement> placeBody(const TemplateBody& body, const SurfaceSamples&
     for (Trial& trial : trials) {
       stage.symmetric = symmetric && trial.stance.plane->misfit < symmetricMisfit;
       trial.misfit = fitPieces(body, *trial.target, trial.maps, stage);
-      if (standsAsAuthored(trial.stance)) trial.misfit *= 0.97;
+      if (standsAsAuthored(trial.stance)) trial.misfit *= authoredBonus;
     }
     std::stable_sort(trials.begin(), trials.end(),
                      [](const Trial& a, const Trial& b) { return a.misfit < b.misfit; });

@@ -51,6 +51,7 @@ std::string otherSide(std::string name) {
 
 TemplateBody makeQuadruped() {
   TemplateBody body;
+  body.variety = 0.12;
   std::vector<BodyPart> parts;
   const auto joint = [&](const std::string& name) {
     for (std::size_t k = 0; k < body.joints.size(); ++k)

@@ -41,6 +41,7 @@ constexpr LayoutRow humanLayout[] = {
     {"spine_01", "pelvis", "spine_01"},
     {"spine_02", "spine_01", "spine_02"},
     {"spine_03", "spine_02", "spine_03"},
+    {"chest", "spine_03", "upperarm_l", "upperarm_r"},
     {"clavicle_l", "spine_03", "clavicle_l"},
     {"shoulder_l", "clavicle_l", "upperarm_l"},
     {"elbow_l", "shoulder_l", "lowerarm_l"},
@@ -82,6 +83,7 @@ constexpr LayoutRow quadrupedLayout[] = {
     {"pelvis", "", "pelvis"},
     {"spine", "pelvis", "spine"},
     {"chest", "spine", "fshoulder_l", "fshoulder_r"},
+    {"withers", "chest", "withers"},
     {"fshoulder_l", "chest", "fshoulder_l"},
     {"felbow_l", "fshoulder_l", "felbow_l"},
     {"fankle_l", "felbow_l", "fankle_l"},
@@ -141,7 +143,8 @@ std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, 
     joint.position =
         placement.frame.toWorld(positions[first] + row.share * (positions[second] - positions[first]));
     const Matrix3d& axes = placement.frame.axes;
-    joint.turn = axes * rotationOf(placement.maps[body.joints[first].piece].linear);
+    joint.piece = body.joints[first].piece;
+    joint.turn = axes * rotationOf(placement.maps[joint.piece].linear);
     if (skeleton == RigTemplate::Human) joint.figureJoint = figure.jointIndex(row.first);
     joints.push_back(joint);
   };

@@ -15,6 +15,7 @@ struct RigJoint {
   int parent = -1;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< from the template at rest
+  int piece = 0;                                       ///< of the template
   int figureJoint = -1;  ///< of mannequin(), whose limits it takes; -1: an unlimited ball
 };
 

@@ -36,6 +36,16 @@ std::vector<int> spineOf(const Skeleton& skeleton, const int shoulders[2], const
   return spine;
 }
 
+/// The skin over the bone from the trunk to the neck is the trunk's: its weight stands in the column of the
+/// trunk's last bone where that ends in a joint of its own.
+int neckColumn(const Skeleton& skeleton, int neck) {
+  for (const char* name : {"chest", "withers"})
+    if (const auto end = skeleton.findJoint(name);
+        end && skeleton.parent(*end) == skeleton.parent(neck) && skeleton.children(*end).empty())
+      return *end;
+  return neck;
+}
+
 }  // namespace
 
 std::vector<RigBone> rigBones(const Skeleton& skeleton, const Frames& rest, const RigWeightOptions& options) {
@@ -43,7 +53,8 @@ std::vector<RigBone> rigBones(const Skeleton& skeleton, const Frames& rest, cons
   const auto at = [&](int j) { return Vector3d(rest[j].translation()); };
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (const int parent = skeleton.parent(i); parent >= 0 && (at(i) - at(parent)).norm() > 0.0)
-      bones.push_back({{parent, at(parent), at(i)}, i});
+      bones.push_back(
+          {{parent, at(parent), at(i)}, skeleton.joint(i).name == "neck" ? neckColumn(skeleton, i) : i});
   const int shoulders[2] = {findJoint(skeleton, {"shoulder_l", "fshoulder_l", "15"},
                                       {"upperarm", Side::Left}),
                             findJoint(skeleton, {"shoulder_r", "fshoulder_r", "12"},

@@ -11,7 +11,7 @@ struct RigWeightOptions {
   int voxels = 160;
   /// The stand-in for the ribs reaches from chest + ribWidth (shoulder - chest) + ribDrop (pelvis - chest) to
   /// pelvis + ribWaist (hip - pelvis), chest and pelvis the middles between shoulders and hips.
-  double ribWidth = 0.75, ribDrop = 0.12, ribWaist = 0.8;
+  double ribWidth = 0.65, ribDrop = 0.12, ribWaist = 0.8;
 };
 
 /// A bone that heats the skin, and the joint at its lower end: the bone of a skeleton file's column.

@@ -74,6 +74,8 @@ TemplateBody makeHuman() {
     for (const char* side : {"_l", "_r"})
       if (*row.mate)
         body.pieces[body.piece(std::string(row.name) + side)].mate = body.piece(std::string(row.mate) + side);
+  for (const std::string side : {"_l", "_r"})
+    body.pieces[body.piece("clavicle" + side)].lifter = body.piece("upperarm" + side);
 
   std::vector<Bone> bones;
   for (std::size_t k = 0; k < body.pieces.size(); ++k)

@@ -20,6 +20,7 @@ struct BodyPiece {
   double stiffness = 1.0;  ///< how strictly the piece is a rotation times a stretch
   double bond = 0.0;       ///< how strictly it turns with its parent
   bool twists = false;     ///< its turn about its own length is not known from the pose
+  int lifter = -1;         ///< the piece that takes it along where it is raised above the horizontal
 
   double length() const { return (to - from).norm(); }
 };
@@ -57,6 +58,7 @@ struct TemplateBody {
   std::vector<TemplatePose> poses;
   int crotch =
       -1;  ///< the vertex between the legs, where the cut in the middle is lowest; -1: not looked for
+  double variety = 0.04;    ///< strain (shapeStrain) that is ordinary among bodies of the kind
   double crotchDrop = 0.0;  ///< how much further it lies under the hips than in people: the grid fills it
 
   int piece(const std::string& name) const;

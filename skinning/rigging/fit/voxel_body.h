@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "skinning/mesh.h"
@@ -19,6 +20,21 @@ class VoxelBody {
   double voxelSize() const { return size_; }
   /// Points beyond the box are outside.
   bool isOutside(const Eigen::Vector3d& p) const { return at(p) == Outside; }
+
+  /// Voxels by number.
+  int voxelCount() const { return static_cast<int>(state_.size()); }
+  bool isOutside(int voxel) const { return state_[voxel] == Outside; }
+  /// The up to 26 voxels around one, with the distances of their middles in voxels: visit(voxel, distance).
+  template <class Visit>
+  void eachNeighbour(int voxel, Visit visit) const {
+    const Eigen::Vector3i at(voxel % count_.x(), voxel / count_.x() % count_.y(),
+                             voxel / (count_.x() * count_.y()));
+    for (int k = 0; k < 27; ++k) {
+      const Eigen::Vector3i step(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1), to = at + step;
+      if (k != 13 && within(to))
+        visit(static_cast<int>(indexOf(to)), std::sqrt(static_cast<float>(step.squaredNorm())));
+    }
+  }
 
  private:
   enum State : char { Outside, Surface, Inside };

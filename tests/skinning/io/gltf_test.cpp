@@ -11,6 +11,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/io/asf_amc.h"
 #include "kinematics/io/text_file.h"
+#include "kinematics/notation/mannequin.h"
 #include "skinning/blend/linear_blend.h"
 #include "tests/kinematics/io/bad_input.h"
 #include "tests/kinematics/random_skeleton.h"
@@ -226,6 +227,49 @@ TEST(Gltf, BadInputIsRefused) {
                   "\"path\":\"rotation\"}}],\"samplers\":[]}]}",
            0, ""},
       },
+      [](const std::string& text, const std::string& file) { parseGltf(text, file); });
+}
+
+// Nodes alone would give unlimited balls: knees that bend sideways.
+TEST(Gltf, JointsComeBackAsTheyMove) {
+  const Skeleton figure = mannequin();
+  const std::string path = (std::filesystem::temp_directory_path() / "motions.glb").string();
+  writeGltf(path, figure, nullptr, {}, GltfJoints::AsTheyMove);
+  const Skeleton again = readGltf(path).skeleton;
+  ASSERT_EQ(again.jointCount(), figure.jointCount());
+  ASSERT_EQ(again.nq(), figure.nq());
+  EXPECT_LT((again.rest() - figure.rest()).norm(), 1e-12);
+  std::mt19937_64 random(5);
+  for (int k = 0; k < 5; ++k) {
+    const Eigen::VectorXd q = randomWithinLimits(figure, random);
+    const Frames a = forwardKinematics(figure, q), b = forwardKinematics(again, q);
+    for (int j = 0; j < figure.jointCount(); ++j)
+      EXPECT_LT((a[j].matrix() - b[j].matrix()).norm(), 1e-9) << j;
+  }
+  for (int j = 0; j < figure.jointCount(); ++j) {
+    ASSERT_EQ(again.joint(j).axes.size(), figure.joint(j).axes.size());
+    for (std::size_t k = 0; k < figure.joint(j).axes.size(); ++k) {
+      EXPECT_EQ(again.joint(j).axes[k].lower, figure.joint(j).axes[k].lower);
+      EXPECT_EQ(again.joint(j).axes[k].upper, figure.joint(j).axes[k].upper);
+    }
+    ASSERT_EQ(again.joint(j).ballLimit.has_value(), figure.joint(j).ballLimit.has_value());
+    if (figure.joint(j).ballLimit) {
+      EXPECT_EQ(again.joint(j).ballLimit->swingRadii, figure.joint(j).ballLimit->swingRadii);
+      EXPECT_EQ(again.joint(j).ballLimit->twistUpper, figure.joint(j).ballLimit->twistUpper);
+    }
+  }
+}
+
+TEST(Gltf, MotionsThatAreNoneAreRefused) {
+  const auto node = [](const std::string& motion) {
+    return R"({"asset":{"version":"2.0"},"nodes":[{"extras":{"gelenk":)" + motion + "}}]}";
+  };
+  testing::expectRefused(
+      {{"no object", node("7"), 0, "list of axes"},
+       {"an axis of two numbers", node(R"({"axes":[{"turn":[1,0]}]})"), 0, "3 numbers"},
+       {"an axis of length 2", node(R"({"axes":[{"turn":[2,0,0]}]})"), 0, ""},
+       {"reversed limits", node(R"({"axes":[{"turn":[1,0,0],"lower":1,"upper":-1}]})"), 0, ""},
+       {"a quaternion of zeros", node(R"({"ball":{"rest":[0,0,0,0]}})"), 0, ""}},
       [](const std::string& text, const std::string& file) { parseGltf(text, file); });
 }
 

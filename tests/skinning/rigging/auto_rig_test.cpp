@@ -10,6 +10,7 @@
 #include "skinning/blend/linear_blend.h"
 #include "skinning/bodies/mannequin_body.h"
 #include "skinning/rigging/fit/landmarks.h"
+#include "skinning/rigging/fit/limbs.h"
 #include "skinning/rigging/fit/template_body.h"
 
 namespace gelenk {
@@ -105,19 +106,30 @@ void expectWholeRows(const RiggedBody& body, std::size_t vertices) {
   }
 }
 
-// The marks of the issue: 1.4 mean and 3.0 at most, in per cent of the height.
+// The marks of the issue, in per cent of the height: 1.4 mean and 3.0 at most; with the arms up 2.5 and 6.
 TEST(AutoRig, FindsTheLimbJointsOfTheFigureInPosesThatBodiesAreMadeIn) {
   const std::vector<std::pair<const char*, std::vector<Turn>>> poses{
       {"rest", {}},
       {"T", {{"upperarm_l", z, 49}, {"upperarm_r", z, -49}, {"lowerarm_l", y, 45}, {"lowerarm_r", y, -45}}},
       {"arms down",
-       {{"upperarm_l", z, -32}, {"upperarm_r", z, 32}, {"lowerarm_l", x, 40}, {"lowerarm_r", x, 40}}}};
+       {{"upperarm_l", z, -32}, {"upperarm_r", z, 32}, {"lowerarm_l", x, 40}, {"lowerarm_r", x, 40}}},
+      // The shoulder blades go along: 2 degrees in 5 of what the arms are raised above the horizontal.
+      {"arms up",
+       {{"clavicle_l", z, 26},
+        {"clavicle_r", z, -26},
+        {"upperarm_l", z, 92},
+        {"upperarm_r", z, -92},
+        {"lowerarm_l", y, 45},
+        {"lowerarm_r", y, -45}}}};
   for (const auto& [name, turns] : poses) {
     const Posed body = posedFigure(turns);
     const RiggedBody rigged = rigBody(body.mesh);
     const Error error = limbError(rigged.skeleton, body.truth);
     EXPECT_LT(error.mean, 1.4) << name;
-    EXPECT_LT(error.max, 3.0) << name;
+    EXPECT_LT(error.max, std::string(name) == "arms up" ? 4.5 : 3.0) << name;
+    std::map<std::string, Vector3d> shoulders;
+    for (const char* shoulder : {"shoulder_l", "shoulder_r"}) shoulders[shoulder] = body.truth.at(shoulder);
+    EXPECT_LT(limbError(rigged.skeleton, shoulders).max, 2.0) << name << ": of the shoulders";
     expectWholeRows(rigged, body.mesh.positions.size());
   }
 }
@@ -234,9 +246,7 @@ TEST(AutoRig, BrokenSurfacesAreOrdinaryInput) {
   for (const auto& [name, mesh] :
        {std::pair("soup", &soup), {"flipped", &flipped}, {"hole", &holed}, {"loose vertex", &loose}}) {
     const RiggedBody rigged = rigBody(*mesh);
-    // Where every third face looks inwards the winding number no longer tells inside from outside: 4.7 is
-    // what is reached there today, the mark of 3 is open (docs/rigging.md).
-    EXPECT_LT(limbError(rigged.skeleton, whole.truth).max, mesh == &flipped ? 5.0 : 3.0) << name;
+    EXPECT_LT(limbError(rigged.skeleton, whole.truth).max, 3.0) << name;
     expectWholeRows(rigged, mesh->positions.size());
   }
   EXPECT_FALSE(rigBody(flipped).report.repairs.empty());
@@ -265,10 +275,73 @@ Mesh ball(double a, double b, int rings = 24) {  // a torus of radii a, b, or a 
 TEST(AutoRig, WhatHasNoLimbsIsRefused) {
   EXPECT_THROW(rigBody(ball(0.0, 1.0)), RigRefused);
   EXPECT_THROW(rigBody(ball(1.0, 0.3)), RigRefused);
+  Mesh tetrahedron;
+  tetrahedron.positions = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  tetrahedron.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
+  for (const RigTemplate kind : {RigTemplate::Human, RigTemplate::Quadruped})
+    EXPECT_THROW(rigBody(tetrahedron, {.skeleton = kind}), RigRefused);
   Mesh flat;
   flat.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
   flat.triangles = {{0, 1, 2}};
   EXPECT_THROW(rigBody(flat), RigRefused) << "no area";
+}
+
+TEST(Limbs, AreTheSlenderBranchesOfABody) {
+  EXPECT_EQ(countLimbs(VoxelBody(ball(0.0, 1.0), 64)), 0);
+  EXPECT_EQ(countLimbs(VoxelBody(posedFigure({}).mesh, 64)), 4);  // the head is too short
+  EXPECT_GE(countLimbs(VoxelBody(quadrupedTemplate().surface, 64)), 4);
+}
+
+// Neck and shoulders are wide: what the bone from the trunk to the neck heats is the trunk's skin, so it
+// stands in the column of the trunk's bone, and none in that of the neck.
+TEST(AutoRig, TheBoneToTheNeckIsTheTrunks) {
+  const RiggedBody rigged = rigBody(posedFigure({}).mesh);
+  const int neck = rigged.skeleton.jointIndex("neck"), chest = rigged.skeleton.jointIndex("chest");
+  double atNeck = 0.0, atChest = 0.0;
+  for (const auto& row : rigged.bones)
+    for (const auto& [end, w] : row) {
+      if (end == neck) atNeck += w;
+      if (end == chest) atChest += w;
+    }
+  EXPECT_EQ(atNeck, 0.0);
+  EXPECT_GT(atChest, 1.0);
+}
+
+// The confidence in a joint falls where the surface around it is unlike a body's: here a crate on one hand.
+TEST(AutoRig, AStrangeHandLowersTheConfidenceThere) {
+  Posed body = posedFigure({});
+  const Vector3d hand = body.truth.at("wrist_l") + Vector3d(0.06, -0.06, 0.05);
+  for (Vector3d& p : body.mesh.positions)
+    if (const double d = (p - hand).norm(); d < 0.14) p = hand + (p - hand) / std::max(d, 1e-9) * 0.14;
+  const RiggedBody rigged = rigBody(body.mesh);
+  const auto sure = [&](const char* name) {
+    return rigged.report.jointConfidence[rigged.skeleton.jointIndex(name)];
+  };
+  EXPECT_LT(sure("hand_l"), 0.7 * sure("hip_l"));
+  for (const double c : rigged.report.jointConfidence) EXPECT_TRUE(c >= 0.0 && c <= 1.0);
+}
+
+TEST(RigMending, AMovedJointLeavesTheOthersInTheirPlaces) {
+  const RiggedBody rigged = rigBody(posedFigure({}).mesh);
+  const Skeleton& before = rigged.skeleton;
+  const int elbow = before.jointIndex("elbow_l"), other = before.jointIndex("elbow_r");
+  const Frames frames = restFrames(before);
+  const Vector3d place = frames[elbow].translation() + Vector3d(0.01, 0.02, -0.015);
+  const Skeleton alone = withJointAt(before, elbow, place),
+                 both = withJointAt(before, elbow, place, rigged.report.middle);
+  const Frames aloneFrames = restFrames(alone), bothFrames = restFrames(both);
+  for (int j = 0; j < before.jointCount(); ++j) {
+    const Vector3d was = frames[j].translation();
+    EXPECT_LT((aloneFrames[j].translation() - (j == elbow ? place : was)).norm(), 1e-12) << j;
+    if (j != other) EXPECT_LT((bothFrames[j].translation() - (j == elbow ? place : was)).norm(), 1e-12) << j;
+    EXPECT_LT((aloneFrames[j].linear() - frames[j].linear()).norm(), 1e-12) << j;
+  }
+  const Vector3d image(-place.x(), place.y(), place.z());
+  EXPECT_LT((bothFrames[other].translation() - image).norm(), 1e-4) << "the fitted plane is x = 0 to that";
+  const int neck = before.jointIndex("neck");
+  const Vector3d aside = frames[neck].translation() + Vector3d(0.05, 0.02, 0.0);
+  const Frames middle = restFrames(withJointAt(before, neck, aside, rigged.report.middle));
+  EXPECT_NEAR(rigged.report.middle.signedDistance(middle[neck].translation()), 0.0, 1e-12);
 }
 
 TEST(AutoRig, SameInputSameBitsAndItCanBeStopped) {

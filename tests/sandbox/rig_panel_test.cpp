@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "apps/sandbox/replay.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/view_picture.h"
+#include "kinematics/notation/mannequin.h"
+#include "skinning/bodies/mannequin_body.h"
+#include "skinning/gpu/offscreen_context.h"
+#include "skinning/io/gltf.h"
+#include "skinning/io/obj.h"
+
+namespace gelenk {
+namespace {
+
+using nlohmann::json;
+
+/// A window that a mesh without a skeleton was dropped on, in a folder of its own.
+struct DroppedBody {
+  static constexpr int width = 1000, height = 700;
+  OffscreenContext context;
+  GlDebugLog log;
+  Sandbox sandbox;
+  ViewPicture target;
+  InputQueue queue;
+  std::filesystem::path folder = std::filesystem::temp_directory_path() / "dropped";
+
+  DroppedBody() : sandbox({.model = "planar", .width = width, .height = height}) {
+    target.resize(width, height);
+    std::filesystem::create_directories(folder);
+    const std::string path = (folder / "body.obj").string();
+    writeObj(path, makeMannequinSkin(mannequin()).mesh);
+    sandbox.open(path);
+  }
+  ~DroppedBody() { std::filesystem::remove_all(folder); }
+
+  void play(const std::string& script) {
+    Replay replay = Replay::parse("test", script);
+    const int length = replay.length() + 1;
+    for (int i = 0; i < length; ++i) {
+      replay.play(i, sandbox, queue);
+      frame();
+    }
+  }
+  void frame() {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+    sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
+  }
+  json status() {
+    const json all = json::parse(sandbox.status());
+    return all.contains("panels") && all["panels"].contains("Rig") ? all["panels"]["Rig"] : json{};
+  }
+  void waitForWork() {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(300);
+    do {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      frame();
+    } while ((status()["working"] == true || status()["weighing"] == true) &&
+             std::chrono::steady_clock::now() < end);
+  }
+  const Skeleton& skeleton() { return sandbox.session().skeleton(); }
+  Eigen::Vector3d at(const std::string& joint) {
+    return restFrames(skeleton())[skeleton().jointIndex(joint)].translation();
+  }
+  double weightOn(const std::string& joint) {
+    double sum = 0.0;
+    for (const Influences& row : sandbox.session().skin()->influences)
+      for (int k = 0; k < 4; ++k)
+        if (row.joints[k] == skeleton().jointIndex(joint)) sum += row.weights[k];
+    return sum;
+  }
+};
+
+TEST(RigPanel, AMeshIsRiggedMendedByHandAndUndone) {
+  DroppedBody stage;
+  stage.frame();
+  ASSERT_EQ(stage.status()["asking"], true);
+  stage.play("0 do Rig human\n");
+  stage.waitForWork();
+  ASSERT_TRUE(stage.skeleton().findJoint("elbow_l"));
+
+  // Handles, limits and pins stand.
+  const Session& session = stage.sandbox.session();
+  ASSERT_TRUE(session.findGoal("ankle_l"));
+  EXPECT_EQ(session.goal(*session.findGoal("ankle_l")).state, GoalState::Pinned);
+  const Joint& knee = stage.skeleton().joint(stage.skeleton().jointIndex("knee_l"));
+  EXPECT_FALSE(knee.ball);
+  EXPECT_TRUE(std::isfinite(knee.axes.back().upper));
+
+  // A joint is dragged with the mouse; the other side goes along; the weights follow.
+  const Eigen::Vector3d left = stage.at("elbow_l"), right = stage.at("elbow_r"), wrist = stage.at("wrist_l");
+  const double carried = stage.weightOn("elbow_l");
+  stage.play("0 tab Rig\n1 do Rig tool on\n3 move 5 5\n");
+  const auto pixel = stage.sandbox.state().toWindow(left).pixel;
+  stage.play("0 move " + std::to_string(pixel.x()) + " " + std::to_string(pixel.y()) +
+             "\n1 press left\n2 move " + std::to_string(pixel.x() + 6) + " " + std::to_string(pixel.y() - 5) +
+             "\n4 release left\n");
+  stage.waitForWork();
+  EXPECT_GT((stage.at("elbow_l") - left).norm(), 0.005);
+  EXPECT_NEAR((stage.at("elbow_r") - right).norm(), (stage.at("elbow_l") - left).norm(), 1e-4);
+  EXPECT_LT((stage.at("wrist_l") - wrist).norm(), 1e-9);
+  EXPECT_NE(stage.weightOn("elbow_l"), carried);
+  EXPECT_EQ(stage.status()["moved"], 1);
+
+  // What was written says the same, limits included.
+  const Skeleton written = readGltf((stage.folder / "body_rigged.glb").string()).skeleton;
+  EXPECT_LT((restFrames(written)[written.jointIndex("elbow_l")].translation() - stage.at("elbow_l")).norm(),
+            1e-6);
+  EXPECT_EQ(written.joint(written.jointIndex("knee_l")).axes.back().upper, knee.axes.back().upper);
+
+  stage.play("0 do Rig undo\n");
+  EXPECT_LT((stage.at("elbow_l") - left).norm(), 1e-12);
+  EXPECT_EQ(stage.weightOn("elbow_l"), carried);
+  stage.play("0 do Rig confidence on\n1 tab Rig\n3 move 5 5\n");
+  EXPECT_TRUE(stage.log.messages().empty());
+}
+
+}  // namespace
+}  // namespace gelenk
