@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <unordered_set>
@@ -72,12 +73,18 @@ std::vector<Node> parseHierarchy(WordStream& words, int& channelCount, std::vect
   int roots = 0;
   std::vector<int> open;  // joints whose brace is open
   std::unordered_set<std::string> names;
-  const auto begin = [&](const std::string& name) {
+  std::map<std::string, int> copies;  // of names that are used twice
+  const auto begin = [&](const std::string& given) {
+    std::string name = given;
+    if (names.count(given))
+      tell(notes, "name-repeated",
+           "joints of a name that another one has get a number: '" + given + "', line " +
+               std::to_string(words.lineTaken()));
+    while (!names.insert(name).second) name = given + '_' + std::to_string(++copies[given] + 1);
     Node node{
         .name = name, .parent = open.empty() ? -1 : open.back(), .line = words.lineTaken(), .channels = {}};
     node.root = open.empty();
     roots += node.root;
-    if (!names.insert(name).second) words.failTaken("a joint name that is used once", "'" + name + "' again");
     words.expect("{");
     words.expect("OFFSET");
     node.offset = vector3(words);

@@ -150,7 +150,6 @@ TEST(Bvh, BadInputIsRefusedWithItsLine) {
           {"half a channel", with(arm, "CHANNELS 6", "CHANNELS 2.5"), 5, "'2.5'"},
           {"two lines CHANNELS", with(arm, "\tJOINT upper", "\tCHANNELS 1 Xrotation\n\tJOINT upper"), 6,
            "second one"},
-          {"name twice", with(arm, "upper arm", "hip"), 6, "'hip' again"},
           {"unknown keyword", with(arm, "JOINT", "BONE"), 6, "'BONE'"},
           {"end without site", with(arm, "End Site", "End"), 11, "'Site'"},
           {"brace too few", with(arm, "\t}\n}\n", "\t}\n"), 15, "'MOTION'"},

@@ -121,6 +121,18 @@ TEST(OtherProgramsBvh, SeveralRootsHangOnOneJointAndMoveEachByItself) {
   EXPECT_LT((place("b_end") - Vector3d(4, 6, 6)).norm(), 1e-12);
 }
 
+TEST(OtherProgramsBvh, JointsOfOneNameAreToldApart) {
+  const std::string joint = "JOINT b\n{\nOFFSET 0 1 0\nCHANNELS 1 Xrotation\n}\n";
+  const BvhMotion file = parseBvh("HIERARCHY\nROOT b\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n" + joint +
+                                      joint + "}\nMOTION\nFrames: 1\nFrame Time: 0.1\n1 2 3\n",
+                                  "b.bvh");
+  std::vector<std::string> names;
+  for (const Joint& one : file.skeleton.joints()) names.push_back(one.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"b", "b_2", "b_3"}));
+  ASSERT_EQ(kinds(file.notes), std::vector<std::string>{"name-repeated"});
+  EXPECT_EQ(file.notes[0].count, 2);
+}
+
 std::string urdf(const std::string& joints) {
   return "<robot name=\"m\"><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>" + joints + "</robot>";
 }
