@@ -9,4 +9,6 @@ race = gelenk.compare(gelenk.model("panda"), ["default", "dls", "dls[lambda=0.2]
 print(race)
 best = max(race.summary(), key=lambda row: (row.solved, -row.microseconds))
 print("most solved, then fastest:", best.solver)
+assert best.solver == "default" and best.solved == 1
 table = race.table  # a pandas DataFrame where pandas is installed, else a numpy record array
+assert len(table) == len(race)

@@ -21,7 +21,15 @@ for t in np.linspace(0, 2 * np.pi, 120):
     frames.append(drag.q)
 hand, left, right = np.max(errors, axis=0)
 print(f"largest error: hand {1e3 * hand:.2f} mm, feet {1e3 * max(left, right):.3f} mm")
+assert hand < 5e-3 and max(left, right) < 2e-3
 clip = gelenk.Clip(figure, frames, 60)
+
+# %% [markdown]
+# Every thirtieth frame, side by side:
+
+# %%
+strip = np.concatenate([gelenk.render(figure, q, size=(240, 320), view="side") for q in frames[::30]], axis=1).view(gelenk.Picture)
+strip  # in a notebook the last line of a cell is shown; strip.save("drag.png") writes it
 
 # %%
 if "window" in sys.argv:

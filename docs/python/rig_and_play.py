@@ -9,6 +9,7 @@ import gelenk
 figure = gelenk.model("figure")
 body, report = gelenk.rig(figure.skin.vertices, figure.skin.triangles, name="rigged")
 print(body, f"confidence {report['confidence']:.2f}, pose {report['pose']}")
+assert report["confidence"] > 0.5
 
 # %%
 raised = []
@@ -19,6 +20,12 @@ for s in np.linspace(0, 1, 30):
 clip = gelenk.Clip(body, raised, 30)
 surface = body.skin(body.fk(clip.q))  # (frames, vertices, 3)
 print("the surface moves by up to", np.abs(surface[-1] - surface[0]).max().round(3), "m")
+assert np.abs(surface[-1] - surface[0]).max() > 0.2
+
+# %%
+before_and_after = np.concatenate([gelenk.render(body, q, size=(320, 400), bones=True) for q in (clip.q[0], clip.q[-1])], axis=1)
+before_and_after = before_and_after.view(gelenk.Picture)
+before_and_after
 
 # %% [markdown]
 # The same motion on the built-in figure, and a file that other programs open:
@@ -27,4 +34,5 @@ print("the surface moves by up to", np.abs(surface[-1] - surface[0]).max().round
 carried, told = clip.retarget(figure)
 print(carried, told["scale"])
 gelenk.save("rigged.glb", body, clip)
-print(gelenk.load("rigged.glb"))
+again = gelenk.load("rigged.glb")
+assert len(again.clip) == len(clip) and again.joint_count >= body.joint_count

@@ -86,7 +86,7 @@ def stub_of(root):
     return found
 
 
-made_by_the_module = {"Blend", "Skin", "Result", "BatchResult", "Problem", "Model", "Contract", "Comparison", "View"}
+made_by_the_module = {"Picture", "Blend", "Skin", "Result", "BatchResult", "Problem", "Model", "Contract", "Comparison", "View"}
 
 
 def test_the_stub_has_the_modules_signatures(root):

@@ -2,8 +2,10 @@
 
 import json
 import shutil
+import struct
 import subprocess
 import time
+import zlib
 
 import numpy as np
 import pytest
@@ -99,8 +101,32 @@ def test_a_picture_is_that_of_the_program(panda, program, tmp_path):
     told = tmp_path / "told.ppm"
     program("render", "panda", "-o", told, "--size", "320x200", "--q", *(repr(float(v)) for v in q))
     assert np.array_equal(picture, gelenk._show._read_ppm(told.read_bytes()))
+    picture.save(tmp_path / "panda.png")
+    assert np.array_equal(pixels_of((tmp_path / "panda.png").read_bytes()), picture)
+    assert picture[0]._repr_png_() is None
+    for path, part in (("panda.jpg", picture), ("panda.png", picture[0]), ("panda.png", picture.astype(float))):
+        with pytest.raises(ValueError):
+            part.save(tmp_path / path)
     chain = gelenk.PlanarChain([1, 0.7]).model()
     assert gelenk.render(chain, [0.3, 0.4], size=(200, 200)).std() > 1
+
+
+def pixels_of(png):
+    """Of a PNG of 8 bits a colour whose rows are unfiltered."""
+    assert png.startswith(b"\x89PNG\r\n\x1a\n")
+    at, data = 8, b""
+    while at < len(png):
+        size, name = struct.unpack(">I4s", png[at:at + 8])
+        body = png[at + 8:at + 8 + size]
+        assert zlib.crc32(name + body) == struct.unpack(">I", png[at + 8 + size:at + 12 + size])[0]
+        if name == b"IHDR":
+            width, height = struct.unpack(">II", body[:8])
+        if name == b"IDAT":
+            data += body
+        at += 12 + size
+    rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, 1 + 3 * width)
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(height, width, 3)
 
 
 def arm_of_the_script():

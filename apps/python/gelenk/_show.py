@@ -3,9 +3,11 @@
 import json
 import os
 import shutil
+import struct
 import subprocess
 import tempfile
 import threading
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +50,30 @@ def _absolute(entry):
             _absolute(value)
         elif isinstance(value, str) and 0 < len(value) < 4096 and os.path.exists(value):
             entry[key] = os.path.abspath(value)
+
+
+class Picture(np.ndarray):
+    """A picture as an array: (height, width, 3) uint8, from the upper left. A notebook shows it."""
+
+    def _repr_png_(self):
+        if self.ndim != 3 or self.shape[2] != 3 or self.dtype != np.uint8:  # a part of one that is none
+            return None
+
+        def chunk(name, data):
+            return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+        rows = b"".join(b"\0" + row.tobytes() for row in self)  # each unfiltered
+        head = struct.pack(">IIBBBBB", self.shape[1], self.shape[0], 8, 2, 0, 0, 0)  # 8 bits of red, green, blue
+        return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+    def save(self, path):
+        """Writes it as .png."""
+        if not str(path).endswith(".png"):
+            raise ValueError(f"'{path}': a picture is saved as .png")
+        data = self._repr_png_()
+        if data is None:
+            raise ValueError(f"an array {self.shape} of {self.dtype} is no picture")
+        Path(path).write_bytes(data)
 
 
 class View:
@@ -258,7 +284,7 @@ def show(model, q=None, *, solver="drag", theme="light", size=(1280, 800), keep=
 
 def render(model, q=None, *, size=(1280, 800), scale=1.0, theme="light", view=None, azimuth=None, elevation=None, zoom=1.0,
            bones=False, wireframe=False, handles=False, ground=True, shadow=True):
-    """A picture of a model: (height, width, 3) uint8.
+    """A picture of a model: a Picture, (height, width, 3) uint8.
 
     view: 'front', 'side', 'top', 'three-quarter'; azimuth, elevation: degrees. bones: drawn through the skin; handles: where it is dragged.
     """
@@ -287,4 +313,4 @@ def _read_ppm(data):
     magic, width, height, most, _ = data.split(None, 4)
     assert magic == b"P6" and most == b"255"
     pixels = np.frombuffer(data, np.uint8)[-3 * int(width) * int(height):]
-    return pixels.reshape(int(height), int(width), 3).copy()
+    return pixels.reshape(int(height), int(width), 3).copy().view(Picture)
