@@ -199,6 +199,7 @@ class RigPanel final : public Panel {
         undo_.clear();
         redo_.clear();
         moving_ = false;
+        weighSeconds_ = rigged.body.report.stages.back().seconds;
         show(sandbox, std::move(rigged), false);
         const RigReport& report = rigged_->body.report;
         std::string doubts;

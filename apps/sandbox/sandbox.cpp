@@ -88,7 +88,12 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   s.layout = layOut(s, options.width, options.height);
   const bool isLecture =
       options.model.starts_with("lecture:");  // an example of the lecture opens its own model
-  const ModelReference reference{.nameOrFile = isLecture ? "planar" : options.model, .files = options.files};
+  const bool isSurface =
+      options.files == Companions{} && isMesh(fileKind(options.model));  // is offered a skeleton
+  const ModelReference reference{.nameOrFile = isLecture   ? "planar"
+                                               : isSurface ? "figure"
+                                                           : options.model,
+                                 .files = options.files};
   auto [model, document] = gelenk::openDocument(reference);
   if (isScene(options.model)) {
     openDocument(std::move(model), std::move(document));
@@ -99,7 +104,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
     s.session->setSolver(withParameters({options.solver}, options.settings).front());
     if (!options.skin.empty()) s.session->skinChoice() = parseSkinChoice(options.skin);
   }
-  if (isLecture)
+  if (isLecture || isSurface)
     for (const auto& panel : s.panels) panel->openFile(*this, options.model);
 }
 

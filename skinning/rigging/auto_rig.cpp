@@ -106,7 +106,7 @@ void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh, const VoxelBody
         home += before[i].position, ++neighbours;
     if (neighbours == 0) continue;
     home /= neighbours;
-    for (int step = 0; step <= 8; ++step) {
+    for (int step = 0; step <= 18; ++step) {
       const Vector3d p = before[k].position + 0.05 * step * (home - before[k].position);
       if (!isInside(p)) continue;
       joints[k].position = p;

@@ -1,5 +1,6 @@
 #include "skinning/rigging/fit/landmarks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,35 @@ std::optional<Landmark> limbEnd(const TemplateBody& body, int piece, const std::
   return end;
 }
 
+/// Where a leg stands: the middle of its lowest samples, for the middle of the template's sole.
+std::optional<Landmark> sole(const TemplateBody& body, int piece, const std::vector<Vector3d>& now,
+                             const std::vector<int>& nearest, const SurfaceSamples& samples) {
+  const BodyPiece& part = body.pieces[piece];
+  Landmark out{.vertex = -1, .metric = 0.05 * Matrix3d::Identity()};
+  const Vector3d middle(part.to.x(), 0.0, part.to.z());
+  for (int v = 0; v < static_cast<int>(now.size()); ++v) {
+    const auto& rest = body.surface.positions;
+    if (shareOf(body, v, piece) > 0.5 &&
+        (out.vertex < 0 || (rest[v] - middle).norm() < (rest[out.vertex] - middle).norm()))
+      out.vertex = v;
+  }
+  std::vector<Vector3d> leg;
+  for (std::size_t s = 0; s < samples.points.size(); ++s)
+    if (shareOf(body, nearest[s], piece) + shareOf(body, nearest[s], part.parent) > 0.5)
+      leg.push_back(samples.points[s]);
+  if (out.vertex < 0 || leg.size() < 8) return {};
+  const auto higher = [](const Vector3d& a, const Vector3d& b) { return a.y() < b.y(); };
+  const double ground = std::min_element(leg.begin(), leg.end(), higher)->y();
+  constexpr double thick = 0.04;
+  Vector3d low = Vector3d::Constant(1e300), high = -low;
+  for (const Vector3d& p : leg)
+    if (p.y() < ground + thick) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  out.place = 0.5 * (low + high);
+  out.place.y() = ground;
+  if ((out.place - now[out.vertex]).norm() > 0.2) return {};
+  return out;
+}
+
 }  // namespace
 
 std::optional<Vector3d> findCrotch(const Mesh& mesh, const BodyFrame& frame, const Vector3d& about,
@@ -71,9 +101,12 @@ std::vector<Landmark> findLandmarks(const TemplateBody& body, const Mesh& mesh, 
   const KdTree<3> tree(std::move(points));
   std::vector<int> nearest;
   for (const Vector3d& p : target.samples().points) nearest.push_back(tree.nearest(p));
-  for (int k = 0; k < static_cast<int>(body.pieces.size()); ++k)
+  for (int k = 0; k < static_cast<int>(body.pieces.size()); ++k) {
     if (body.pieces[k].twists)  // a hand
       if (const auto end = limbEnd(body, k, now, nearest, target.samples(), maps)) out.push_back(*end);
+    if (body.pieces[k].stands)
+      if (const auto end = sole(body, k, now, nearest, target.samples())) out.push_back(*end);
+  }
   return out;
 }
 

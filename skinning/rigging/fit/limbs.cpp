@@ -16,7 +16,8 @@ std::vector<float> distancesInside(const VoxelBody& body, const std::vector<int>
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   for (const int v : sources) open.push({distance[v] = 0.0f, v});
   while (!open.empty()) {
-    const auto [d, from] = open.top();
+    const float d = open.top().first;
+    const int from = open.top().second;
     open.pop();
     if (d > distance[from]) continue;
     body.eachNeighbour(from, [&](int to, float step) {

@@ -123,6 +123,7 @@ std::vector<Placement> placeBody(const TemplateBody& body, const SurfaceSamples&
   for (const Stance& stance : stancesOf(samples, planes, wishes)) {
     if (symmetric && stance.plane->misfit > std::max(symmetricMisfit, 3.0 * planes[0].misfit)) continue;
     for (std::size_t k = 0; k < body.poses.size(); ++k) {
+      if (symmetric && !body.poses[k].symmetric) continue;
       Trial trial{stance, &body.poses[k], frameFor(stance, few, posed[k]), nullptr, body.poses[k].maps};
       if (!(trial.frame.scale > 0.0)) continue;
       trial.target = std::make_shared<FitTarget>(inBodySpace(few, trial.frame), normalReach);

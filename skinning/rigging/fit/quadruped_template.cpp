@@ -27,7 +27,7 @@ constexpr JointRow rows[] = {
     {"pelvis", "", 0.0, 0.42, 0.22, "spine", 0.095, 0.10, 0.1},
     {"spine", "pelvis", 0.0, 0.40, 0.42, "withers", 0.10, 0.11, 0.2},
     {"withers", "spine", 0.0, 0.41, 0.64},
-    {"fshoulder_l", "spine", 0.070, 0.35, 0.635, "felbow_l", 0.055, 0.032},
+    {"fshoulder_l", "spine", 0.070, 0.35, 0.635, "felbow_l", 0.055, 0.032, 0.1},
     {"felbow_l", "fshoulder_l", 0.074, 0.19, 0.635, "fankle_l", 0.030, 0.022},
     {"fankle_l", "felbow_l", 0.075, 0.06, 0.635, "ffoot_l", 0.022, 0.022, 0.2},
     {"ffoot_l", "fankle_l", 0.075, 0.022, 0.655},
@@ -36,7 +36,7 @@ constexpr JointRow rows[] = {
     {"nose", "head", 0.0, 0.50, 0.965},
     {"tail_root", "pelvis", 0.0, 0.45, 0.145, "tail", 0.020, 0.015, 0.05},
     {"tail", "tail_root", 0.0, 0.28, 0.045},
-    {"hip_l", "pelvis", 0.070, 0.42, 0.22, "knee_l", 0.080, 0.050},
+    {"hip_l", "pelvis", 0.070, 0.42, 0.22, "knee_l", 0.080, 0.050, 0.1},
     {"knee_l", "hip_l", 0.073, 0.29, 0.27, "hock_l", 0.048, 0.026},
     {"hock_l", "knee_l", 0.073, 0.165, 0.12, "hankle_l", 0.024, 0.021},
     {"hankle_l", "hock_l", 0.073, 0.06, 0.135, "hfoot_l", 0.021, 0.022, 0.2},
@@ -100,6 +100,14 @@ TemplateBody makeQuadruped() {
                              .position = at});
     }
   body.surface = polygonise(BodyShape(parts), {.cell = 0.018, .symmetric = true});
+  for (const char* side : {"l", "r"}) {
+    const int upper = body.piece(std::string("fshoulder_") + side),
+              lower = body.piece(std::string("felbow_") + side);
+    body.pieces[upper].mate = lower;
+    body.pieces[lower].mate = upper;
+  }
+  for (const char* foot : {"fankle_l", "fankle_r", "hankle_l", "hankle_r"})
+    body.pieces[body.piece(foot)].stands = true;
 
   std::vector<Bone> bones;
   for (std::size_t k = 0; k < body.pieces.size(); ++k)

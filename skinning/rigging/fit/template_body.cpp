@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <stdexcept>
+#include <tuple>
 
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/symmetry.h"
@@ -35,6 +36,20 @@ constexpr PieceRow humanPieces[] = {
     {"foot", "calf", "foot", "ball"},
     {"toes", "foot", "ball", "toe_end", "", 1.0, 0.5},
 };
+
+/// The template with pieces of other sizes, joined as they were.
+template <class Size>
+PieceMaps resized(const TemplateBody& body, Size size) {
+  PieceMaps maps = restMaps(body);
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    const BodyPiece& piece = body.pieces[k];
+    maps[k].linear = size(piece.name) * Eigen::Matrix3d::Identity();
+    if (piece.parent < 0) continue;
+    const PieceMap& parent = maps[piece.parent];
+    maps[k].origin = parent.origin + parent.linear * (piece.from - body.pieces[piece.parent].from);
+  }
+  return maps;
+}
 
 bool isMiddle(const Skeleton& skeleton, const std::string& name) {
   return skeleton.findJoint(name).has_value();
@@ -144,6 +159,33 @@ TemplateBody makeHuman() {
   arms("T", {1.0, 0.0, 0.0}, {1.0, 0.0, 0.0});
   arms("arms down", {1.0, -0.1, 0.0}, {0.25, -1.0, 0.0});
   arms("arms up", {1.0, 0.5, 0.0}, {0.4, 1.0, 0.0});
+  for (const char* name : {"large head, A", "large head, T"}) {
+    PieceMaps maps = resized(body, [](const std::string& piece) {
+      if (piece == "head") return 3.0;
+      for (const char* leg : {"thigh", "calf"})
+        if (piece.starts_with(leg)) return 0.5;
+      return 0.8;
+    });
+    if (name[12] == 'T')
+      for (const char* piece : {"clavicle_l", "upperarm_l", "lowerarm_l", "hand_l"})
+        aim(body, maps, piece, {1.0, 0.0, 0.0});
+    body.poses.push_back({name, std::move(maps)});
+  }
+  for (const bool left : {true, false}) {  // the leg in front; the other arm is
+    PieceMaps maps = restMaps(body);
+    const std::string front = left ? "_l" : "_r", back = left ? "_r" : "_l";
+    const double side = left ? 1.0 : -1.0;
+    aimOne(body, maps, "thigh" + front, {0.0, -1.0, 0.45});
+    aimOne(body, maps, "calf" + front, {0.0, -1.0, 0.15});
+    aimOne(body, maps, "thigh" + back, {0.0, -1.0, -0.25});
+    aimOne(body, maps, "calf" + back, {0.0, -0.85, -0.55});
+    for (const auto& [swing, sign, z] : {std::tuple(front, side, -0.35), {back, -side, 0.35}}) {
+      aimOne(body, maps, "upperarm" + swing, {0.25 * sign, -1.0, z});
+      for (const char* piece : {"lowerarm", "hand"})
+        aimOne(body, maps, piece + swing, {0.2 * sign, -1.0, z + 0.55});
+    }
+    body.poses.push_back({left ? "stride, left leg in front" : "stride, right leg in front", maps, false});
+  }
   return body;
 }
 
@@ -161,24 +203,27 @@ PieceMaps restMaps(const TemplateBody& body) {
   return maps;
 }
 
+void aimOne(const TemplateBody& body, PieceMaps& maps, const std::string& name, const Vector3d& direction) {
+  const int k = body.piece(name);
+  const BodyPiece& piece = body.pieces[k];
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond::FromTwoVectors(maps[k].linear * (piece.to - piece.from), direction)
+          .toRotationMatrix();
+  const Vector3d pivot = maps[k].origin;
+  std::vector<char> below(body.pieces.size(), 0);
+  for (int i = k; i < static_cast<int>(body.pieces.size()); ++i) {
+    below[i] = i == k || (body.pieces[i].parent >= 0 && below[body.pieces[i].parent]);
+    if (!below[i]) continue;
+    maps[i].linear = turn * maps[i].linear;
+    maps[i].origin = pivot + turn * (maps[i].origin - pivot);
+  }
+}
+
 void aim(const TemplateBody& body, PieceMaps& maps, const std::string& left, const Vector3d& direction) {
   const int first = body.piece(left), second = body.pieces[first].partner;
-  for (const int k : {first, second}) {
-    const BodyPiece& piece = body.pieces[k];
-    const Vector3d wanted(k == first ? direction.x() : -direction.x(), direction.y(), direction.z());
-    const Eigen::Matrix3d turn =
-        Eigen::Quaterniond::FromTwoVectors(maps[k].linear * (piece.to - piece.from), wanted)
-            .toRotationMatrix();
-    const Vector3d pivot = maps[k].origin;
-    std::vector<char> below(body.pieces.size(), 0);
-    for (int i = k; i < static_cast<int>(body.pieces.size()); ++i) {
-      below[i] = i == k || (body.pieces[i].parent >= 0 && below[body.pieces[i].parent]);
-      if (!below[i]) continue;
-      maps[i].linear = turn * maps[i].linear;
-      maps[i].origin = pivot + turn * (maps[i].origin - pivot);
-    }
-    if (second == first) break;
-  }
+  aimOne(body, maps, left, direction);
+  if (second != first)
+    aimOne(body, maps, body.pieces[second].name, {-direction.x(), direction.y(), direction.z()});
 }
 
 const TemplateBody& humanTemplate() {

@@ -20,6 +20,7 @@ struct BodyPiece {
   double stiffness = 1.0;  ///< how strictly the piece is a rotation times a stretch
   double bond = 0.0;       ///< how strictly it turns with its parent
   bool twists = false;     ///< its turn about its own length is not known from the pose
+  bool stands = false;     ///< its end is a sole on the ground
   int lifter = -1;         ///< the piece that takes it along where it is raised above the horizontal
 
   double length() const { return (to - from).norm(); }
@@ -45,6 +46,7 @@ using PieceMaps = std::vector<PieceMap>;
 struct TemplatePose {
   std::string name;
   PieceMaps maps;
+  bool symmetric = true;
 };
 
 /// A body whose inside is known: surface, the pieces that move it and the joints. Height 1 (four-legged:
@@ -66,8 +68,10 @@ struct TemplateBody {
 
 /// The maps that leave the template where it is.
 PieceMaps restMaps(const TemplateBody& body);
-/// Turns a piece so that it points along `direction`, with what hangs on it; the right partner likewise,
-/// mirrored.
+/// Turns a piece so that it points along `direction`, with what hangs on it; `aim`: the right partner
+/// likewise, mirrored.
+void aimOne(const TemplateBody& body, PieceMaps& maps, const std::string& piece,
+            const Eigen::Vector3d& direction);
 void aim(const TemplateBody& body, PieceMaps& maps, const std::string& left,
          const Eigen::Vector3d& direction);
 
