@@ -28,8 +28,9 @@ for part in "${parts[@]}"; do
     ./web.sh
     NODE_PATH=/usr/share/nodejs cmake --build --preset web
     cmake --preset release >/dev/null
-    cmake --build --preset release --target gelenk
+    cmake --build --preset release --target gelenk web_speed
     tests/web/figures_test.py build-web/apps/web/figures.js build/gelenk
+    tests/web/speed_test.py build-web/apps/web/speed.js build/tests/web_speed
     tests/web/page_test.py build-web/site build/gelenk
     continue
   fi

@@ -284,13 +284,13 @@ std::string shortestDerivation(const PlanarChain& chain, const VectorXd& start, 
   std::string out =
       "The lecture asks for ||phi_new - phi_old|| = min over all phi with f(phi) = X. Newton takes the "
       "shortest of each linearised step;\n"
-      "is the sum of its steps the shortest way? Compared with the true minimum (augmented Lagrangian on "
-      "Ceres, 18 starts):\n\n";
+      "is the sum of its steps the shortest way? Compared with the true minimum (" +
+      std::string(nearestSolutionMethod) + ", 18 starts):\n\n";
   const double newton = (newtonEnd - start).norm();
   out += fmt::format("  from           {}  at {}\n", text::point(start, 10),
                      text::point(endEffector(chain, start), 8));
   out += fmt::format("  Newton's end   {}  distance {:.10f}\n", text::point(newtonEnd, 10), newton);
-  out += fmt::format("  true minimum   {}  distance {:.10f}, |f - X| = {:.1e}, {} Ceres iterations\n",
+  out += fmt::format("  true minimum   {}  distance {:.10f}, |f - X| = {:.1e}, {} iterations\n",
                      text::point(best.phi, 10), best.distance, best.violation, best.iterations);
   return out + fmt::format("  Newton's way is {:.4f} % longer; the two poses are {:.4f} rad apart.\n",
                            100 * (newton / best.distance - 1), (newtonEnd - best.phi).norm());

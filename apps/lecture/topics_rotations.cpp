@@ -140,8 +140,9 @@ std::string steps() {
   out +=
       "At 90 degrees first and third axis are one line: a direction of turning is lost, and only phi^x + "
       "phi^z is determined.\n\n";
-  out += "Optimising quaternions under ||q|| = 1, three ball joints, Ceres Levenberg-Marquardt:\n" +
-         fitTable(reachable) + fitTable(unreachable);
+  out +=
+      fmt::format("Optimising quaternions under ||q|| = 1, three ball joints, {}:\n", quaternionChainMethod) +
+      fitTable(reachable) + fitTable(unreachable);
   out +=
       "On the manifold the constraint holds to rounding. As a penalty it is a wish: out of reach, "
       "quaternions grow and the links stretch.\n";

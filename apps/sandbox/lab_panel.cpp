@@ -80,12 +80,9 @@ class LabPanel final : public Panel {
     if (ImGui::BeginMenu("Lab")) {
       if (ImGui::MenuItem("Compare solvers", "L", lab_->compare)) toggle(sandbox);
       ImGui::Separator();
-      preset(sandbox, "Damping: pseudo-inverse, DLS, SDLS, Sugihara",
-             {"pseudo-inverse", "dls", "sdls", "lm-sugihara"});
-      preset(sandbox, "Order: Gauss-Newton, exact Hessian, Halley, L-BFGS",
-             {"lm-gain-ratio", "exact-hessian", "halley", "l-bfgs"});
-      preset(sandbox, "Limits: pseudo-inverse, QP, task priority, Ceres",
-             {"pseudo-inverse", "qp", "task-priority", "ceres-lm"});
+      preset(sandbox, "Damping", {"pseudo-inverse", "dls", "sdls", "lm-sugihara"});
+      preset(sandbox, "Order", {"lm-gain-ratio", "exact-hessian", "halley", "l-bfgs"});
+      preset(sandbox, "Limits", {"pseudo-inverse", "qp", "task-priority", "ceres-lm"});
       ImGui::Separator();
       if (ImGui::BeginMenu("Reproduce")) {
         for (const Reproduction& entry : reproductions())
@@ -308,8 +305,11 @@ class LabPanel final : public Panel {
     ImGui::EndTable();
   }
 
-  void preset(Sandbox& sandbox, const char* label, const std::vector<std::string>& solvers) {
-    if (!ImGui::MenuItem(label)) return;
+  /// Of the solvers those that this build has.
+  void preset(Sandbox& sandbox, const char* about, std::vector<std::string> solvers) {
+    const std::vector<std::string> known = frameSolverNames();
+    std::erase_if(solvers, [&](const auto& name) { return std::ranges::find(known, name) == known.end(); });
+    if (!ImGui::MenuItem(fmt::format("{}: {}", about, fmt::join(solvers, ", ")).c_str())) return;
     lab_->solvers = solvers;
     lab_->compare = false;
     toggle(sandbox);

@@ -20,6 +20,7 @@
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
 #include "skinning/bodies/mannequin_body.h"
+#include "skinning/io/prepared_cache.h"
 #include "skinning/io/skin_cache.h"
 
 EM_JS(void, tellChooseFiles, (), { Module["chooseFiles"](); });
@@ -49,12 +50,17 @@ const char* returned(std::string text) {
 /// In which a narrow page begins: the view alone.
 constexpr double narrow = 760.0;
 
-/// The figure's body, as it was made when the page was built, into the place where bodies are kept.
+/// The figure's body and what is prepared for it, as they were made when the page was built, into the place
+/// where both are kept.
 void unpackFigure() {
   const Skeleton figure = mannequin();
+  const std::string file = readFile("/figure.body");
+  std::string_view packed = file;
+  const Skin body = unpackBody(packed, figure);
+  const auto [choice, prepared] = unpackPrepared(packed, body, figure);
   std::filesystem::create_directories(cacheFolder());
-  writeCachedSkin(cacheFolder() + "/figure.skin", mannequinSkinKey(figure),
-                  unpackBody(readFile("/figure.body"), figure));
+  writeCachedSkin(cacheFolder() + "/figure.skin", mannequinSkinKey(figure), body);
+  keepPreparedSkin(cacheFolder(), "figure", body, choice, prepared);
   std::filesystem::remove("/figure.body");
 }
 

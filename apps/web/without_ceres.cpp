@@ -122,6 +122,9 @@ std::vector<Vector3d> turnedPoints(const std::vector<double>& lengths, const Joi
 
 }  // namespace
 
+const std::string_view nearestSolutionMethod = "Newton's method on the conditions of Lagrange",
+                       quaternionChainMethod = "Levenberg-Marquardt";
+
 NearestSolution nearestSolution(const PlanarChain& chain, const VectorXd& phiOld, const Vector2d& X,
                                 const VectorXd& hint) {
   double size = 0.0;

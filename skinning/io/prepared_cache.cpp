@@ -85,16 +85,26 @@ std::optional<PreparedSkin> preparedOf(const std::string& file, const Skin& skin
   return prepared;
 }
 
+std::string pathOf(const std::string& folder, const std::string& name, const SkinChoice& choice) {
+  std::string file = name + "-" + toString(choice);
+  for (char& c : file)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '-';
+  return folder + "/" + file + ".prepared";
+}
+
 }  // namespace
+
+void keepPreparedSkin(const std::string& folder, const std::string& name, const Skin& skin,
+                      const SkinChoice& choice, const PreparedSkin& prepared) {
+  std::filesystem::create_directories(folder);
+  writeFile(pathOf(folder, name, choice), fileOf(prepared, keyOf(skin, choice)));
+}
 
 PreparedSkin cachedPreparedSkin(const std::string& folder, const std::string& name, const Skin& skin,
                                 const SkinChoice& choice, const Skeleton& skeleton, const Frames& bound) {
   const bool isQuick = choice.smoothing == 0.0 && !skinMethod(choice.method).prepare;
   if (folder.empty() || isQuick) return prepareSkin(skin, choice, skeleton, bound);
-  std::string path = name + "-" + toString(choice);
-  for (char& c : path)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '-';
-  path = folder + "/" + path + ".prepared";
+  const std::string path = pathOf(folder, name, choice);
   const std::uint64_t key = keyOf(skin, choice);
   try {
     if (std::filesystem::exists(path)) {
@@ -108,8 +118,7 @@ PreparedSkin cachedPreparedSkin(const std::string& folder, const std::string& na
   PreparedSkin prepared = prepareSkin(skin, choice, skeleton, bound);
   if (prepared.own) return prepared;  // moments are not kept
   try {
-    std::filesystem::create_directories(folder);
-    writeFile(path, fileOf(prepared, key));
+    keepPreparedSkin(folder, name, skin, choice, prepared);
   } catch (const std::exception&) {  // the skin is there; only the next start is slower
   }
   return prepared;

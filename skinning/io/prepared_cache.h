@@ -12,4 +12,9 @@ namespace gelenk {
 PreparedSkin cachedPreparedSkin(const std::string& folder, const std::string& name, const Skin& skin,
                                 const SkinChoice& choice, const Skeleton& skeleton, const Frames& bound);
 
+/// Puts into the folder what was prepared elsewhere: weights, centres and their slopes of `prepared`, where
+/// the function above looks for it.
+void keepPreparedSkin(const std::string& folder, const std::string& name, const Skin& skin,
+                      const SkinChoice& choice, const PreparedSkin& prepared);
+
 }  // namespace gelenk

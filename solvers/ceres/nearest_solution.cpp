@@ -78,6 +78,8 @@ NearestSolution descend(const PlanarChain& chain, const VectorXd& phiOld, const 
 
 }  // namespace
 
+const std::string_view nearestSolutionMethod = "augmented Lagrangian on Ceres";
+
 NearestSolution nearestSolution(const PlanarChain& chain, const VectorXd& phiOld, const Vector2d& X,
                                 const VectorXd& hint) {
   const double size = std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string_view>
 
 #include "kinematics/notation/planar_chain.h"
 
@@ -12,8 +13,10 @@ struct NearestSolution {
   Eigen::VectorXd phi;
   double distance = 0.0;   ///< ||phi - phi_old||, radians
   double violation = 0.0;  ///< |f(phi) - X|, unit of the lengths
-  int iterations = 0;      ///< of Ceres, all starts together
+  int iterations = 0;      ///< of the method, all starts together
 };
+/// The method of this build in words: Ceres is not everywhere (apps/web).
+extern const std::string_view nearestSolutionMethod;
 
 /// Augmented Lagrangian on Ceres' Levenberg-Marquardt, from phi_old, from `hint`, and from 16 seeded starts
 /// around them; the best that fulfils the constraint to 1e-10 of the chain's length. X must be reachable, or

@@ -44,6 +44,8 @@ struct UnitLengthPenalty {
 
 }  // namespace
 
+const std::string_view quaternionChainMethod = "Ceres Levenberg-Marquardt";
+
 Vector3d quaternionChainEnd(const std::vector<double>& lengths, const std::vector<Quaterniond>& q) {
   Vector3d end = Vector3d::Zero();
   Quaterniond rotation = Quaterniond::Identity();

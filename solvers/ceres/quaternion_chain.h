@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <string_view>
 #include <vector>
 
 namespace gelenk {
@@ -19,6 +20,8 @@ struct QuaternionChainFit {
   double trueError = 0.0;             ///< distance with q normalised: what a rigid chain does
   int iterations = 0;
 };
+/// The method of this build in words: Ceres is not everywhere (apps/web).
+extern const std::string_view quaternionChainMethod;
 
 /// A chain of ball joints at the origin with links along x: end-effector = sum over i of R(q_1) ... R(q_i)
 /// (l_i, 0, 0). Optimised by Ceres' Levenberg-Marquardt from `start` towards the target. lengths and start:

@@ -17,6 +17,8 @@
 #include <immintrin.h>
 #elif defined(__SSE2__)
 #include <emmintrin.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 
 #define GELENK_INLINE static inline __attribute__((always_inline))
@@ -117,6 +119,8 @@ GELENK_INLINE int bits(DoublesMask mask) {
   return _mm512_movepi64_mask(__builtin_bit_cast(__m512i, mask));
 #elif defined(__AVX2__)
   return _mm256_movemask_pd(__builtin_bit_cast(__m256d, mask));
+#elif defined(__wasm_simd128__)
+  return static_cast<int>(wasm_i64x2_bitmask(__builtin_bit_cast(v128_t, mask)));
 #else
   return (mask[0] & 1) | (mask[1] & 2);
 #endif
@@ -126,6 +130,8 @@ GELENK_INLINE int bits(FloatsMask mask) {
   return _mm512_movepi32_mask(__builtin_bit_cast(__m512i, mask));
 #elif defined(__AVX2__)
   return _mm256_movemask_ps(__builtin_bit_cast(__m256, mask));
+#elif defined(__wasm_simd128__)
+  return static_cast<int>(wasm_i32x4_bitmask(__builtin_bit_cast(v128_t, mask)));
 #else
   return (mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8);
 #endif
