@@ -1,6 +1,6 @@
-// Solves timed alike by the native program and in WebAssembly (tests/web/speed_test.py): a line each, its name
-// and microseconds a solve. Every portion of the solves is taken several times and its least time counts,
-// which other programs on the machine stretch least.
+// Solves timed alike by the native program and in WebAssembly (tests/web/speed_test.py): a line each, its
+// name and microseconds a solve. Every portion of the solves is taken several times and its least time
+// counts, which other programs on the machine stretch least.
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -48,10 +48,10 @@ void drag(const char* name, bool reachable, double step) {
       });
 }
 
-void pose() {
+void pose(const char* name, InstructionSet set) {
   const Skeleton skeleton = toSkeleton(robotTable("panda"));
   const int tip = skeleton.jointCount() - 1;
-  const SerialPoseSolver solver(extractSerialChain(skeleton, tip).chain);
+  const SerialPoseSolver solver(extractSerialChain(skeleton, tip).chain, set);
   std::mt19937_64 random(20'240'601);
   std::vector<TipGoal> goals;
   std::vector<ChainVector> starts;
@@ -62,9 +62,9 @@ void pose() {
   }
   int solved = 0;
   measure(
-      "panda-pose", static_cast<int>(goals.size()), [&] { solved = 0; },
+      name, static_cast<int>(goals.size()), [&] { solved = 0; },
       [&](int i) { solved += solver.solve(goals[i], starts[i]).why == Stop::Converged; });
-  std::printf("panda-solved %d\n", solved);
+  std::printf("%s-solved %d\n", name, solved);
 }
 
 }  // namespace
@@ -74,5 +74,6 @@ int main() {
   drag("drag-reachable-5cm", true, 0.05);
   drag("drag-unreachable-1cm", false, 0.01);
   drag("drag-unreachable-5cm", false, 0.05);
-  pose();
+  pose("panda-pose", bestInstructionSet());
+  pose("panda-pose-of-128-bits", InstructionSet::Baseline);
 }

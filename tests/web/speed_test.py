@@ -19,8 +19,10 @@ for _ in range(3):
         for name, value in times(*command).items():
             least[name] = min(least.get(name, value), value)
 wrong = []
-assert here.pop('panda-solved') == there.pop('panda-solved') == 2000
 for name in there:
+    if name.endswith('-solved'):
+        assert here[name] == there[name] == 2000, (name, here[name], there[name])
+        continue
     ratio, mark = here[name] / there[name], 10.0 if name.startswith('panda') else 2.5
     print(f'{name}: {here[name]:.2f} us here, {there[name]:.2f} us natively, {ratio:.2f} times (mark {mark})')
     # A busy machine moves ratios by a fifth; twice the mark is another algorithm.
