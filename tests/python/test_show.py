@@ -44,7 +44,12 @@ def test_a_pose_goes_there_and_back(panda):
             with pytest.raises(ValueError):
                 wrong()
         assert not view.closed
+        assert '"theme": "light"' in view.scene()
     assert view.closed
+    with pytest.raises(ValueError, match="theme"):
+        gelenk.show(panda, theme="green", offscreen=True)
+    with gelenk.show(panda, theme="dark", offscreen=True) as view:
+        assert '"theme": "dark"' in view.scene()
     with pytest.raises(RuntimeError, match="closed"):
         view.q
 
@@ -86,6 +91,22 @@ def test_a_solver_of_ones_own_runs_in_the_window(panda):
         view.set_goal("tool", target)
         assert until(lambda: np.linalg.norm(panda.fk(view.q)[tool][:3, 3] - target) < 1e-3)
         assert asked
+
+        @gelenk.solver("window-newton")
+        def window_newton(problem):
+            asked.append("whole")
+            q = problem.project(problem.start)
+            for _ in range(problem.max_iterations):
+                r, J = problem.evaluate(q)
+                if problem.solved(q):
+                    break
+                q = problem.integrate(q, J.T @ np.linalg.solve(J @ J.T + 1e-6 * np.eye(len(r)), r))
+            return q
+
+        view.solver = "window-newton"
+        view.set_goal("tool", target - [0, 0.05, 0])
+        assert until(lambda: np.linalg.norm(panda.fk(view.q)[tool][:3, 3] - target + [0, 0.05, 0]) < 1e-3)
+        assert "whole" in asked
 
 
 def test_a_picture_is_that_of_the_program(panda, program, tmp_path):

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Joint = str | int
 Target = ArrayLike
-Goals = Goal | str | Target | dict[str, Target] | Sequence[Goal | str | dict[str, Target]] | None
+Goals = Goal | str | Target | dict[str, Target] | Sequence[object] | None  # a list may mix them
 File = str | PathLike[str]
 
 __version__: str
@@ -274,7 +274,7 @@ class Comparison:
     checksums: dict[str, str]
     @property
     def table(self) -> Any: ...
-    def summary(self) -> NDArray[Any]: ...
+    def summary(self) -> np.recarray[Any, Any]: ...
     def __len__(self) -> int: ...
     def __getitem__(self, name: str) -> NDArray[Any]: ...
 
@@ -376,9 +376,9 @@ class Picture(NDArray[np.uint8]):
     def save(self, path: File) -> None: ...
 
 def program() -> str: ...
-def show(model: Model, q: ArrayLike | None = None, *, solver: str = "drag", theme: str = "light",
+def show(model: Model, q: ArrayLike | None = None, *, solver: str = "drag", theme: Literal["light", "dark"] | None = None,
          size: tuple[int, int] = (1280, 800), keep: bool = False, offscreen: bool = False) -> View: ...
 def render(model: Model, q: ArrayLike | None = None, *, size: tuple[int, int] = (1280, 800), scale: float = 1.0,
-           theme: str = "light", view: str | None = None, azimuth: float | None = None, elevation: float | None = None,
+           theme: Literal["light", "dark"] | None = None, view: str | None = None, azimuth: float | None = None, elevation: float | None = None,
            zoom: float = 1.0, bones: bool = False, wireframe: bool = False, handles: bool = False, ground: bool = True,
            shadow: bool = True) -> Picture: ...

@@ -25,7 +25,7 @@ def program():
     raise FileNotFoundError("the program gelenk is not there: build it with graphics, or name it in GELENK_PROGRAM")
 
 
-def _write_scene(model, q, folder, handles=True):
+def _write_scene(model, q, folder, handles=True, theme=None):
     """The file that the program opens to have this model in this pose."""
     if not isinstance(model, _gelenk.Model):
         raise TypeError(f"expected a Model, found {type(model).__name__}")
@@ -38,6 +38,10 @@ def _write_scene(model, q, folder, handles=True):
         tree["q"] = q.tolist()
     if not handles and "show" in tree.get("view", {}):
         tree["view"]["show"]["handles"] = False
+    if theme not in (None, "light", "dark"):
+        raise ValueError(f"a theme is light or dark, not '{theme}'")
+    if theme:
+        tree.setdefault("view", {})["theme"] = theme
     path = Path(folder) / "scene.json"
     path.write_text(json.dumps(tree))
     return path
@@ -79,17 +83,15 @@ class Picture(np.ndarray):
 class View:
     """A sandbox window in its own process. It closes with the script, unless keep=True."""
 
-    def __init__(self, model, q=None, solver="drag", theme="light", size=(1280, 800), keep=False, offscreen=False):
+    def __init__(self, model, q=None, solver="drag", theme=None, size=(1280, 800), keep=False, offscreen=False):
         self.model = model
         self._folder = tempfile.TemporaryDirectory()
-        scene = _write_scene(model, q, self._folder.name)
-        words = [program(), "sandbox", str(scene), "--remote", "--theme", theme, "--size", f"{size[0]}x{size[1]}"]
+        scene = _write_scene(model, q, self._folder.name, theme=theme)
+        words = [program(), "sandbox", str(scene), "--remote", "--size", f"{size[0]}x{size[1]}"]
         if offscreen:
             words.append("--offscreen")
         self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
-        self._lock, self._changed = threading.Lock(), threading.Condition()
-        self._replies, self._last, self._pose, self._closed = {}, 0, None, False
-        self.on_change = None
+        self._begin()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
         self._own_solvers()
@@ -99,6 +101,11 @@ class View:
         self.solver = solver
 
     # ---- messages
+
+    def _begin(self):
+        self._lock, self._changed = threading.Lock(), threading.Condition()
+        self._replies, self._last, self._pose, self._closed = {}, 0, None, False
+        self.on_change = None
 
     def _send(self, message):
         try:
@@ -129,17 +136,20 @@ class View:
             if message.get("event") == "solve":
                 threading.Thread(target=self._solve, args=(message,), daemon=True).start()
                 continue
-            with self._changed:
-                if message.get("event") == "pose":
-                    self._pose = message
-                elif "id" in message:
-                    self._replies[message["id"]] = message
-                self._changed.notify_all()
-            if message.get("event") == "pose" and self.on_change:
-                self.on_change(self)
+            self._take(message)
         with self._changed:
             self._closed = True
             self._changed.notify_all()
+
+    def _take(self, message):
+        with self._changed:
+            if message.get("event") == "pose":
+                self._pose = message
+            elif "id" in message:
+                self._replies[message["id"]] = message
+            self._changed.notify_all()
+        if message.get("event") == "pose" and self.on_change:
+            self.on_change(self)
 
     def _solve(self, message):
         """A solver of this process, asked by the window."""
@@ -273,7 +283,7 @@ class View:
         self.close()
 
 
-def show(model, q=None, *, solver="drag", theme="light", size=(1280, 800), keep=False, offscreen=False):
+def show(model, q=None, *, solver="drag", theme=None, size=(1280, 800), keep=False, offscreen=False):
     """Opens the sandbox window on a model in a process of its own: a View.
 
     q: (nq,) the pose; default the model's. solver: what follows the goals while a person drags, own ones too. keep: the
@@ -282,7 +292,7 @@ def show(model, q=None, *, solver="drag", theme="light", size=(1280, 800), keep=
     return View(model, q, solver, theme, size, keep, offscreen)
 
 
-def render(model, q=None, *, size=(1280, 800), scale=1.0, theme="light", view=None, azimuth=None, elevation=None, zoom=1.0,
+def render(model, q=None, *, size=(1280, 800), scale=1.0, theme=None, view=None, azimuth=None, elevation=None, zoom=1.0,
            bones=False, wireframe=False, handles=False, ground=True, shadow=True):
     """A picture of a model: a Picture, (height, width, 3) uint8.
 
@@ -290,9 +300,9 @@ def render(model, q=None, *, size=(1280, 800), scale=1.0, theme="light", view=No
     """
     with tempfile.TemporaryDirectory() as folder:
         picture = Path(folder) / "picture.ppm"
-        scene = _write_scene(model, q, folder, handles)
+        scene = _write_scene(model, q, folder, handles, theme)
         words = [program(), "render", str(scene), "-o", str(picture), "--size", f"{size[0]}x{size[1]}", "--scale", str(scale),
-                 "--theme", theme, "--zoom", str(zoom)]
+                 "--zoom", str(zoom)]
         for flag, wanted in (("--bones", bones), ("--wireframe", wireframe), ("--no-ground", not ground),
                              ("--no-shadow", not shadow)):
             words += [flag] * bool(wanted)
