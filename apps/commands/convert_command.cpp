@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "apps/commands/baked_skin.h"
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
@@ -8,7 +9,6 @@
 #include "apps/document/session.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/skeleton_transform.h"
-#include "skinning/io/baked_gltf.h"
 #include "skinning/io/obj.h"
 
 namespace gelenk {
@@ -53,7 +53,7 @@ void convertMesh(const Request& request) {
 }
 
 /// The model of a scene in the scene's pose, with the weights that were edited there.
-Imported importScene(const Request& request) {
+Imported importScene(const Request& request, std::shared_ptr<const MuscleSettings>& muscles) {
   const Companions& files = request.companions;
   if (!request.unitIn.empty() || request.upIn != "y" || request.fps > 0.0 || request.bvhPositions != "auto" ||
       files != Companions{})
@@ -63,13 +63,14 @@ Imported importScene(const Request& request) {
   const Session session(model, std::move(document));
   Imported imported{.model = *model};
   if (session.skin()) imported.model.skin = *session.skin();
-  imported.model.skinning = session.document().skin;
+  imported.model.skinning = chosenSkin(session.document());
+  muscles = session.edits().muscles;
   imported.model.clip = MotionClip{.framesPerSecond = 30.0, .q = session.q()};
   return imported;
 }
 
-Imported importRequested(const Request& request) {
-  if (isScene(request.in)) return importScene(request);
+Imported importRequested(const Request& request, std::shared_ptr<const MuscleSettings>& muscles) {
+  if (isScene(request.in)) return importScene(request, muscles);
   ImportOptions options{.zUp = request.upIn == "z"};
   if (!request.unitIn.empty()) options.metresPerUnit = metresPerUnit(request.unitIn);
   if (request.fps > 0.0) options.framesPerSecond = request.fps;
@@ -79,36 +80,19 @@ Imported importRequested(const Request& request) {
   return importFiles(request.in, request.companions, options);
 }
 
-/// The vertices of every frame instead of bones and weights.
-void writeBaked(const Model& model, const Request& request) {
-  if (!model.skin)
-    throw std::invalid_argument("'" + request.in + "' has no body whose vertices could be written");
-  const MotionClip pose{.framesPerSecond = 30.0, .q = model.skeleton.rest()};
-  const MotionClip clip = model.clip.value_or(pose);
-  const PreparedSkin prepared = prepareSkin(*model.skin, model.skinning, model.skeleton, bindFrames(model));
-  writeBakedGltf(request.out, model.skin->mesh, clip.frameCount(), clip.framesPerSecond, [&](int frame) {
-    const Eigen::VectorXd q = clip.q.col(frame);
-    return blendSkin(prepared, forwardKinematics(model.skeleton, q), &q);
-  });
-  sayNotes(request.in, model.notes);
-  fmt::print("{}: {} vertices by {}, {} frame{} at {:.6g} Hz\n", request.out,
-             model.skin->mesh.positions.size(), toString(model.skinning), clip.frameCount(),
-             clip.frameCount() == 1 ? "" : "s", clip.framesPerSecond);
-}
-
 void run(const Request& request) {
   const auto kind = fileKind(request.out);
   if (!kind)
     throw std::invalid_argument("cannot tell the format of '" + request.out +
                                 "'; known extensions: " + knownExtensions());
-  if (request.bake && (kind != FileKind::Gltf || !request.out.ends_with(".glb")))
-    throw std::invalid_argument("--bake-skin writes a .glb, not '" + request.out + "'");
   if (request.bake && request.frame > 0)
     throw std::invalid_argument("--bake-skin writes all frames; leave --frame away, or write one as .obj");
   const auto from = fileKind(request.in);
   if (kind == FileKind::ObjMesh && isMesh(from) && request.companions.skeleton.empty())
     return convertMesh(request);
-  Imported imported = importRequested(request);
+  ExportOptions options{
+      .frame = request.frame, .allMotions = request.companions.clip.empty(), .end = request.end};
+  Imported imported = importRequested(request, options.muscles);
   if (request.upOut == "z") {
     imported.model = rotated(std::move(imported.model),
                              Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())));
@@ -122,9 +106,10 @@ void run(const Request& request) {
     std::erase_if(imported.model.notes, [](const Note& note) { return note.kind == "several-motions"; });
   demandNoNotes(request.in, imported.model.notes);
   if (!request.skin.empty()) imported.model.skinning = parseSkinChoice(request.skin);
-  if (request.bake) return writeBaked(imported.model, request);
-  ExportOptions options{
-      .frame = request.frame, .allMotions = request.companions.clip.empty(), .end = request.end};
+  if (request.bake) {
+    sayNotes(request.in, imported.model.notes);
+    return writeBakedSkin(request.out, imported.model, options.muscles.get());
+  }
   if (!request.unitOut.empty()) options.metresPerUnit = metresPerUnit(request.unitOut);
   exportFile(request.out, imported, options);
   sayNotes(request.in, imported.model.notes);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/commands/baked_skin.h"
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/document/notes.h"
@@ -28,6 +29,8 @@ struct Request {
   bool footPlant = false;
   std::vector<std::string> feet;
   FootPlantOptions plant;
+  bool bake = false;
+  std::string skin;
 };
 
 std::vector<Foot> feetOf(const Skeleton& skeleton, const Request& request) {
@@ -69,8 +72,13 @@ void printChange(const Skeleton& skeleton, const MotionClip& before, const Motio
              1e3 * rest, 1e3 * any, where);
 }
 
-void write(const Request& request, const Imported& imported, const MotionClip& clip) {
-  const Model& model = imported.model;
+void write(const Request& request, Imported& imported, const MotionClip& clip) {
+  Model& model = imported.model;
+  if (request.bake) {
+    model.clip = clip;
+    if (!request.skin.empty()) model.skinning = parseSkinChoice(request.skin);
+    return writeBakedSkin(request.out, model);
+  }
   exportMotion(request.out, model.skeleton, model.skin ? &*model.skin : nullptr,
                model.clipName.empty() ? model.name : model.clipName, clip);
 }
@@ -155,7 +163,8 @@ void run(const Request& request) {
     clip = resampled(skeleton, clip, request.rate);
   if (!request.out.empty()) {
     write(request, imported, clip);
-    fmt::print("{}: {} frames at {:.6g} Hz\n", request.out, clip.frameCount(), clip.framesPerSecond);
+    if (!request.bake)
+      fmt::print("{}: {} frames at {:.6g} Hz\n", request.out, clip.frameCount(), clip.framesPerSecond);
   }
 }
 
@@ -213,6 +222,11 @@ void addMotionCommand(Command& app) {
       .positive()
       .showDefault();
   command.option("--fps", request->rate, "Resample to this frame rate").positive();
+  const Option bake = command.flag(
+      "--bake-skin", request->bake,
+      "Write the body's vertices of every frame to a .glb, for viewers that only know linear blending");
+  command.option("--skin", request->skin, "Skinning method of the vertices; default: the model's")
+      .needs(bake);
   command.run([request] { run(*request); });
 }
 

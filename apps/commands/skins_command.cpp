@@ -11,6 +11,7 @@
 #include "apps/commands/shaded_picture.h"
 #include "apps/commands/skins_report.h"
 #include "apps/document/model_files.h"
+#include "apps/document/muscle_settings.h"
 #include "apps/document/notes.h"
 #include "kinematics/io/text_file.h"
 
@@ -24,31 +25,39 @@ struct Options {
   std::vector<std::string> methods;
   std::string out = "skins";
   int pictureSize = 260;
-  bool withoutTimes = false, withoutPictures = false;
+  bool withoutTimes = false, withoutPictures = false, reference = false;
 };
 
-/// What stands in the table without being asked for.
-std::vector<std::string> standardMethods() {
-  return {"lbs",
-          "dqs",
-          "cor",
-          "lbs+twist",
-          "dqs+twist",
-          "cor+twist",
-          "lbs+smooth",
-          "dqs+twist+smooth",
-          "cor+twist+smooth"};
+/// What stands in the table without being asked for; layers where the body has limbs for them.
+std::vector<std::string> standardMethods(const Model& model) {
+  std::vector<std::string> methods{
+      "lbs",
+      "dqs",
+      "cor",
+      "lbs+twist",
+      "dqs+twist",
+      "cor+twist",
+      "lbs+smooth",
+      "dqs+twist+smooth",
+      "cor+twist+smooth",
+  };
+  if (!limbsOf(model).empty())
+    methods.insert(methods.end(),
+                   {"lbs+layers", "cor+twist+smooth+layers", "cor+twist+smooth+layers=muscle"});
+  return methods;
 }
 
 /// All columns of a method over all poses.
 struct Summary {
   int pairs = 0;
   double crease = 0.0, section = 0.0, worst = 1.0, volume = 0.0, normalMean = 0.0, normalMost = 0.0;
+  double volumeOff = 0.0, distance = 0.0;  ///< means over the poses that the reference counts in
+  int compared = 0;
 };
-Summary summarise(const SkinComparison& comparison, const std::string& method) {
+Summary summarise(const std::vector<SkinCell>& cells, const std::string& method) {
   Summary sum;
   int count = 0, sections = 0;
-  for (const SkinCell& c : comparison.cells) {
+  for (const SkinCell& c : cells) {
     if (c.method != method) continue;
     ++count;
     sum.pairs += c.pairs;
@@ -58,13 +67,22 @@ Summary summarise(const SkinComparison& comparison, const std::string& method) {
     sum.normalMost = std::max(sum.normalMost, c.normalMost);
     if (!c.pose.starts_with("neck") && !c.pose.starts_with("spine")) sum.section += c.section, ++sections;
     sum.worst = std::min(sum.worst, c.section);
+    if (c.volumeOff && c.distance) ++sum.compared, sum.volumeOff += *c.volumeOff, sum.distance += *c.distance;
   }
   if (count > 0) sum.crease /= count, sum.volume /= count, sum.normalMean /= count;
+  if (sum.compared > 0) sum.volumeOff /= sum.compared, sum.distance /= sum.compared;
   sum.section = sections > 0 ? sum.section / sections : 1.0;
   return sum;
 }
 
 std::string pictureName(const std::string& method) { return method + ".png"; }
+
+std::string offText(const Summary& s) {
+  return s.compared > 0 ? fmt::format("{:.1f} %", 100.0 * s.volumeOff) : "-";
+}
+std::string distanceText(const Summary& s) {
+  return s.compared > 0 ? fmt::format("{:.2f} mm", 1e3 * s.distance) : "-";
+}
 
 std::string page(const SkinComparison& comparison, const SkinTrials& trials, const std::string& model,
                  bool pictures) {
@@ -82,13 +100,16 @@ std::string page(const SkinComparison& comparison, const SkinTrials& trials, con
       "against the "
       "triangles', degrees, mean and the largest 95 % of a pose. Time: of the plain linear blend, with "
       "normals by the "
-      "gradients of the weights and with cheap ones.</p>\n<table><tr><th>method<th>pairs<th>crease<th>section"
-      "<th>worst<th>volume<th>normals<th>95 %<th>time<th>cheap<th>bytes<th>prepared<th>step</tr>\n",
+      "gradients of the weights and with cheap ones. |dV| and distance: from the elastic reference, means "
+      "over the poses in which it does not run through itself.</p>\n<table><tr><th>method<th>pairs<th>crease"
+      "<th>section<th>worst<th>volume<th>|dV|<th>distance<th>normals<th>95 "
+      "%<th>time<th>cheap<th>bytes<th>prepared<th>step</tr>\n",
       model, trials.poses.size());
   for (const SkinCost& cost : comparison.costs) {
-    const Summary s = summarise(comparison, cost.method);
-    html += fmt::format("<tr><td>{}<td>{}<td>{:.1f}<td>{:.2f}<td>{:.2f}<td>{:.1f} %<td>{:.2f}<td>{:.2f}",
-                        cost.method, s.pairs, s.crease, s.section, s.worst, 100.0 * s.volume, s.normalMean,
+    const Summary s = summarise(comparison.cells, cost.method);
+    html += fmt::format("<tr><td>{}<td>{}<td>{:.1f}<td>{:.2f}<td>{:.2f}<td>{:.1f} %", cost.method, s.pairs,
+                        s.crease, s.section, s.worst, 100.0 * s.volume);
+    html += fmt::format("<td>{}<td>{}<td>{:.2f}<td>{:.2f}", offText(s), distanceText(s), s.normalMean,
                         s.normalMost);
     html += cost.timesLbs > 0.0 ? fmt::format("<td>{:.2f}<td>{:.2f}", cost.timesLbs, cost.timesLbsCheap)
                                 : "<td><td>";
@@ -98,8 +119,10 @@ std::string page(const SkinComparison& comparison, const SkinTrials& trials, con
   html +=
       "</table>\n<h2>Pose by "
       "pose</h2>\n<table><tr><th>pose<th>method<th>pairs<th>crease<th>section<th>volume</tr>\n";
+  std::vector<SkinCell> cells = comparison.reference;
+  cells.insert(cells.end(), comparison.cells.begin(), comparison.cells.end());
   for (const SkinPoseCase& pose : trials.poses)
-    for (const SkinCell& c : comparison.cells)
+    for (const SkinCell& c : cells)
       if (c.pose == pose.name)
         html += fmt::format("<tr><td>{}<td>{}<td>{}<td>{:.1f}<td>{:.2f}<td>{:+.1f} %</tr>\n", c.pose,
                             c.method, c.pairs, c.crease, c.section, 100.0 * c.volume);
@@ -148,16 +171,16 @@ class Sheets {
 };
 
 void print(const SkinComparison& comparison) {
-  fmt::print("{:<22} {:>6} {:>7} {:>8} {:>6} {:>8} {:>8} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8}\n", "method",
-             "pairs", "crease", "section", "worst", "|volume|", "normals", "95 %", "time", "cheap", "bytes",
-             "prepared", "step");
+  fmt::print("{:<31} {:>6} {:>7} {:>8} {:>6} {:>8} {:>6} {:>8} {:>8} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8}\n",
+             "method", "pairs", "crease", "section", "worst", "|volume|", "|dV|", "distance", "normals",
+             "95 %", "time", "cheap", "bytes", "prepared", "step");
   for (const SkinCost& cost : comparison.costs) {
-    const Summary s = summarise(comparison, cost.method);
+    const Summary s = summarise(comparison.cells, cost.method);
     fmt::print(
-        "{:<22} {:>6} {:>7.1f} {:>8.3f} {:>6.2f} {:>6.1f} % {:>8.2f} {:>6.2f} {:>6} {:>6} {:>6} {:>7.2f} s "
-        "{:>8}\n",
-        cost.method, s.pairs, s.crease, s.section, s.worst, 100.0 * s.volume, s.normalMean, s.normalMost,
-        cost.timesLbs > 0.0 ? fmt::format("{:.2f}", cost.timesLbs) : "-",
+        "{:<31} {:>6} {:>7.1f} {:>8.3f} {:>6.2f} {:>6.1f} % {:>6} {:>8} {:>8.2f} {:>6.2f} {:>6} {:>6} {:>6} "
+        "{:>7.2f} s {:>8}\n",
+        cost.method, s.pairs, s.crease, s.section, s.worst, 100.0 * s.volume, offText(s), distanceText(s),
+        s.normalMean, s.normalMost, cost.timesLbs > 0.0 ? fmt::format("{:.2f}", cost.timesLbs) : "-",
         cost.timesLbs > 0.0 ? fmt::format("{:.2f}", cost.timesLbsCheap) : "-", cost.bytes,
         cost.prepareSeconds, cost.largestStep < 0.0 ? "-" : fmt::format("{:.2f} mm", cost.largestStep));
   }
@@ -165,11 +188,12 @@ void print(const SkinComparison& comparison) {
 
 void run(const Options& options) {
   std::vector<SkinChoice> methods;
-  for (const std::string& text : options.methods.empty() ? standardMethods() : options.methods)
-    methods.push_back(parseSkinChoice(text));
+  for (const std::string& text : options.methods) methods.push_back(parseSkinChoice(text));
   const Model model = importFiles(options.model, options.files).model;
   sayNotes(options.model, model.notes);
   if (!model.skin) throw std::runtime_error("model '" + model.name + "' has no skin to deform");
+  if (methods.empty())
+    for (const std::string& text : standardMethods(model)) methods.push_back(parseSkinChoice(text));
   SkinTrials trials;
   if (options.poses == "standard") {
     trials = standardTrials(model);
@@ -192,7 +216,7 @@ void run(const Options& options) {
   Sheets sheets(trials, options.pictureSize);
   const bool terminal = isatty(STDERR_FILENO);
   const SkinComparison comparison = compareSkins(
-      model, methods, trials, !options.withoutTimes,
+      model, methods, trials, !options.withoutTimes, options.reference,
       [&](double share, const std::string& what) {
         if (terminal) fmt::print(stderr, "\r{:3.0f} % {:<60}", 100.0 * share, what);
       },
@@ -200,7 +224,9 @@ void run(const Options& options) {
         if (!options.withoutPictures) sheets.add(toString(choice), pose, mesh, at);
       });
   if (terminal) fmt::print(stderr, "\r{:<70}\r", "");
-  writeFile(options.out + "/poses.csv", toCsv(comparison.cells));
+  std::vector<SkinCell> cells = comparison.reference;
+  cells.insert(cells.end(), comparison.cells.begin(), comparison.cells.end());
+  writeFile(options.out + "/poses.csv", toCsv(cells));
   writeFile(options.out + "/methods.csv", toCsv(comparison.costs));
   writeFile(options.out + "/index.html", page(comparison, trials, model.name, !options.withoutPictures));
   sheets.write(options.out);
@@ -222,13 +248,16 @@ void addSkinsCommand(Command& app) {
   command.option("--poses", options->poses, "standard, or a motion of the same skeleton").showDefault();
   command
       .option("--method", options->methods,
-              "What is compared, e.g. lbs,cor+twist+smooth,ddm-v2; default: lbs, dqs and cor in their "
+              "What is compared, e.g. lbs,cor+twist+smooth+layers,ddm-v2; default: lbs, dqs and cor in their "
               "combinations")
       .commas();
   command.option("-o,--out", options->out, "Folder for table, page and pictures").showDefault();
   command.option("--picture-size", options->pictureSize, "Pixels of a pose in the sheets")
       .range(32, 2000)
       .showDefault();
+  command.flag("--reference", options->reference,
+               "Compute the flesh as an elastic continuum too, and how far volumes and surfaces are from it; "
+               "takes minutes");
   command.flag("--no-times", options->withoutTimes, "Leave out times and largest steps");
   command.flag("--no-pictures", options->withoutPictures, "Leave out the sheets of pictures");
   command.run([options] { run(*options); });

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 
+#include "apps/document/chosen_skin.h"
 #include "kinematics/motion/joint_matching.h"
 #include "kinematics/rotation.h"
 #include "skinning/blend/limb_chains.h"
@@ -72,6 +74,7 @@ class TrialMaker {
       if (limb.left) limb.arm ? arm(limb) : leg(limb);
     trunk("neck", {"neck"}, {{0, 40}, {1, 40}});
     trunk("spine", {"spine1", "spine", "chest"}, {{0, 40}, {1, 60}});
+    rigidBones();
     return std::move(trials_);
   }
 
@@ -109,9 +112,26 @@ class TrialMaker {
            double radius, std::vector<int> bones) {
     trials_.poses.push_back({.name = std::move(name),
                              .frames = turned(model_.skeleton, rest_, joint, axis, angle),
+                             .turn = {joint, axis, angle},
                              .centre = centre,
                              .radius = radius,
                              .bones = std::move(bones)});
+  }
+  /// From joint to joint; where a joint has none after it, half of the bone before it further on.
+  void rigidBones() {
+    const Skeleton& skeleton = model_.skeleton;
+    std::vector<char> carries(skeleton.jointCount(), 0);
+    const auto bone = [&](int joint, const Vector3d& head, const Vector3d& end) {
+      if ((end - head).norm() > 1e-6) trials_.rigid.push_back({joint, head, end});
+    };
+    for (int j = 0; j < skeleton.jointCount(); ++j)
+      if (const int parent = skeleton.parent(j); parent >= 0) {
+        carries[parent] = 1;
+        bone(parent, at(parent), at(j));
+      }
+    for (int j = 0; j < skeleton.jointCount(); ++j)
+      if (const int parent = skeleton.parent(j); parent >= 0 && !carries[j])
+        bone(j, at(j), at(j) + 0.5 * (at(j) - at(parent)));
   }
   double length(const LimbChain& limb, int bone) const {
     return (at(limb.joints[bone + 1]) - at(limb.joints[bone])).norm();
@@ -139,6 +159,8 @@ class TrialMaker {
     for (const double twist : {80.0, 170.0})
       add(fmt::format("hand twist {:.0f}", twist), hand, along(limb, 1), twist * degree,
           0.5 * (at(elbow) + at(hand)), 0.6 * length(limb, 1), {bones[1]});
+    for (SkinPoseCase& pose : trials_.poses)
+      if (pose.name.find(" twist ") != std::string::npos) pose.freeBone = elbow;
     for (const double twist : {45.0, 90.0})
       add(fmt::format("upper arm twist {:.0f}", twist), shoulder, along(limb, 0), twist * degree,
           0.5 * (at(shoulder) + at(elbow)), 0.6 * length(limb, 0), {bones[0]});
@@ -203,7 +225,7 @@ double median(std::vector<double> values) {
 }
 
 /// The forearm turned about its bone by a coordinate that is known.
-double largestStep(const Model& model, const PreparedSkin& prepared) {
+double largestStep(const Model& model, const ChosenSkin& skin) {
   const Frames rest = bindFrames(model);
   const std::vector<LimbChain> limbs = limbChains(model.skeleton);
   const auto arm =
@@ -211,17 +233,24 @@ double largestStep(const Model& model, const PreparedSkin& prepared) {
   if (arm == limbs.end()) return -1.0;
   const int elbow = arm->joints[1];
   const Vector3d axis = (rest[arm->joints[2]].translation() - rest[elbow].translation()).normalized();
-  PreparedSkin known = prepared;  // the joint's coordinate, whatever the joint is: q[0] is the twist
+  TwistCoordinate twist = coordinateAbout(model.skeleton, rest, elbow, axis);
+  if (twist.index < 0 && skin.layered()) return -1.0;
+  Eigen::VectorXd q = model.skeleton.rest();
+  if (twist.index < 0) twist = {.index = 0, .rest = q[0]};  // as if the joint had one
+  PreparedSkin known = skin.prepared();
   for (TwistBone& bone : known.spread.bones)
-    bone.own = bone.joint == elbow ? TwistCoordinate{.index = 0} : TwistCoordinate{}, bone.ofChild = {};
+    bone.own = bone.joint == elbow ? twist : TwistCoordinate{}, bone.ofChild = {};
   SkinnedVertices before, now;
   double largest = 0.0;
-  const double step = prepared.method->kind == SkinMethodKind::DeltaMush ? 1.0 : 0.1;
+  const double step = known.method->kind == SkinMethodKind::DeltaMush ? 1.0 : 0.1;
   for (int i = 0; i <= static_cast<int>(400.0 / step); ++i) {
-    Eigen::VectorXd q(1);
-    q[0] = (-200.0 + step * i) * degree;
-    blendSkin(known, poseBones(known, turned(model.skeleton, rest, elbow, axis, q[0]), &q), now,
-              SkinNormals::Cheap);
+    const double angle = (-200.0 + step * i) * degree;
+    q[twist.index] = twist.rest + twist.sign * angle;
+    const Frames frames = turned(model.skeleton, rest, elbow, axis, angle);
+    if (skin.layered())
+      skin.pose(frames, &q, now, SkinNormals::Cheap);
+    else
+      blendSkin(known, poseBones(known, frames, &q), now, SkinNormals::Cheap);
     for (std::size_t v = 0; v < before.positions.size(); ++v)
       largest = std::max(largest, (now.positions[v] - before.positions[v]).norm());
     std::swap(before, now);
@@ -229,34 +258,97 @@ double largestStep(const Model& model, const PreparedSkin& prepared) {
   return 1e3 * largest * 0.1 / step;
 }
 
-SkinCell measure(const PreparedSkin& prepared, const SkinPoseCase& pose,
-                 const std::vector<std::vector<SkinSection>>& sections, const MeshEdges& edges,
-                 const std::vector<double>& restAngles, int restPairs, SkinnedVertices& at) {
-  const Mesh& mesh = prepared.skin.mesh;
-  blendSkin(prepared, poseBones(prepared, pose.frames, pose.q.size() ? &pose.q : nullptr), at);
+/// What every pose is measured against, made once for a body.
+struct Ruler {
+  const Mesh& mesh;
+  MeshEdges edges = innerEdges(mesh);
+  std::vector<double> restAngles = edgeAngles(edges, mesh.positions);
+  std::vector<std::vector<SkinSection>> sections = {};  ///< of each bone
+  SurfaceDistance distance{mesh};
+
+  std::vector<std::array<int, 3>> trianglesOf(const SkinPoseCase& pose) const {
+    std::vector<std::array<int, 3>> part;
+    for (const auto& t : mesh.triangles)
+      if (std::ranges::all_of(t, [&](int v) { return isInPart(pose, v); })) part.push_back(t);
+    return part;
+  }
+  bool isInPart(const SkinPoseCase& pose, int v) const {
+    return (mesh.positions[v] - pose.centre).norm() < pose.radius;
+  }
+};
+
+/// The elastic flesh in a pose.
+struct Reference {
+  SkinCell cell;
+  std::vector<Vector3d> positions;  ///< of the part; elsewhere the bind pose's
+  bool valid = false;               ///< the part does not run through itself
+};
+
+SkinCell measure(const SkinPoseCase& pose, const Ruler& ruler, const std::vector<Vector3d>& positions,
+                 const std::vector<std::array<int, 3>>& triangles, int restPairs) {
   SkinCell cell{.pose = pose.name};
-  cell.pairs = static_cast<int>(selfIntersections(at.positions, mesh.triangles).size()) - restPairs;
-  cell.crease = crease(restAngles, edgeAngles(edges, at.positions)) / degree;
+  cell.pairs = static_cast<int>(selfIntersections(positions, triangles).size()) - restPairs;
+  cell.crease = crease(ruler.restAngles, edgeAngles(ruler.edges, positions)) / degree;
   for (const int b : pose.bones)
-    cell.section = std::min(cell.section, smallestSection(sections[b], at.positions));
-  const PartVolume part(mesh, pose.centre, pose.radius);
-  if (!part.empty()) cell.volume = part.volume(at.positions) / part.volume(mesh.positions) - 1.0;
-  const std::vector<double> errors = normalErrors(mesh, at.positions, at.normals);
+    cell.section = std::min(cell.section, smallestSection(ruler.sections[b], positions));
+  const PartVolume part(ruler.mesh, pose.centre, pose.radius);
+  if (!part.empty()) cell.volume = part.volume(positions) / part.volume(ruler.mesh.positions) - 1.0;
+  return cell;
+}
+
+void measureNormals(const PreparedSkin& prepared, const SkinPoseCase& pose, const SkinnedVertices& at,
+                    SkinCell& cell) {
+  const std::vector<double> errors = normalErrors(prepared.skin.mesh, at.positions, at.normals);
   std::vector<double> blended;
   for (std::size_t v = 0; v < errors.size(); ++v)
     if (prepared.skin.influences[v].weights[1] > 0.0 &&
-        (mesh.positions[v] - pose.centre).norm() < pose.radius)
+        (prepared.skin.mesh.positions[v] - pose.centre).norm() < pose.radius)
       blended.push_back(errors[v] / degree);
-  if (!blended.empty()) {
-    double sum = 0.0;
-    for (const double e : blended) sum += e;
-    cell.normalMean = sum / static_cast<double>(blended.size());
-    const auto most =
-        blended.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(blended.size() - 1));
-    std::nth_element(blended.begin(), most, blended.end());
-    cell.normalMost = *most;
+  if (blended.empty()) return;
+  double sum = 0.0;
+  for (const double e : blended) sum += e;
+  cell.normalMean = sum / static_cast<double>(blended.size());
+  const auto most =
+      blended.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(blended.size() - 1));
+  std::nth_element(blended.begin(), most, blended.end());
+  cell.normalMost = *most;
+}
+
+/// The flesh of every pose that turns a limb, in steps of at most six degrees; poses of one joint share it.
+std::vector<std::optional<Reference>> elasticReferences(
+    const Model& model, const SkinTrials& trials, const Ruler& ruler,
+    const std::function<void(double, const std::string&)>& progress) {
+  const Frames rest = bindFrames(model);
+  std::vector<std::optional<Reference>> all(trials.poses.size());
+  std::map<std::tuple<int, int, double>, std::unique_ptr<ElasticFlesh>> fleshes;
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    const SkinPoseCase& pose = trials.poses[p];
+    if (pose.turn.joint < 0 || pose.bones.empty()) continue;
+    progress(static_cast<double>(p) / static_cast<double>(all.size()), "elastic reference, " + pose.name);
+    std::vector<FleshBone> bones = trials.rigid;
+    std::erase_if(bones, [&](const FleshBone& bone) { return bone.joint == pose.freeBone; });
+    auto& flesh = fleshes[{pose.turn.joint, pose.freeBone, pose.radius}];
+    if (!flesh)
+      flesh = std::make_unique<ElasticFlesh>(ruler.mesh, bones, pose.centre, 1.5 * pose.radius + 0.03);
+    flesh->reset();
+    const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(pose.turn.angle) / (6.0 * degree))));
+    std::vector<Eigen::Isometry3d> motions(rest.size());
+    for (int i = 1; i <= steps; ++i) {
+      const Frames now =
+          turned(model.skeleton, rest, pose.turn.joint, pose.turn.axis, pose.turn.angle * i / steps);
+      for (std::size_t j = 0; j < rest.size(); ++j) motions[j] = now[j] * rest[j].inverse(Eigen::Isometry);
+      flesh->follow(motions, i < steps ? 8 : 80);
+    }
+    Reference& reference = all[p].emplace();
+    reference.positions = ruler.mesh.positions;
+    flesh->carry(reference.positions);
+    const auto triangles = ruler.trianglesOf(pose);
+    reference.cell = measure(pose, ruler, reference.positions, triangles,
+                             static_cast<int>(selfIntersections(ruler.mesh.positions, triangles).size()));
+    reference.cell.method = "elastic reference";
+    reference.valid = reference.cell.pairs <= 0;
   }
-  return cell;
+  return all;
 }
 
 }  // namespace
@@ -267,76 +359,91 @@ SkinTrials motionTrials(const Model& model, const MotionClip& clip, int count) {
 }
 
 SkinComparison compareSkins(const Model& model, const std::vector<SkinChoice>& methods,
-                            const SkinTrials& trials, bool timing,
+                            const SkinTrials& trials, bool timing, bool reference,
                             const std::function<void(double, const std::string&)>& progress,
                             const std::function<void(const SkinChoice&, const SkinPoseCase&, const Mesh&,
                                                      const SkinnedVertices&)>& picture) {
-  const Frames bound = bindFrames(model);
   const Mesh& mesh = model.skin->mesh;
-  const MeshEdges edges = innerEdges(mesh);
-  const std::vector<double> restAngles = edgeAngles(edges, mesh.positions);
+  Ruler ruler{.mesh = mesh};
   const int restPairs = static_cast<int>(selfIntersections(mesh.positions, mesh.triangles).size());
-  std::vector<std::vector<SkinSection>> sections;
-  for (const SkinBone& bone : trials.bones) sections.push_back(sectionsAlong(mesh, bone.head, bone.end, 19));
-  SkinComparison out{.methods = methods, .cells = {}, .costs = {}};
-  std::vector<PreparedSkin> prepared;
+  for (const SkinBone& bone : trials.bones)
+    ruler.sections.push_back(sectionsAlong(mesh, bone.head, bone.end, 19));
+  SkinComparison out{.methods = methods, .cells = {}, .costs = {}, .reference = {}};
+  std::vector<std::optional<Reference>> references(trials.poses.size());
+  if (reference) references = elasticReferences(model, trials, ruler, progress);
+  for (const auto& r : references)
+    if (r) out.reference.push_back(r->cell);
+  std::vector<ChosenSkin> skins;
   for (const SkinChoice& choice : methods) {
     SkinCost cost{.method = toString(choice), .bytes = skinMethod(choice.method).bytesAVertex};
     progress(0.0, "preparing " + cost.method);
-    cost.prepareSeconds =
-        seconds([&] { prepared.push_back(prepareSkin(*model.skin, choice, model.skeleton, bound)); });
+    cost.prepareSeconds = seconds([&] { skins.emplace_back(model, *model.skin, choice); });
+    if (skins.back().layered()) cost.bytes += 36;  // u, v, w, W, the rest normal, rows
     out.costs.push_back(cost);
   }
   const double all = static_cast<double>(methods.size() * trials.poses.size());
   SkinnedVertices at;
   for (std::size_t m = 0; m < methods.size(); ++m)
     for (std::size_t p = 0; p < trials.poses.size(); ++p) {
+      const SkinPoseCase& pose = trials.poses[p];
       progress(static_cast<double>(m * trials.poses.size() + p) / all,
-               out.costs[m].method + ", " + trials.poses[p].name);
-      SkinCell cell = measure(prepared[m], trials.poses[p], sections, edges, restAngles, restPairs, at);
+               out.costs[m].method + ", " + pose.name);
+      skins[m].pose(pose.frames, pose.q.size() ? &pose.q : nullptr, at);
+      SkinCell cell = measure(pose, ruler, at.positions, mesh.triangles, restPairs);
+      measureNormals(skins[m].prepared(), pose, at, cell);
       cell.method = out.costs[m].method;
+      if (const auto& r = references[p]; r && r->valid) {
+        cell.volumeOff = std::abs(cell.volume - r->cell.volume);
+        double sum = 0.0;
+        int count = 0;
+        for (int v = 0; v < static_cast<int>(at.positions.size()); ++v)
+          if (ruler.isInPart(pose, v))
+            sum += std::pow(ruler.distance.of(at.positions[v], v, r->positions), 2), ++count;
+        if (count > 0) cell.distance = std::sqrt(sum / count);
+      }
       out.cells.push_back(std::move(cell));
-      if (picture) picture(methods[m], trials.poses[p], mesh, at);
+      if (picture) picture(methods[m], pose, mesh, at);
     }
   if (!timing || trials.poses.empty()) return out;
 
-  const PreparedSkin lbs = prepareSkin(*model.skin, skinMethod(SkinMethodKind::Lbs));
   const SkinPoseCase& pose = trials.poses[trials.poses.size() / 2];
-  const auto run = [&](const PreparedSkin& skin, SkinNormals normals) {
-    const PosedBones bones = poseBones(skin, pose.frames);
-    return seconds([&] { blendSkin(skin, bones, at, normals); });
+  const auto run = [&](const ChosenSkin& skin, SkinNormals normals) {
+    return seconds([&] { skin.pose(pose.frames, nullptr, at, normals); });
   };
   constexpr int rounds = 25;
   std::vector<std::vector<double>> exact(methods.size()), cheap(methods.size());
-  std::vector<double> reference;
+  std::vector<double> plain;
   for (int round = 0; round < rounds; ++round) {
     progress(static_cast<double>(round) / rounds, "timing");
     // The plain linear blend of this program, positions and normals, is what others are compared with.
-    reference.push_back(seconds([&] { linearBlendSkin(*model.skin, pose.frames, at); }));
+    plain.push_back(seconds([&] { linearBlendSkin(*model.skin, pose.frames, at); }));
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const bool slow = methods[m].method == SkinMethodKind::DeltaMush && round > 2;  // a twentyfold solve
       if (slow) continue;
-      exact[m].push_back(run(prepared[m], SkinNormals::Gradients));
-      cheap[m].push_back(run(prepared[m], SkinNormals::Cheap));
+      exact[m].push_back(run(skins[m], SkinNormals::Gradients));
+      cheap[m].push_back(run(skins[m], SkinNormals::Cheap));
     }
   }
-  const double unit = median(reference);
+  const double unit = median(plain);
   for (std::size_t m = 0; m < methods.size(); ++m) {
     progress(static_cast<double>(m) / static_cast<double>(methods.size()), "steps of " + out.costs[m].method);
     out.costs[m].timesLbs = median(exact[m]) / unit;
     out.costs[m].timesLbsCheap = median(cheap[m]) / unit;
     out.costs[m].nanoseconds = 1e9 * median(cheap[m]) / static_cast<double>(mesh.positions.size());
-    out.costs[m].largestStep = largestStep(model, prepared[m]);
+    out.costs[m].largestStep = largestStep(model, skins[m]);
   }
   return out;
 }
 
 std::string toCsv(const std::vector<SkinCell>& cells) {
   std::string csv =
-      "method,pose,pairs,crease_deg,smallest_section,volume_change,normal_mean_deg,normal_95_deg\n";
+      "method,pose,pairs,crease_deg,smallest_section,volume_change,normal_mean_deg,normal_95_deg,"
+      "volume_off_reference,distance_to_reference_mm\n";
   for (const SkinCell& c : cells)
-    csv += fmt::format("{},{},{},{:.3f},{:.4f},{:.5f},{:.3f},{:.3f}\n", c.method, c.pose, c.pairs, c.crease,
-                       c.section, c.volume, c.normalMean, c.normalMost);
+    csv += fmt::format("{},{},{},{:.3f},{:.4f},{:.5f},{:.3f},{:.3f},{},{}\n", c.method, c.pose, c.pairs,
+                       c.crease, c.section, c.volume, c.normalMean, c.normalMost,
+                       c.volumeOff ? fmt::format("{:.5f}", *c.volumeOff) : "",
+                       c.distance ? fmt::format("{:.3f}", 1e3 * *c.distance) : "");
   return csv;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/document/model.h"
+#include "skinning/blend/elastic_flesh.h"
 #include "skinning/blend/skin_choice.h"
 
 namespace gelenk {
@@ -13,6 +15,14 @@ namespace gelenk {
 struct SkinPoseCase {
   std::string name;  ///< "elbow 90"
   Frames frames;
+  /// What was turned since the bind pose, with all below it, about a world axis through it.
+  struct Turn {
+    int joint = -1;
+    Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+    double angle = 0.0;  ///< radians
+  } turn = {};
+  /// The joint of a bone whose shaft does not hold the flesh: radius and ulna cross where a forearm twists.
+  int freeBone = -1;
   Eigen::VectorXd q = {};  ///< where the pose comes from a motion; empty: no coordinates are known
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the joint that moves, at rest
   double radius = 0.0;                               ///< of the part whose volume counts, metres
@@ -25,6 +35,7 @@ struct SkinBone {
 };
 struct SkinTrials {
   std::vector<SkinBone> bones;
+  std::vector<FleshBone> rigid = {};  ///< of the whole skeleton, for the elastic reference
   std::vector<SkinPoseCase> poses;
 };
 
@@ -43,6 +54,9 @@ struct SkinCell {
   double section = 1.0;                       ///< smallest, of rest
   double volume = 0.0;                        ///< change of the part's, of rest
   double normalMean = 0.0, normalMost = 0.0;  ///< degrees, mean and 95 % of vertices of several bones
+  /// Against the elastic reference, where there is one and it does not run through itself: difference of the
+  /// volume changes, and rms distance of the part's vertices to its surface, metres.
+  std::optional<double> volumeOff, distance;
 };
 /// Costs of a method, of the model as a whole.
 struct SkinCost {
@@ -59,11 +73,13 @@ struct SkinComparison {
   std::vector<SkinChoice> methods;
   std::vector<SkinCell> cells;
   std::vector<SkinCost> costs;
+  std::vector<SkinCell> reference;  ///< the elastic flesh's own, where it was asked for
 };
 
-/// progress: share done and what is being done.
+/// timing: measure costs too. reference: compute the elastic reference of every pose that turns a limb, and
+/// compare with it (minutes). progress: share done and what is being done.
 SkinComparison compareSkins(const Model& model, const std::vector<SkinChoice>& methods,
-                            const SkinTrials& trials, bool timing,
+                            const SkinTrials& trials, bool timing, bool reference,
                             const std::function<void(double, const std::string&)>& progress,
                             const std::function<void(const SkinChoice&, const SkinPoseCase&, const Mesh&,
                                                      const SkinnedVertices&)>& picture = {});

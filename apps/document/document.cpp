@@ -2,6 +2,7 @@
 
 #include <array>
 #include <stdexcept>
+#include <utility>
 
 namespace gelenk {
 
@@ -43,6 +44,32 @@ bool ViewOptions::*viewOption(const std::string& name) {
     known += (known.empty() ? "" : ", ") + std::string(word);
   }
   throw std::invalid_argument("'" + name + "' cannot be shown; there are: " + known);
+}
+
+void chooseSkin(Document& document, const Model& model, SkinChoice choice) {
+  const SkinLayers layers = std::exchange(choice.layers, SkinLayers::None);
+  if (layers != SkinLayers::None) {
+    if (!document.edits.muscles)
+      throw std::invalid_argument("'" + model.name +
+                                  "' has no limb of a known name (upperarm_l, lowerarm_l, hand_l, ...) that "
+                                  "could carry layers");
+    MuscleSettings settings = *document.edits.muscles;
+    settings.enabled = true;
+    if (layers == SkinLayers::Volumes) {
+      const std::vector<Limb> limbs = limbsOf(model);
+      for (std::size_t l = 0; l < limbs.size(); ++l)
+        settings.limbs[l].second.control = noMuscleControl(limbs[l]);
+    }
+    document.edits.muscles = std::make_shared<MuscleSettings>(std::move(settings));
+  }
+  document.skin = choice;
+}
+
+SkinChoice chosenSkin(const Document& document) {
+  SkinChoice choice = document.skin;
+  const auto& muscles = document.edits.muscles;
+  if (muscles && muscles->enabled) choice.layers = SkinLayers::Muscles;
+  return choice;
 }
 
 Document newDocument(const Model& model, ModelReference reference) {

@@ -148,4 +148,10 @@ struct Document {
 /// distance. No goals yet: Session makes the handles.
 Document newDocument(const Model& model, ModelReference reference);
 
+/// How the skin is drawn from now on; layers that the choice has are switched on, as volumes alone or with
+/// the muscles that the document has. Throws std::invalid_argument where the model has no limb for them.
+void chooseSkin(Document& document, const Model& model, SkinChoice choice);
+/// The document's choice, with the layers that are switched on.
+SkinChoice chosenSkin(const Document& document);
+
 }  // namespace gelenk

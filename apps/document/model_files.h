@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,12 +77,16 @@ struct Imported {
 Imported importFiles(const std::string& nameOrFile, const Companions& companions = {},
                      const ImportOptions& options = {});
 
+struct MuscleSettings;
+
 /// What a file to be written shall hold of a model.
 struct ExportOptions {
   std::optional<double> metresPerUnit = {};  ///< default: the format's own
   int frame = 0;                             ///< from 1; 0: the whole motion, or the rest pose
   bool allMotions = true;                    ///< of a model that has several, where the format holds them
   std::string end = {};                      ///< last joint of the chain that a DH table shall hold
+  /// Of a posed body whose skinning has layers; null: the limbs' defaults.
+  std::shared_ptr<const MuscleSettings> muscles = {};
 };
 
 /// Writes the format of the path's extension; what it cannot hold is told in imported's notes. Throws

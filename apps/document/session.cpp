@@ -7,10 +7,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "apps/document/chosen_skin.h"
 #include "apps/document/limb.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 #include "kinematics/symmetry.h"
+#include "skinning/io/skin_cache.h"
 #include "solvers/iteration/attempt.h"
 #include "solvers/problem/goal_text.h"
 #include "solvers/problem/support.h"
@@ -61,6 +63,13 @@ std::vector<int> endEffectors(const Skeleton& skeleton) {
 }
 
 }  // namespace
+
+struct Session::DrawnSkin {
+  SkinChoice choice;
+  int version;  ///< of the weights
+  std::shared_ptr<const MuscleSettings> settings;
+  ChosenSkin skin;
+};
 
 Session::Session(Model model) : Session(std::make_shared<const Model>(std::move(model)), ModelReference{}) {
   document_.model.nameOrFile = model_->name;
@@ -244,30 +253,59 @@ std::optional<GoalId> Session::findGoal(const std::string& name) const {
   return std::nullopt;
 }
 
-Eigen::Vector3d Session::blendedPoint(const SurfacePoint& point) const {
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
-  for (int corner = 0; corner < 3; ++corner) {
-    const int v = skin_->mesh.triangles[point.triangle][corner];
-    const Influences& influences = skin_->influences[v];
-    for (int k = 0; k < 4; ++k)
-      if (influences.weights[k] > 0.0)
-        p += point.barycentric[corner] * influences.weights[k] *
-             (frames_[influences.joints[k]] *
-              (skin_->jointFromRestWorld[influences.joints[k]] * skin_->mesh.positions[v]));
+const ChosenSkin& Session::drawnSkin() const {
+  SkinChoice choice = chosenSkin(document_);
+  const auto& settings = edits().muscles;
+  if (drawn_ && drawn_->choice == choice && drawn_->version == weightsVersion_) {
+    if (drawn_->settings == settings) return drawn_->skin;
+    if (choice.layers == SkinLayers::None || sameProportions(*drawn_->settings, *settings)) {
+      drawn_->settings = settings;
+      if (settings) drawn_->skin.setControls(*settings);
+      return drawn_->skin;
+    }
   }
-  return p;
+  const std::string cache = weightsVersion_ == 0 ? cacheFolder() : "";
+  const auto make = [&](const SkinChoice& made) {
+    return ChosenSkin(*model_, *skin_, made, settings.get(), cache);
+  };
+  try {
+    drawn_ = std::make_unique<DrawnSkin>(DrawnSkin{choice, weightsVersion_, settings, make(choice)});
+  } catch (const std::invalid_argument&) {  // planes that cross: the picture shows no layers either
+    SkinChoice without = choice;
+    without.layers = SkinLayers::None;
+    drawn_ = std::make_unique<DrawnSkin>(DrawnSkin{choice, weightsVersion_, settings, make(without)});
+  }
+  return drawn_->skin;
 }
 
-/// The blended point moves in its joint's frame as the pose changes; solver and judge need it as a point
+Eigen::Vector3d Session::skinPoint(const SurfacePoint& point) const {
+  const std::array<int, 3>& corners = skin_->mesh.triangles[point.triangle];
+  SkinnedVertices at;
+  if (painting_) {
+    Skin three{.mesh = {}, .influences = {}, .jointFromRestWorld = skin_->jointFromRestWorld};
+    for (const int v : corners) {
+      three.mesh.positions.push_back(skin_->mesh.positions[v]);
+      three.mesh.normals.push_back(skin_->mesh.normals[v]);
+      three.influences.push_back(skin_->influences[v]);
+    }
+    linearBlendSkin(three, frames_, at);
+  } else {
+    drawnSkin().verticesOf(corners).pose(frames_, &q(), at, SkinNormals::Cheap);
+  }
+  return point.barycentric[0] * at.positions[0] + point.barycentric[1] * at.positions[1] +
+         point.barycentric[2] * at.positions[2];
+}
+
+/// The skin's point moves in its joint's frame as the pose changes; solver and judge need it as a point
 /// fixed to that joint.
 void Session::anchorSurfaceGoals() {
   for (SceneGoal& goal : document_.edits.goals)
     if (goal.surface.triangle >= 0)
-      goal.goal.pointInJoint = frames_[goal.goal.joint].inverse() * blendedPoint(goal.surface);
+      goal.goal.pointInJoint = frames_[goal.goal.joint].inverse() * skinPoint(goal.surface);
 }
 
 Eigen::Vector3d Session::reached(const SceneGoal& goal) const {
-  if (goal.surface.triangle >= 0) return blendedPoint(goal.surface);
+  if (goal.surface.triangle >= 0) return skinPoint(goal.surface);
   const GoalType& type = goalType(goal.goal.kind);
   return type.handleAtTarget ? goal.goal.target : type.reached(goal.goal, here());
 }

@@ -58,6 +58,8 @@ struct FrameSolve {
 struct JointGrip {
   int joint = 0;
 };
+class ChosenSkin;
+
 /// What a press takes: a goal, a joint's origin or a point of the skin, for which a goal is made.
 using Grip = std::variant<GoalId, JointGrip, SurfacePoint>;
 
@@ -84,6 +86,7 @@ class Session {
   const Edits& edits() const { return document_.edits; }
   View& view() { return document_.view; }
   SkinChoice& skinChoice() { return document_.skin; }
+  void chooseSkin(const SkinChoice& choice) { gelenk::chooseSkin(document_, *model_, choice); }
   Theme& theme() { return document_.theme; }
   Playback& playback() { return document_.playback; }
   LabSettings& lab() { return document_.lab; }
@@ -109,6 +112,8 @@ class Session {
   /// std::invalid_argument for a vertex that is not there.
   void changeWeights(const WeightChange& change);
   int weightsVersion() const { return weightsVersion_; }  ///< counts the changes
+  /// While weights are being painted the skin is a plain linear blend, which needs the least of it.
+  void setPainting(bool painting) { painting_ = painting; }
 
   // --- muscles and motion; remember() comes first, once a move of a slider
   void setMuscles(std::shared_ptr<const MuscleSettings> muscles) {
@@ -134,7 +139,8 @@ class Session {
   bool hasGoal(GoalId goal) const;
   const SceneGoal& goal(GoalId goal) const;
   std::optional<GoalId> findGoal(const std::string& name) const;
-  /// Where the goal's point is now, metres, world. Points of the skin by their blend.
+  /// Where the goal's point is now, metres, world. Points of the skin as the document's method and layers
+  /// carry them.
   Eigen::Vector3d reached(GoalId goal) const;
   /// What the judge says of the goal in the present pose; zero for a free handle.
   GoalError judged(GoalId goal) const;
@@ -243,13 +249,17 @@ class Session {
   void holdHere(SceneGoal& goal) const;
   GoalPlace here() const { return {skeleton(), q(), frames_}; }
   void updateSupport();
-  Eigen::Vector3d blendedPoint(const SurfacePoint& point) const;
+  Eigen::Vector3d skinPoint(const SurfacePoint& point) const;
+  const ChosenSkin& drawnSkin() const;
   void mirrorGoals(const Frames& before);
   bool restsOutOfReach(const IkProblem& problem);
 
   std::shared_ptr<const Model> model_;
   std::unique_ptr<Skin> skin_;
   int weightsVersion_ = 0, jumps_ = 0;
+  bool painting_ = false;
+  struct DrawnSkin;  ///< made when a point of the skin is first asked for
+  mutable std::unique_ptr<DrawnSkin> drawn_;
   Document document_;
   History<Edits> history_;
   Frames frames_;

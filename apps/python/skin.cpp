@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "apps/document/chosen_skin.h"
 #include "apps/document/model_files.h"
 #include "apps/document/muscle_settings.h"
 #include "apps/python/binding.h"
@@ -95,18 +96,24 @@ py::tuple withNormals(const SkinOf& self, py::handle frames) {
 /// A skin made ready for one of the skinning methods; stands alone.
 struct Blend {
   std::string choice;
-  PreparedSkin prepared;
+  ChosenSkin skin;
+  std::size_t vertices;
+  SkinnedVertices at(const Frames& frames) const {
+    SkinnedVertices out;
+    skin.pose(frames, nullptr, out);
+    return out;
+  }
 };
 
 Blend prepareBlend(const SkinOf& self, const std::string& text) {
   const SkinChoice choice = parseSkinChoice(text);
   const py::gil_scoped_release alone;
   const Model& model = self.model->model();
-  return {toString(choice), prepareSkin(self.skin(), choice, model.skeleton, bindFrames(model))};
+  return {toString(choice), ChosenSkin(model, self.skin(), choice), self.skin().mesh.positions.size()};
 }
 
 py::tuple blendWithNormals(const Blend& self, py::handle frames) {
-  SkinnedVertices out = blendSkin(self.prepared, framesOf(frames, self.prepared.skin.jointCount()));
+  SkinnedVertices out = self.at(framesOf(frames, self.skin.jointCount()));
   return py::make_tuple(pointsArray(std::move(out.positions)), pointsArray(std::move(out.normals)));
 }
 
@@ -123,8 +130,8 @@ void addBlends(py::module_& m) {
       .def(
           "__call__",
           [](const Blend& self, py::handle frames) {
-            return posed(frames, self.prepared.skin.jointCount(), self.prepared.skin.mesh.positions.size(),
-                         [&](const Frames& f, SkinnedVertices& out) { out = blendSkin(self.prepared, f); });
+            return posed(frames, self.skin.jointCount(), self.vertices,
+                         [&](const Frames& f, SkinnedVertices& out) { out = self.at(f); });
           },
           "frames"_a, "(vertices, 3), metres; (n, joints, 4, 4) gives (n, vertices, 3).")
       .def("with_normals", &blendWithNormals, "frames"_a, "(vertices, 3) and unit normals (vertices, 3).")

@@ -165,7 +165,7 @@ std::shared_ptr<const MuscleSettings> musclesOf(const Request& request, const Mo
 Session openRequested(const Request& request) {
   auto [model, document] = openDocument({.nameOrFile = request.input, .files = request.files});
   document.edits.q = poseOf(request, *model, document.edits.q);
-  if (!request.skin.empty()) document.skin = parseSkinChoice(request.skin);
+  if (!request.skin.empty()) chooseSkin(document, *model, parseSkinChoice(request.skin));
   document.edits.muscles = musclesOf(request, *model, document.edits.muscles);
   if (!request.theme.empty()) document.theme = request.theme == "dark" ? Theme::Dark : Theme::Light;
   ViewOptions& show = document.view.show;

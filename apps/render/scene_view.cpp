@@ -134,8 +134,8 @@ void SceneView::bind(const Session& session) {
   }
 }
 
-const std::vector<LimbPose>& SceneView::limbPoses() {
-  if (!limbsAreCurrent_) limbs_ = rig_ ? rig_->pose(frames_) : std::vector<LimbPose>{};
+const std::vector<LimbPose>& SceneView::limbPoses(const Session& session) {
+  if (!limbsAreCurrent_) limbs_ = rig_ ? rig_->pose(frames_, knownPose(session)) : std::vector<LimbPose>{};
   limbsAreCurrent_ = true;
   return limbs_;
 }
@@ -145,7 +145,7 @@ const SkinnedVertices& SceneView::surface(const Session& session) {
   if (!session.skin())
     surface_ = {};
   else if (rig_)
-    skinWithMuscles(*layered_, rig_->body(), frames_, limbPoses(), surface_, knownPose(session));
+    skinWithMuscles(*layered_, frames_, limbPoses(session), surface_, knownPose(session));
   else
     blendSkin(*prepared_, poseBones(*prepared_, frames_, knownPose(session)), surface_);
   surfaceIsCurrent_ = true;
@@ -172,8 +172,9 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
   if (show.skin || show.wireframe) {
     SkinnedMeshGl* mesh = mesh_.get();
     if (rig_) {
-      const Frames frames = withEnds(frames_, limbPoses());
-      poseSkin(*layered_, poseBones(layered_->outside, frames, knownPose(session)), limbPoses(), pose_);
+      const std::vector<LimbPose>& limbs = limbPoses(session);
+      const Frames frames = withEnds(frames_, limbs);
+      poseSkin(*layered_, poseBones(layered_->outside, frames, knownPose(session)), limbs, pose_);
       layeredMesh_->setSculpture(*rig_);
       mesh = layeredMesh_.get();
     } else {
@@ -224,6 +225,33 @@ SkinFacts SceneView::factsOf(const SkinChoice& choice, const SkinnedVertices& at
   return facts;
 }
 
+/// Anew where choice or weights changed; muscles that were set otherwise are taken over.
+void SceneView::prepareBeside(const Session& session, const SkinChoice& wanted, SkinBeside& beside) {
+  const auto& settings = session.edits().muscles;
+  const bool isCurrent = beside.choice == wanted && beside.version == session.weightsVersion();
+  if (isCurrent && (beside.settings == settings || wanted.layers == SkinLayers::None)) return;
+  const bool onlyControls =
+      isCurrent && beside.skin && settings && beside.settings && sameProportions(*beside.settings, *settings);
+  beside.settings = settings;
+  if (onlyControls) {
+    if (wanted.layers == SkinLayers::Muscles) beside.skin->setControls(*settings);
+    return;
+  }
+  beside.choice = wanted;
+  beside.version = session.weightsVersion();
+  beside.mesh.reset();
+  beside.skin.reset();
+  try {
+    beside.skin.emplace(session.model(), *session.skin(), wanted, settings.get());
+    beside.mesh = beside.skin->layered()
+                      ? std::make_unique<SkinnedMeshGl>(*beside.skin->layered(), beside.skin->rig()->body())
+                      : std::make_unique<SkinnedMeshGl>(beside.skin->prepared());
+  } catch (const std::invalid_argument& error) {
+    muscleFault_ = error.what();
+    beside.skin.reset();
+  }
+}
+
 /// Other methods in the same pose, each a step further to the side, coloured by the distance from the body's
 /// own skin: black none, yellow 20 mm.
 void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
@@ -245,22 +273,26 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
     const Eigen::Vector3d up = session.model().up;
     return Eigen::Vector3d(bounds_.center() - up.dot(bounds_.center()) * up + top + shift);
   };
-  skinFacts_.push_back(factsOf(session.document().skin, own, own));
+  SkinChoice shown = session.document().skin;
+  if (rig_) shown.layers = SkinLayers::Muscles;
+  skinFacts_.push_back(factsOf(shown, own, own));
   skinFacts_.back().above = above(Eigen::Vector3d::Zero());
   skinsBeside_.resize(wanted.size());
   SkinnedVertices at;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     SkinBeside& beside = skinsBeside_[i];
-    if (!beside.mesh || beside.choice != wanted[i] || beside.version != session.weightsVersion()) {
-      beside.choice = wanted[i];
-      beside.version = session.weightsVersion();
-      beside.prepared =
-          prepareSkin(*session.skin(), wanted[i], session.skeleton(), bindFrames(session.model()));
-      beside.mesh = std::make_unique<SkinnedMeshGl>(beside.prepared);
-    }
-    blendSkin(beside.prepared, poseBones(beside.prepared, frames_, knownPose(session)), at);
+    prepareBeside(session, wanted[i], beside);
+    if (!beside.skin) continue;
+    beside.skin->pose(frames_, knownPose(session), at);
     const Frames shifted = framesBeside(session, frames_, static_cast<double>(i + 1) * size_);
-    poseSkin(beside.prepared, poseBones(beside.prepared, shifted, knownPose(session)), beside.pose);
+    const Eigen::VectorXd* q = knownPose(session);
+    if (const LayeredSkin* layered = beside.skin->layered()) {
+      const std::vector<LimbPose> limbs = beside.skin->rig()->pose(shifted, q);
+      poseSkin(*layered, poseBones(layered->outside, withEnds(shifted, limbs), q), limbs, beside.pose);
+      beside.mesh->setSculpture(*beside.skin->rig());
+    } else {
+      poseSkin(beside.skin->prepared(), poseBones(beside.skin->prepared(), shifted, q), beside.pose);
+    }
     std::vector<float> distance(at.positions.size());
     for (std::size_t v = 0; v < distance.size(); ++v)
       distance[v] = static_cast<float>(std::min(1.0, (at.positions[v] - own.positions[v]).norm() / 0.02));
@@ -299,7 +331,7 @@ void SceneView::addMarks(const Session& session, const PictureExtras& extras, Re
   if (rig_ && settings_->lattice)
     for (std::size_t l = 0; l < rig_->body().limbs.size(); ++l)
       if (settings_->shownLimb.empty() || settings_->shownLimb == rig_->body().limbs[l].name)
-        addLattice(scene.overlayOnTop, limbPoses()[l],
+        addLattice(scene.overlayOnTop, limbPoses(session)[l],
                    {.connecting = colours.pinned,
                     .inner = colours.held,
                     .selectedPlane = extras.latticePlane,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/document/chosen_skin.h"
 #include "apps/document/session.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
@@ -71,7 +72,7 @@ class SceneView {
   const SkinnedVertices& surface(const Session& session);
   /// The bound muscle layers; nullptr: off.
   const MuscleRig* muscles() const { return rig_.get(); }
-  const std::vector<LimbPose>& limbPoses();
+  const std::vector<LimbPose>& limbPoses(const Session& session);
   /// Why the muscle layers that the document asks for are not there; empty: nothing is amiss.
   const std::string& muscleFault() const { return muscleFault_; }
 
@@ -94,10 +95,12 @@ class SceneView {
   struct SkinBeside {
     SkinChoice choice;
     int version = -1;  ///< of the weights
-    PreparedSkin prepared;
+    std::shared_ptr<const MuscleSettings> settings;
+    std::optional<ChosenSkin> skin;  ///< none: its layers cannot be
     std::unique_ptr<SkinnedMeshGl> mesh;
     SkinPose pose;
   };
+  void prepareBeside(const Session& session, const SkinChoice& wanted, SkinBeside& beside);
   void addSkinsBeside(const Session& session, RenderScene& scene);
   SkinFacts factsOf(const SkinChoice& choice, const SkinnedVertices& at, const SkinnedVertices& own) const;
   void prepare(const Session& session, bool stroke);

@@ -15,6 +15,7 @@
 #include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/skin_comparison.h"
 #include "apps/sandbox/work.h"
 #include "kinematics/configuration.h"
 #include "solvers/problem/judge.h"
@@ -145,6 +146,9 @@ class LabPanel final : public Panel {
     if (ImGui::Button("Start again")) runners_.clear();
     tooltip("All solvers go back to the pose of the session; displacements count from there.");
     if (lab_->compare) table(s);
+    if (!s.session->skin()) return;
+    heading(s, "SKINS SIDE BY SIDE");
+    drawSkinComparison(sandbox);
   }
 
   void drawBottomStrip(Sandbox& sandbox) override {

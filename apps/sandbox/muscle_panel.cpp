@@ -8,6 +8,7 @@
 #include "apps/document/muscle_settings.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/skin_comparison.h"
 
 namespace gelenk {
 namespace {
@@ -89,6 +90,8 @@ class MusclePanel final : public Panel {
     if (ImGui::Checkbox("LBS beside", &settings_.split)) look(sandbox);
     tooltip("Split view: the same pose with linear blend skinning alone, to the left.");
 
+    heading(s, "SIDE BY SIDE");
+    drawSkinComparison(sandbox);
     heading(s, "LIMB");
     limbChoice(sandbox);
     LimbSettings& limb = settings_.limbs[shownLimb_].second;
@@ -185,7 +188,7 @@ class MusclePanel final : public Panel {
     if (sandbox.state().shift) {
       const double angle = std::atan2(from.x() * to.y() - from.y() * to.x(),
                                       from.dot(to));  // clockwise on the screen: y points down
-      const FfdPlane& shown = sandbox.limbPoses()[shownLimb_].planes[6 * selectedLink_ + selectedPlane_];
+      const FfdPlane shown = sandbox.limbPoses()[shownLimb_].turnedPlane(6 * selectedLink_ + selectedPlane_);
       const Vector3d normal = shown.axes.col(0).cross(shown.axes.col(1));
       const double facing = normal.dot(sandbox.camera().axes().col(2)) > 0.0 ? -1.0 : 1.0;
       plane->stretch = Eigen::Rotation2Dd(facing * angle).toRotationMatrix() * dragged_->before.stretch;
@@ -213,7 +216,7 @@ class MusclePanel final : public Panel {
   }
 
   Vector2d fromCentre(Sandbox& sandbox, const Vector2d& pixel) const {
-    const FfdPlane& plane = sandbox.limbPoses()[shownLimb_].planes[6 * selectedLink_ + selectedPlane_];
+    const FfdPlane plane = sandbox.limbPoses()[shownLimb_].turnedPlane(6 * selectedLink_ + selectedPlane_);
     return pixel - sandbox.state().toWindow(plane.point(0.5, 0.5)).pixel;
   }
 

@@ -58,8 +58,9 @@ void recordPlots(Sandbox::State& s) {
 /// The picture's way follows what happened to the document and the pose.
 void followDocument(const Sandbox& sandbox) {
   const Sandbox::State& s = const_cast<Sandbox&>(sandbox).state();
-  s.view->follow(*s.session, sandbox.shownFrames(), !s.shownFrames || s.handlesOnShown,
-                 s.gesture.kind == Gesture::Kind::Tool);
+  const bool painting = s.gesture.kind == Gesture::Kind::Tool;
+  s.session->setPainting(painting);
+  s.view->follow(*s.session, sandbox.shownFrames(), !s.shownFrames || s.handlesOnShown, painting);
 }
 
 void renderView(Sandbox& sandbox) {
@@ -102,7 +103,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
     adopt(std::make_unique<Session>(std::move(model), reference), false);
     s.theme() = options.theme;
     s.session->setSolver(withParameters({options.solver}, options.settings).front());
-    if (!options.skin.empty()) s.session->skinChoice() = parseSkinChoice(options.skin);
+    if (!options.skin.empty()) s.session->chooseSkin(parseSkinChoice(options.skin));
   }
   if (isLecture || isSurface)
     for (const auto& panel : s.panels) panel->openFile(*this, options.model);
@@ -349,7 +350,7 @@ std::vector<Ghost>& Sandbox::ghosts() { return state_->extras.ghosts; }
 const MuscleRig* Sandbox::muscles() const { return state_->view->muscles(); }
 const std::vector<LimbPose>& Sandbox::limbPoses() const {
   followDocument(*this);
-  return state_->view->limbPoses();
+  return state_->view->limbPoses(*state_->session);
 }
 void Sandbox::markLattice(int plane, int point) {
   state_->extras.latticePlane = plane;

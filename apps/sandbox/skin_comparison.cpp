@@ -10,15 +10,26 @@
 namespace gelenk {
 namespace {
 
-/// What can be ticked: the methods plain, and with all that keeps their shape.
+/// What can be ticked: the methods plain, with all that keeps their shape, and under muscle layers.
 const std::vector<SkinChoice>& offered() {
   static const std::vector<SkinChoice> list = [] {
     std::vector<SkinChoice> choices;
-    for (const char* name : {"lbs", "lbs+twist", "dqs", "dqs+twist+smooth", "cor", "cor+twist+smooth"})
+    for (const char* name :
+         {"lbs", "lbs+twist", "dqs", "dqs+twist+smooth", "cor", "cor+twist+smooth", "lbs+layers",
+          "lbs+layers=muscle", "cor+twist+smooth+layers", "cor+twist+smooth+layers=muscle"})
       choices.push_back(parseSkinChoice(name));
     return choices;
   }();
   return list;
+}
+
+const char* explanation(SkinLayers layers) {
+  switch (layers) {
+    case SkinLayers::None: return "The method alone.";
+    case SkinLayers::Volumes: return "The method under free-form deformation volumes round arms and legs.";
+    case SkinLayers::Muscles: return "The same volumes with their muscles, as the Muscles tab has set them.";
+  }
+  return "";
 }
 
 void facts(Sandbox& sandbox) {
@@ -51,18 +62,36 @@ void facts(Sandbox& sandbox) {
 void drawSkinComparison(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   std::vector<SkinChoice>& beside = s.session->lab().skins;
-  for (const SkinChoice& choice : offered()) {
-    const auto found = std::find(beside.begin(), beside.end(), choice);
-    bool shown = found != beside.end();
-    ImGui::BeginDisabled(!shown && beside.size() >= LabSettings::mostSkins);
-    if (ImGui::Checkbox(toString(choice).c_str(), &shown)) {
-      if (shown)
-        beside.push_back(choice);
-      else
-        beside.erase(found);
+  const bool hasLimbs = s.session->edits().muscles != nullptr;
+  std::string names;
+  for (const SkinChoice& choice : beside) names += (names.empty() ? "" : ", ") + toString(choice);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##beside", names.empty() ? "Up to three other skins" : names.c_str(),
+                        ImGuiComboFlags_HeightLargest)) {
+    for (const SkinChoice& choice : offered()) {
+      if (choice.layers != SkinLayers::None && !hasLimbs) continue;
+      const auto found = std::find(beside.begin(), beside.end(), choice);
+      bool shown = found != beside.end();
+      ImGui::BeginDisabled(!shown && beside.size() >= LabSettings::mostSkins);
+      if (ImGui::Checkbox(toString(choice).c_str(), &shown)) {
+        if (shown)
+          beside.push_back(choice);
+        else
+          beside.erase(found);
+      }
+      ImGui::EndDisabled();
+      tooltip(explanation(choice.layers));
     }
-    ImGui::EndDisabled();
+    ImGui::EndCombo();
   }
+  tooltip("Drawn beside the body in its pose, coloured by the distance from the body's own skin.");
+  if (beside.empty()) return;
+  colourBar(s);
+  ImGui::PushFont(s.gui.fonts().small);
+  ImGui::TextColored(s.colours().textDim, "0");
+  ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize("20 mm").x);
+  ImGui::TextColored(s.colours().textDim, "20 mm");
+  ImGui::PopFont();
   facts(sandbox);
 }
 

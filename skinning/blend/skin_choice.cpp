@@ -20,6 +20,8 @@ SkinChoice parseSkinChoice(std::string_view text) {
     const std::string_view word = text.substr(0, plus);
     if (word == "twist" && skinMethod(choice.method).twists) {
       choice.twist = true;
+    } else if ((word == "layers" || word == "layers=muscle") && !skinMethod(choice.method).shader.empty()) {
+      choice.layers = word == "layers" ? SkinLayers::Volumes : SkinLayers::Muscles;
     } else if (word == "smooth") {
       choice.smoothing = defaultSmoothing;
     } else if (word.starts_with("smooth=")) {
@@ -34,7 +36,8 @@ SkinChoice parseSkinChoice(std::string_view text) {
       throw std::invalid_argument(
           "'" + std::string(word) + "' in '" + std::string(whole) + "' is nothing that '" +
           std::string(skinMethod(choice.method).name) +
-          "' can have; there are twist (of lbs, dqs, cor), smooth and smooth=MILLIMETRES");
+          "' can have; there are twist, layers and layers=muscle (of lbs, dqs, cor), smooth and "
+          "smooth=MILLIMETRES");
     }
   }
   return choice;
@@ -48,6 +51,8 @@ std::string toString(const SkinChoice& choice) {
     text << "+smooth";
   else if (choice.smoothing > 0.0)
     text << "+smooth=" << 1e3 * choice.smoothing;
+  if (choice.layers != SkinLayers::None)
+    text << (choice.layers == SkinLayers::Volumes ? "+layers" : "+layers=muscle");
   return text.str();
 }
 

@@ -181,6 +181,34 @@ double crease(const std::vector<double>& rest, const std::vector<double>& now) {
   return sum / static_cast<double>(count);
 }
 
+SurfaceDistance::SurfaceDistance(const Mesh& mesh) : round_(mesh.positions.size()) {
+  for (const auto& t : mesh.triangles)
+    for (const int v : t) round_[v].push_back(t);
+}
+
+double SurfaceDistance::of(const Vector3d& point, int vertex, const std::vector<Vector3d>& positions) const {
+  double least = (positions[vertex] - point).squaredNorm();
+  for (bool nearer = true; nearer;) {
+    nearer = false;
+    for (const auto& t : round_[vertex])
+      for (const int v : t)
+        if (const double d = (positions[v] - point).squaredNorm(); d < least)
+          least = d, vertex = v, nearer = true;
+  }
+  for (const auto& [i, j, k] : round_[vertex])
+    for (const auto& [a, b, c] : {std::array{i, j, k}, std::array{j, k, i}, std::array{k, i, j}}) {
+      const Vector3d along = positions[b] - positions[a], other = positions[c] - positions[a],
+                     to = point - positions[a], normal = along.cross(other);
+      const double s = std::clamp(to.dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+      least = std::min(least, (to - s * along).squaredNorm());  // the edge; below, the inside
+      const double square = normal.squaredNorm();
+      if (!(square > 0.0)) continue;
+      const double v = along.cross(to).dot(normal) / square, u = to.cross(other).dot(normal) / square;
+      if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) least = std::min(least, std::pow(to.dot(normal), 2) / square);
+    }
+  return std::sqrt(least);
+}
+
 std::vector<double> normalErrors(const Mesh& mesh, const std::vector<Vector3d>& positions,
                                  const std::vector<Vector3d>& normals) {
   Mesh posed{.positions = positions, .triangles = mesh.triangles, .normals = {}};

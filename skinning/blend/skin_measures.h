@@ -54,6 +54,17 @@ std::vector<double> edgeAngles(const MeshEdges& edges, const std::vector<Eigen::
 /// Mean of the 50 largest growths of an edge's angle in either sense, radians.
 double crease(const std::vector<double>& rest, const std::vector<double>& now);
 
+/// Distance of points to a surface that lies nearly where they do, metres: from a vertex of the same number
+/// downhill along edges to the nearest one, then to its triangles.
+class SurfaceDistance {
+ public:
+  explicit SurfaceDistance(const Mesh& mesh);
+  double of(const Eigen::Vector3d& point, int vertex, const std::vector<Eigen::Vector3d>& positions) const;
+
+ private:
+  std::vector<std::vector<std::array<int, 3>>> round_;  ///< triangles of each vertex
+};
+
 /// Angle between each vertex's normal and the one of its triangles' corners (weighted by area), radians.
 std::vector<double> normalErrors(const Mesh& mesh, const std::vector<Eigen::Vector3d>& positions,
                                  const std::vector<Eigen::Vector3d>& normals);

@@ -40,6 +40,24 @@ PreparedSkin prepareSkin(Skin skin, const SkinMethod& method, TwistSpread spread
   return prepared;
 }
 
+PreparedSkin verticesOf(const PreparedSkin& prepared, std::span<const int> vertices) {
+  PreparedSkin some{
+      .skin = {.mesh = {}, .influences = {}, .jointFromRestWorld = prepared.skin.jointFromRestWorld},
+      .method = prepared.method,
+      .spread = prepared.spread};
+  const auto take = [&](const auto& from, auto& to) {
+    if (!from.empty())
+      for (const int v : vertices) to.push_back(from[v]);
+  };
+  take(prepared.skin.mesh.positions, some.skin.mesh.positions);
+  take(prepared.skin.mesh.normals, some.skin.mesh.normals);
+  take(prepared.skin.influences, some.skin.influences);
+  take(prepared.slopes, some.slopes);
+  take(prepared.centres, some.centres);
+  take(prepared.centreSlopes, some.centreSlopes);
+  return some;
+}
+
 PosedBones poseBones(const PreparedSkin& prepared, const Frames& worldFromJoint, const Eigen::VectorXd* q) {
   if (worldFromJoint.size() != prepared.skin.jointFromRestWorld.size())
     throw std::invalid_argument("the skin has " + std::to_string(prepared.skin.jointFromRestWorld.size()) +

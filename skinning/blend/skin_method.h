@@ -85,6 +85,9 @@ std::span<const SkinMethod* const> skinMethods();
 const SkinMethod& skinMethodNamed(std::string_view name);
 
 PreparedSkin prepareSkin(Skin skin, const SkinMethod& method, TwistSpread spread = {});
+/// Some vertices of it alone, without triangles: for a few points of a large skin. Not of methods that keep
+/// data of their own.
+PreparedSkin verticesOf(const PreparedSkin& prepared, std::span<const int> vertices);
 
 /// Positions and unit normals in world coordinates.
 void blendSkin(const PreparedSkin& prepared, const PosedBones& bones, SkinnedVertices& out,

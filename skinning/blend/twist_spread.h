@@ -24,6 +24,14 @@ struct TwistCoordinate {
   double sign = 1.0, rest = 0.0;
 };
 
+/// The coordinate of a joint about a world axis of the bind pose (unit): its last rotation, which turns what
+/// the others left; none where that lies more than 2.6 degrees off.
+TwistCoordinate coordinateAbout(const Skeleton& skeleton, const Frames& bound, int joint,
+                                const Eigen::Vector3d& axis);
+/// The angle, equal to tau but for whole turns, that is nearest to what the coordinate has turned since rest;
+/// tau where there is no coordinate or no configuration.
+double withWholeTurns(double tau, const TwistCoordinate& coordinate, const Eigen::VectorXd* q);
+
 /// A bone whose twist is spread, in the world of the bind pose; metres.
 struct TwistBone {
   int joint = 0, parent = -1;  ///< the joint that carries the bone, and its parent

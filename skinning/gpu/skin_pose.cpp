@@ -33,8 +33,10 @@ void append(std::vector<float>& rows, const Eigen::Vector3d& v) {
   rows.push_back(0.0f);
 }
 
-void append(std::vector<float>& rows, const FfdPlane& plane) {
+/// plane: over section coordinates in metres.
+void append(std::vector<float>& rows, const FfdPlane& plane, double turn) {
   append(rows, plane.origin);
+  rows.back() = static_cast<float>(turn);
   append(rows, plane.axes.col(0));
   append(rows, plane.axes.col(1));
 }
@@ -43,7 +45,8 @@ void append(std::vector<float>& rows, const FfdPlane& plane) {
 /// v, w) in metres.
 void appendRigid(std::vector<float>& rows, const Eigen::Isometry3d& end) {
   for (int k = 0; k < 4; ++k)
-    append(rows, FfdPlane{end.translation() + k / 3.0 * end.linear().col(2), end.linear().leftCols<2>()});
+    append(rows, FfdPlane{end.translation() + k / 3.0 * end.linear().col(2), end.linear().leftCols<2>()},
+           0.0);
 }
 
 int links(const Limb& limb) { return static_cast<int>(limb.shape.links.size()); }
@@ -87,7 +90,11 @@ namespace {
 
 void appendLayers(const std::vector<LimbPose>& limbs, SkinPose& out) {
   for (const LimbPose& limb : limbs) {
-    for (const FfdPlane& plane : limb.planes) append(out.layers, plane);
+    for (std::size_t k = 0; k < limb.planes.size(); ++k) {
+      const FfdPlane& plane = limb.planes[k];
+      const Eigen::Matrix<double, 3, 2> axes = plane.axes * limb.sectionSize.cwiseInverse().asDiagonal();
+      append(out.layers, FfdPlane{plane.origin - axes * limb.sectionLower, axes}, limb.turns[k]);
+    }
     appendRigid(out.layers, limb.worldFromNearEnd);
     appendRigid(out.layers, limb.worldFromFarEnd);
     for (const Eigen::Matrix3d& matrix : limb.worldFromDisplacement)

@@ -22,9 +22,9 @@ struct SkinPose {
   std::vector<float> rows;
   int jointRows = 3;
   std::string_view method = {};  ///< word that the shader's part of the method stands under; empty: plain
-  /// Muscle layers, rows of four floats; empty: none. A limb after the other: its planes as (origin, axis u,
-  /// axis v), 6 links + 1 and then 4 + 4 that carry the near and far end rigidly; then the three columns of
-  /// worldFromDisplacement of every link.
+  /// Muscle layers, rows of four floats; empty: none. A limb after the other: its planes over section
+  /// coordinates in metres as (origin, turn), axis x, axis y, 6 links + 1 and then 4 + 4 that carry the near
+  /// and far end rigidly; then the three columns of worldFromDisplacement of every link.
   std::vector<float> layers = {};
   bool sculpted =
       false;  ///< some control points are displaced; the mesh knows how (SkinnedMeshGl::setSculpture)

@@ -19,7 +19,7 @@ struct InfluenceVertex {
   float weights[4];
 };
 struct LayerVertex {
-  float uvw[3], weight;
+  float place[3], weight;  ///< x, y in the section, metres, and w
   float normal[3];
   std::uint16_t planeRow, linkRow;  ///< of SkinPose::layers
   std::uint16_t endJoint, unused;   ///< E of the displacement form
@@ -31,7 +31,7 @@ struct SlopeVertex {
   float centreV[3];
 };
 struct SculptureVertex {
-  float columns[4][3];  ///< displacement, d/du, d/dv, d/dw
+  float columns[4][3];  ///< displacement, d/dx, d/dy, d/dw
 };
 static_assert(sizeof(ShapeVertex) == 24 && sizeof(InfluenceVertex) == 24 && sizeof(LayerVertex) == 36 &&
               sizeof(SculptureVertex) == 48);
@@ -79,9 +79,16 @@ std::vector<LayerVertex> layerVertices(const MuscleSkin& body, const std::vector
     to.planeRow = static_cast<std::uint16_t>(firstLayerRow(body, from.limb) + 3 * plane);
     to.linkRow = static_cast<std::uint16_t>(firstLinkRow(body, from.limb) + 3 * std::max(from.volume / 2, 0));
     if (!ends.empty()) to.endJoint = static_cast<std::uint16_t>(ends[v]);
+    Eigen::Vector3d place = from.uvw, normal = from.normal;
+    if (from.volume >= 0) {
+      const LimbShape& shape = body.limbs[from.limb].shape;
+      const Eigen::Vector2d size = shape.sectionUpper - shape.sectionLower;
+      place.head<2>() = shape.sectionLower + place.head<2>().cwiseProduct(size);
+      normal.head<2>() = normal.head<2>().cwiseQuotient(size);
+    }
     for (int k = 0; k < 3; ++k) {
-      to.uvw[k] = static_cast<float>(from.uvw[k]);
-      to.normal[k] = static_cast<float>(from.normal[k]);
+      to.place[k] = static_cast<float>(place[k]);
+      to.normal[k] = static_cast<float>(normal[k]);
     }
   }
   return vertices;
@@ -129,7 +136,9 @@ std::vector<SculptureVertex> sculptureVertices(const MuscleSkin& body,
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const LimbVertex& from = body.vertices[v];
     if (from.limb < 0 || from.volume < 0) continue;
-    const FfdSample at = lattices[firstOfLimb[from.limb] + from.volume].evaluate(from.uvw);
+    FfdSample at = lattices[firstOfLimb[from.limb] + from.volume].evaluate(from.uvw);
+    const LimbShape& shape = body.limbs[from.limb].shape;
+    at.derivatives.leftCols<2>() *= (shape.sectionUpper - shape.sectionLower).cwiseInverse().asDiagonal();
     for (int k = 0; k < 3; ++k) {
       vertices[v].columns[0][k] = static_cast<float>(at.position[k]);
       for (int c = 0; c < 3; ++c) vertices[v].columns[c + 1][k] = static_cast<float>(at.derivatives(k, c));
@@ -236,7 +245,7 @@ std::vector<SkinnedMeshGl::Attributes> SkinnedMeshGl::attributes(bool layered) c
   if (layered)
     all.push_back({layers_,
                    sizeof(LayerVertex),
-                   {{5, 4, GL_FLOAT, offsetof(LayerVertex, uvw)},
+                   {{5, 4, GL_FLOAT, offsetof(LayerVertex, place)},
                     {6, 3, GL_FLOAT, offsetof(LayerVertex, normal)},
                     {7, 3, GL_UNSIGNED_SHORT, offsetof(LayerVertex, planeRow)}}});
   if (slopes_ != 0)

@@ -101,7 +101,8 @@ void keepPreparedSkin(const std::string& folder, const std::string& name, const 
 }
 
 PreparedSkin cachedPreparedSkin(const std::string& folder, const std::string& name, const Skin& skin,
-                                const SkinChoice& choice, const Skeleton& skeleton, const Frames& bound) {
+                                SkinChoice choice, const Skeleton& skeleton, const Frames& bound) {
+  choice.layers = SkinLayers::None;
   const bool isQuick = choice.smoothing == 0.0 && !skinMethod(choice.method).prepare;
   if (folder.empty() || isQuick) return prepareSkin(skin, choice, skeleton, bound);
   const std::string path = pathOf(folder, name, choice);

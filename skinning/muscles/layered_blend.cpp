@@ -37,6 +37,7 @@ LayeredSkin prepareLayers(const MuscleSkin& body, const SkinMethod& method, cons
     skin.jointFromRestWorld.push_back(rest.worldFromFarEnd.inverse(Eigen::Isometry));
   }
   layered.endJoint.assign(body.vertices.size(), -1);
+  layered.vertices = body.vertices;
   for (std::size_t v = 0; v < body.vertices.size(); ++v) {
     const LimbVertex& vertex = body.vertices[v];
     if (vertex.limb < 0) continue;
@@ -51,6 +52,15 @@ LayeredSkin prepareLayers(const MuscleSkin& body, const SkinMethod& method, cons
   return layered;
 }
 
+LayeredSkin verticesOf(const LayeredSkin& layered, std::span<const int> vertices) {
+  LayeredSkin some{.outside = verticesOf(layered.outside, vertices), .endJoint = {}, .vertices = {}};
+  for (const int v : vertices) {
+    some.endJoint.push_back(layered.endJoint[v]);
+    some.vertices.push_back(layered.vertices[v]);
+  }
+  return some;
+}
+
 Frames withEnds(const Frames& worldFromJoint, const std::vector<LimbPose>& limbs) {
   Frames frames = worldFromJoint;
   for (const LimbPose& limb : limbs) {
@@ -60,16 +70,17 @@ Frames withEnds(const Frames& worldFromJoint, const std::vector<LimbPose>& limbs
   return frames;
 }
 
-void skinWithMuscles(const LayeredSkin& layered, const MuscleSkin& body, const Frames& worldFromJoint,
-                     const std::vector<LimbPose>& limbs, SkinnedVertices& out, const Eigen::VectorXd* q) {
+void skinWithMuscles(const LayeredSkin& layered, const Frames& worldFromJoint,
+                     const std::vector<LimbPose>& limbs, SkinnedVertices& out, const Eigen::VectorXd* q,
+                     SkinNormals normals) {
   const PosedBones bones = poseBones(layered.outside, withEnds(worldFromJoint, limbs), q);
-  blendSkin(layered.outside, bones, out);
-  for (std::size_t v = 0; v < body.vertices.size(); ++v) {
-    const LimbVertex& vertex = body.vertices[v];
+  blendSkin(layered.outside, bones, out, normals);
+  const std::vector<Eigen::Vector3d>& rest = layered.outside.skin.mesh.positions;
+  for (std::size_t v = 0; v < layered.vertices.size(); ++v) {
+    const LimbVertex& vertex = layered.vertices[v];
     if (vertex.limb < 0) continue;
     const auto [x, n] = deformLimbVertex(limbs[vertex.limb], vertex);
-    out.positions[v] +=
-        vertex.weight * (x - bones.worldFromRest[layered.endJoint[v]] * body.skin.mesh.positions[v]);
+    out.positions[v] += vertex.weight * (x - bones.worldFromRest[layered.endJoint[v]] * rest[v]);
     out.normals[v] = ((1.0 - vertex.weight) * out.normals[v] + vertex.weight * n).normalized();
   }
 }

@@ -18,20 +18,24 @@ struct LayeredSkin {
   /// The skin whose limb bones are merged into the limbs' ends: behind the skeleton's joints follow two for
   /// each limb, near and far.
   PreparedSkin outside;
-  std::vector<int> endJoint;  ///< E of each vertex, among the joints of `outside`; -1: on no limb
+  std::vector<int> endJoint;         ///< E of each vertex, among the joints of `outside`; -1: on no limb
+  std::vector<LimbVertex> vertices;  ///< MuscleSkin's
 };
 
 /// bound: frames of the bind pose. Twist is spread along bones outside limbs only; the layers have their own.
 LayeredSkin prepareLayers(const MuscleSkin& body, const SkinMethod& method, const Frames& bound,
                           TwistSpread spread = {});
 
+/// Some vertices of it alone, see verticesOf(PreparedSkin); `outside` of the MuscleSkin is not filled.
+LayeredSkin verticesOf(const LayeredSkin& layered, std::span<const int> vertices);
+
 /// The pose of `outside`: the joints' frames and the ends of the posed limbs.
 Frames withEnds(const Frames& worldFromJoint, const std::vector<LimbPose>& limbs);
 
 /// Positions and unit normals in double precision: the reference for the shader. The normal is that of S and
 /// of F, mixed by W.
-void skinWithMuscles(const LayeredSkin& layered, const MuscleSkin& body, const Frames& worldFromJoint,
+void skinWithMuscles(const LayeredSkin& layered, const Frames& worldFromJoint,
                      const std::vector<LimbPose>& limbs, SkinnedVertices& out,
-                     const Eigen::VectorXd* q = nullptr);
+                     const Eigen::VectorXd* q = nullptr, SkinNormals normals = SkinNormals::Gradients);
 
 }  // namespace gelenk

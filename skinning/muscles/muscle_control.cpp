@@ -139,18 +139,11 @@ std::vector<Vector3d> outsidePart(const MuscleSkin& body, const LimbSurface& sur
 
 double volumeOf(const MuscleSkin& body, const LimbSurface& surface, const std::vector<Vector3d>& outside,
                 const LimbPose& pose) {
-  std::vector<FfdLattice> lattices;
-  if (!pose.displacement.empty())
-    for (int v = 0; v < pose.volumeCount(); ++v) lattices.push_back(pose.lattice(v));
   std::vector<Vector3d> positions = outside;
   const Vector3d origin = pose.worldFromNearEnd.translation();  // near the surface: less cancellation
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const LimbVertex& vertex = body.vertices[surface.vertices[i]];
-    if (vertex.volume < 0 || lattices.empty())
-      positions[i] += vertex.weight * deformLimbPoint(pose, vertex);
-    else
-      positions[i] += vertex.weight * lattices[vertex.volume].position(vertex.uvw);
-    positions[i] -= origin;
+    positions[i] += vertex.weight * deformLimbPoint(pose, vertex) - origin;
   }
   double sixfold = 0.0;
   for (const auto& [a, b, c] : surface.triangles)
@@ -177,11 +170,10 @@ std::vector<MuscleState> scaled(std::vector<MuscleState> states, double s) {
 }
 
 VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface,
-                               const Frames& worldFromJoint, const std::vector<MuscleState>& states,
-                               double restVolume) {
+                               const Frames& worldFromJoint, const LimbFrames& frames,
+                               const std::vector<MuscleState>& states, double restVolume) {
   if (surface.triangles.empty()) return {1.0, false};
   const LimbShape& shape = body.limbs[limb].shape;
-  const LimbFrames frames = limbFrames(body.limbs[limb], worldFromJoint);
   const std::vector<Vector3d> outside = outsidePart(body, surface, worldFromJoint);
   std::vector<MuscleState> complete = states;
   complete.resize(shape.links.size());
@@ -211,15 +203,15 @@ MuscleRig::MuscleRig(MuscleSkin body, const Frames& restFrames) : body_(std::mov
   }
 }
 
-std::vector<LimbPose> MuscleRig::pose(const Frames& worldFromJoint) const {
+std::vector<LimbPose> MuscleRig::pose(const Frames& worldFromJoint, const Eigen::VectorXd* q) const {
   std::vector<LimbPose> poses;
   for (int l = 0; l < static_cast<int>(body_.limbs.size()); ++l) {
     const Limb& limb = body_.limbs[l];
-    const LimbFrames frames = limbFrames(limb, worldFromJoint);
+    const LimbFrames frames = limbFrames(limb, worldFromJoint, q);
     std::vector<MuscleState> states = muscleStates(limb, frames, controls_[l]);
     if (controls_[l].keepVolume) {
       const double s =
-          volumeKeepingScale(body_, l, surfaces_[l], worldFromJoint, states, restVolumes_[l]).scale;
+          volumeKeepingScale(body_, l, surfaces_[l], worldFromJoint, frames, states, restVolumes_[l]).scale;
       states = scaled(std::move(states), s);
     }
     poses.push_back(poseLimb(limb.shape, frames, states));

@@ -59,8 +59,8 @@ struct VolumeScale {
   bool reached = true;
 };
 VolumeScale volumeKeepingScale(const MuscleSkin& body, int limb, const LimbSurface& surface,
-                               const Frames& worldFromJoint, const std::vector<MuscleState>& states,
-                               double restVolume);
+                               const Frames& worldFromJoint, const LimbFrames& frames,
+                               const std::vector<MuscleState>& states, double restVolume);
 
 /// The states with stretch, offset and displacement of every plane scaled by s about the bone.
 std::vector<MuscleState> scaled(std::vector<MuscleState> states, double s);
@@ -77,7 +77,8 @@ class MuscleRig {
   const LimbSurface& surface(int limb) const { return surfaces_[limb]; }
   double restVolume(int limb) const { return restVolumes_[limb]; }
 
-  std::vector<LimbPose> pose(const Frames& worldFromJoint) const;
+  /// q: see limbFrames.
+  std::vector<LimbPose> pose(const Frames& worldFromJoint, const Eigen::VectorXd* q = nullptr) const;
 
  private:
   MuscleSkin body_;

@@ -60,12 +60,10 @@ MuscleFit fitMuscle(const MuscleSkin& body, int limb, const Frames& restFrames,
   const LimbFrames frames = limbFrames(body.limbs[limb], restFrames);
   const auto positions = [&](const std::vector<MuscleState>& states) {
     const LimbPose pose = poseLimb(shape, frames, states);
-    std::vector<FfdLattice> lattices;
-    for (int v = 0; v < pose.volumeCount(); ++v) lattices.push_back(pose.lattice(v));
     VectorXd x(3 * sculpted.size());
     for (std::size_t i = 0; i < sculpted.size(); ++i) {
       const LimbVertex& vertex = body.vertices[sculpted[i]];
-      x.segment<3>(3 * i) = lattices[vertex.volume].position(vertex.uvw);
+      x.segment<3>(3 * i) = pose.position(vertex.volume, vertex.uvw);
     }
     return x;
   };

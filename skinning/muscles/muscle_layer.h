@@ -18,6 +18,10 @@ namespace gelenk {
 //
 // C1 everywhere: plane 3 is the midpoint of 2 and 4, a seam is the midpoint of 5 and 1'. The seam is primary
 // and 5 and 1' follow from it (see seam rule in docs/muscles.md): the other way round shrinks the joint.
+//
+// The planes stand without the limb's twist, because a blend of turned planes shrinks. Each has an angle
+// instead, and a point of the section is turned about the bone by the angles' blend before the planes move
+// it.
 
 /// Proportions of a limb; all that does not change while it moves. Metres.
 struct LimbShape {
@@ -35,7 +39,7 @@ struct LimbShape {
   Eigen::Vector2d sectionUpper = {0.1, 0.1};
   double wedge = 1.0 / 6.0;  ///< beta: planes 5 and 1' turn by (1/2 - beta) theta against their bones
   std::vector<double> seamTwistShare;  ///< of each seam, the part of the joint's twist that the link before
-                                       ///< takes; 1/2 where not given
+                                       ///< takes; 0 where not given: the link after spreads it all
 };
 
 /// The default proportions: joint gaps elbowGap min(L1, L2), inner planes L/10 around the middle, free ends
@@ -63,6 +67,9 @@ struct LimbFrames {
   double nearTwist = 0.0;  ///< twist about z of plane 0 against the first link, radians (the shoulder's own
                            ///< axial twist, undone)
   double farTwist = 0.0;   ///< twist of the last plane against the last link (what the hand adds)
+  /// Of each joint between links, radians: whole turns beyond the (-pi, pi] that the rotations tell. Empty:
+  /// none.
+  std::vector<double> wholeTurns = {};
 };
 
 /// What the muscles do to planes 2 and 4 of a link: p -> stretch p + offset in section coordinates; the
@@ -80,10 +87,13 @@ struct MuscleState {
 
 /// The control planes of a posed limb: link i's seven planes are planes[6 i] ... planes[6 i + 6].
 struct LimbPose {
-  std::vector<FfdPlane> planes;
-  /// Displacement of the control points beyond the affine planes, one 4 x 4 block a plane (index 4 j + i),
-  /// world; empty if none.
-  std::vector<std::array<Eigen::Vector3d, 16>> displacement;
+  std::vector<FfdPlane> planes;  ///< world, the limb's twist taken out
+  /// Of every plane, radians about the bone (right-handed along z): the section's turn at w is their blend
+  /// sum_k B_k(w) turns_k.
+  std::vector<double> turns;
+  Eigen::Vector2d sectionLower = Eigen::Vector2d::Zero(), sectionSize = Eigen::Vector2d::Ones();  ///< metres
+  /// Displacement of the control points beyond the affine planes, one lattice a volume, world; empty if none.
+  std::vector<FfdLattice> displacement;
   /// What carries the free displacements of each link's planes 2 and 4 into the world: the section's turn,
   /// after the swell.
   std::vector<Eigen::Matrix3d> worldFromDisplacement;
@@ -91,11 +101,15 @@ struct LimbPose {
                                        ///< continues rigidly
   Eigen::Isometry3d worldFromFarEnd;
 
-  /// The 4 x 4 control points of a plane (index 4 j + i), displacement included.
+  /// A plane with its turn: where the section's rectangle lies.
+  FfdPlane turnedPlane(int plane) const;
+  /// Its 4 x 4 control points (index 4 j + i), displacement included.
   std::array<Eigen::Vector3d, 16> controlPoints(int plane) const;
   int volumeCount() const { return static_cast<int>(planes.size() - 1) / 3; }
+  /// (u, v, w) with u, v turned in the section by what the volume turns there, or back again (sign -1).
   /// Volume v = 2 i (planes 0-3 of link i) or 2 i + 1 (planes 3-6).
-  FfdLattice lattice(int volume) const;
+  Eigen::Vector3d turned(int volume, const Eigen::Vector3d& uvw, double sign = 1.0) const;
+  Eigen::Vector3d position(int volume, const Eigen::Vector3d& uvw) const;
   FfdSample evaluate(int volume, const Eigen::Vector3d& uvw) const;
 };
 

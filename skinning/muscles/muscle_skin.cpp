@@ -133,8 +133,8 @@ bool bindVertex(const LimbPose& rest, const Vector3d& x, const Vector3d& n, Limb
   if (!found)
     return beyond(rest.worldFromFarEnd, LimbVertex::beyondFar, 1.0) ||
            beyond(rest.worldFromNearEnd, LimbVertex::beyondNear, -1.0);
-  vertex.uvw = best.uvw;
-  vertex.normal = evaluateAffine(&rest.planes[3 * vertex.volume], best.uvw).derivatives.transpose() * n;
+  vertex.uvw = rest.turned(vertex.volume, best.uvw, -1.0);
+  vertex.normal = rest.evaluate(vertex.volume, vertex.uvw).derivatives.transpose() * n;
   return true;
 }
 
@@ -183,12 +183,18 @@ Limb makeLimb(const Skeleton& skeleton, const Frames& rest, std::string name, st
       (rest[limb.joints.rbegin()[1]].linear() * limb.jointFromLink.back()).transpose() *
       rest[limb.joints.back()].linear();
   const LimbFrames frames = limbFrames(limb, rest);
-  for (std::size_t j = 1; j + 1 < limb.joints.size(); ++j)
-    limb.bendAtRest.push_back(jointBend(frames, static_cast<int>(j)).bend);
+  for (std::size_t j = 1; j + 1 < limb.joints.size(); ++j) {
+    const JointBend bend = jointBend(frames, static_cast<int>(j));
+    limb.bendAtRest.push_back(bend.bend);
+    limb.twistAtRest.push_back(bend.twist);
+  }
+  for (std::size_t j = 0; j < limb.joints.size(); ++j)
+    limb.twistCoordinates.push_back(coordinateAbout(
+        skeleton, rest, limb.joints[j], frames.rotations[std::min(j, frames.rotations.size() - 1)].col(2)));
   return limb;
 }
 
-LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint) {
+LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint, const Eigen::VectorXd* q) {
   LimbFrames frames;
   for (const int joint : limb.joints) frames.joints.push_back(worldFromJoint[joint].translation());
   for (std::size_t i = 0; i < limb.jointFromLink.size(); ++i)
@@ -196,12 +202,17 @@ LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint) {
   if (limb.spreadNearTwist && limb.parent >= 0) {
     const Matrix3d sinceRest = limb.parentFromFirstLinkAtRest.transpose() *
                                worldFromJoint[limb.parent].linear().transpose() * frames.rotations.front();
-    frames.nearTwist = -twistAboutZ(sinceRest);
+    frames.nearTwist = -withWholeTurns(twistAboutZ(sinceRest), limb.twistCoordinates.front(), q);
   }
   const Matrix3d tipSinceRest = frames.rotations.back().transpose() *
                                 worldFromJoint[limb.joints.back()].linear() *
                                 limb.lastLinkFromTipAtRest.transpose();
-  frames.farTwist = twistAboutZ(tipSinceRest);
+  frames.farTwist = withWholeTurns(twistAboutZ(tipSinceRest), limb.twistCoordinates.back(), q);
+  if (q)
+    for (std::size_t j = 1; j + 1 < limb.joints.size(); ++j) {
+      const double since = jointBend(frames, static_cast<int>(j)).twist - limb.twistAtRest[j - 1];
+      frames.wholeTurns.push_back(withWholeTurns(since, limb.twistCoordinates[j], q) - since);
+    }
   return frames;
 }
 
@@ -259,18 +270,17 @@ MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFra
 }
 
 std::vector<LimbPose> poseLimbs(const MuscleSkin& body, const Frames& worldFromJoint,
-                                const std::vector<std::vector<MuscleState>>& muscles) {
+                                const Eigen::VectorXd* q) {
   std::vector<LimbPose> poses;
-  for (std::size_t l = 0; l < body.limbs.size(); ++l)
-    poses.push_back(poseLimb(body.limbs[l].shape, limbFrames(body.limbs[l], worldFromJoint),
-                             l < muscles.size() ? muscles[l] : std::vector<MuscleState>{}));
+  for (const Limb& limb : body.limbs)
+    poses.push_back(poseLimb(limb.shape, limbFrames(limb, worldFromJoint, q)));
   return poses;
 }
 
 Vector3d deformLimbPoint(const LimbPose& pose, const LimbVertex& vertex) {
   if (vertex.volume == LimbVertex::beyondNear) return pose.worldFromNearEnd * vertex.uvw;
   if (vertex.volume == LimbVertex::beyondFar) return pose.worldFromFarEnd * vertex.uvw;
-  return pose.evaluate(vertex.volume, vertex.uvw).position;
+  return pose.position(vertex.volume, vertex.uvw);
 }
 
 std::pair<Vector3d, Vector3d> deformLimbVertex(const LimbPose& pose, const LimbVertex& vertex) {

@@ -5,6 +5,7 @@
 
 #include "kinematics/skeleton.h"
 #include "skinning/blend/linear_blend.h"
+#include "skinning/blend/twist_spread.h"
 #include "skinning/muscles/muscle_layer.h"
 
 namespace gelenk {
@@ -24,6 +25,9 @@ struct Limb {
   Eigen::Matrix3d parentFromFirstLinkAtRest = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d lastLinkFromTipAtRest = Eigen::Matrix3d::Identity();
   std::vector<double> bendAtRest;  ///< of each joint between links, radians
+  std::vector<double> twistAtRest;
+  /// Of every joint, about the bone that it turns (the tip: about the last one).
+  std::vector<TwistCoordinate> twistCoordinates;
 };
 
 /// Builds a limb from the rest pose. The bend axis of all links is that of the first joint between links that
@@ -33,7 +37,9 @@ struct Limb {
 Limb makeLimb(const Skeleton& skeleton, const Frames& restFrames, std::string name, std::vector<int> joints,
               const Eigen::Vector3d& bendAxisInWorld = Eigen::Vector3d::Zero());
 
-LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint);
+/// q: the configuration that the frames come from, where it is known; without it a twist beyond half a turn
+/// jumps by a whole one.
+LimbFrames limbFrames(const Limb& limb, const Frames& worldFromJoint, const Eigen::VectorXd* q = nullptr);
 
 /// A vertex of the body on a limb: F(uvw) of its volume replaces the rigid motions of the limb's bones in the
 /// skinning sum.
@@ -64,9 +70,9 @@ struct MuscleSkin {
 /// planes would cross.
 MuscleSkin bindMuscles(Skin skin, std::vector<Limb> limbs, const Frames& restFrames);
 
-/// Pose of every limb. muscles: one list of states a limb, or empty.
+/// Pose of every limb without muscles. q: see limbFrames.
 std::vector<LimbPose> poseLimbs(const MuscleSkin& body, const Frames& worldFromJoint,
-                                const std::vector<std::vector<MuscleState>>& muscles = {});
+                                const Eigen::VectorXd* q = nullptr);
 
 /// Positions and unit normals on the CPU in double precision: the reference for the shader.
 void skinWithMuscles(const MuscleSkin& body, const Frames& worldFromJoint, const std::vector<LimbPose>& limbs,

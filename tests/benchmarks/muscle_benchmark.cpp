@@ -39,7 +39,10 @@ void report(benchmark::State& state, std::size_t vertices) {
 void sixtyFourPoints(benchmark::State& state) {
   const BentArm arm;
   std::vector<FfdLattice> lattices;
-  for (int v = 0; v < arm.limbs[0].volumeCount(); ++v) lattices.push_back(arm.limbs[0].lattice(v));
+  for (int v = 0; v < arm.limbs[0].volumeCount(); ++v) {
+    const FfdPlane* planes = &arm.limbs[0].planes[3 * v];
+    lattices.push_back(latticeOf({planes[0], planes[1], planes[2], planes[3]}));
+  }
   for (auto _ : state)
     for (const LimbVertex& vertex : arm.rig.body().vertices) {
       if (vertex.volume < 0) continue;
@@ -56,7 +59,7 @@ void affinePlanes(benchmark::State& state) {
   for (auto _ : state)
     for (const LimbVertex& vertex : arm.rig.body().vertices) {
       if (vertex.volume < 0) continue;
-      const FfdSample at = evaluateAffine(&arm.limbs[0].planes[3 * vertex.volume], vertex.uvw);
+      const FfdSample at = arm.limbs[0].evaluate(vertex.volume, vertex.uvw);
       benchmark::DoNotOptimize(at.position);
       benchmark::DoNotOptimize(deformedNormal(at, vertex.normal));
     }
@@ -68,9 +71,7 @@ void affinePlanesPositionOnly(benchmark::State& state) {
   const BentArm arm;
   for (auto _ : state)
     for (const LimbVertex& vertex : arm.rig.body().vertices)
-      if (vertex.volume >= 0)
-        benchmark::DoNotOptimize(
-            evaluateAffine(&arm.limbs[0].planes[3 * vertex.volume], vertex.uvw).position);
+      if (vertex.volume >= 0) benchmark::DoNotOptimize(arm.limbs[0].position(vertex.volume, vertex.uvw));
   report(state, arm.onVolumes());
 }
 BENCHMARK(affinePlanesPositionOnly);

@@ -194,7 +194,7 @@ TEST(MusclePanel, AClickOnTheLatticeSelectsThePlaneAndADragScalesIt) {
   const LimbPose limb = stage.sandbox.limbPoses()[0];
   const int plane = 8;  // plane 2 of the second link
   const Vector2d corner = stage.sandbox.state().toWindow(limb.controlPoints(plane)[15]).pixel;
-  const Vector2d centre = stage.sandbox.state().toWindow(limb.planes[plane].point(0.5, 0.5)).pixel;
+  const Vector2d centre = stage.sandbox.state().toWindow(limb.turnedPlane(plane).point(0.5, 0.5)).pixel;
   const Eigen::VectorXd q = stage.sandbox.session().q();
   const auto stretch = [&](int link, int of) {
     const MuscleState state = stage.limb().control.sculpted[link];
@@ -230,7 +230,7 @@ TEST(MusclePanel, ADragWithShiftTurnsThePickedPlaneWithTheMouse) {
     return stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].controlPoints(plane)[15]).pixel;
   };
   const Vector2d centre =
-      stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].planes[plane].point(0.5, 0.5)).pixel;
+      stage.sandbox.state().toWindow(stage.sandbox.limbPoses()[0].turnedPlane(plane).point(0.5, 0.5)).pixel;
   const Vector2d from = cornerOnScreen() - centre;
   const Vector2d turned = Eigen::Rotation2Dd(0.5) * from;
   stage.play("0 move " + at(centre + from) + "\n1 press left\n2 keydown shift\n3 move " +

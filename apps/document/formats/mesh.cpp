@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/document/chosen_skin.h"
 #include "apps/document/file_format.h"
 #include "apps/document/model_files.h"
 #include "kinematics/io/parse_error.h"
@@ -176,9 +177,10 @@ void writeObjFile(const std::string& path, Imported& imported, const ExportOptio
   Mesh mesh = model.skin->mesh;
   if (model.clip || options.frame > 0 || !restsAsBound(model)) {
     const Eigen::VectorXd q = poseOf(imported, options.frame);
-    mesh.positions = blendSkin(prepareSkin(*model.skin, model.skinning, model.skeleton, bindFrames(model)),
-                               forwardKinematics(model.skeleton, q), &q)
-                         .positions;
+    SkinnedVertices posed;
+    ChosenSkin(model, *model.skin, model.skinning, options.muscles.get())
+        .pose(forwardKinematics(model.skeleton, q), &q, posed);
+    mesh.positions = std::move(posed.positions);
   }
   for (auto& p : mesh.positions) p /= options.metresPerUnit.value_or(1.0);
   writeObj(path, mesh);

@@ -14,14 +14,14 @@ vec4 poseRow(int index) { return poseRows[index]; }
 #endif
 
 #ifdef LAYERS
-// Chadwick's muscle layer: F(u, v, w), tri-cubic over four control planes, moves inside the skinning sum with the weight W.
-// The weights of the bones outside the limb then sum to 1 - W.
-layout(location = 5) in vec4 limbParameters;  // u, v, w and W
+// Chadwick's muscle layer: F(x, y, w), tri-cubic over four control planes, moves inside the skinning sum with the weight W.
+// The weights of the bones outside the limb then sum to 1 - W. A plane: (origin, turn), axis x, axis y.
+layout(location = 5) in vec4 limbParameters;  // x, y in the section (metres), w and W
 layout(location = 6) in vec3 limbNormal;      // m = J_rest^T n_rest
 layout(location = 7) in uvec3 limbRows;       // of the first of its four planes, of its link's matrix; joint of its end frame E
 layout(std140) uniform Layers { vec4 layerRows[1024]; };
 #ifdef SCULPTED
-// Where its fixed (u, v, w) meet the freely displaced control points, in the link's own frame: displacement and d/du, d/dv, d/dw.
+// Where its fixed (x, y, w) meet the freely displaced control points, in the link's own frame: displacement and d/dx, d/dy, d/dw.
 layout(location = 8) in vec3 sculpture;
 layout(location = 9) in vec3 sculptureU;
 layout(location = 10) in vec3 sculptureV;
@@ -38,23 +38,28 @@ vec4 bernsteinSlope(float t) {
 }
 
 // F and the deformed unit normal. The control points of a plane are an affine image of the section, so that the sum over 64 points
-// is a sum over four planes; what is sculpted, a sum of its own for every vertex, changes only by the link's turn.
+// is a sum over four planes; the place in the section is turned about the bone first, by the blend of the planes' turns. What is
+// sculpted, a sum of its own for every vertex, changes only by the link's turn.
 void deformLimb(out vec3 x, out vec3 n) {
-  float u = limbParameters.x, v = limbParameters.y;
   vec4 bw = bernstein(limbParameters.z), dw = bernsteinSlope(limbParameters.z);
-  vec3 origin = vec3(0.0), xu = vec3(0.0), xv = vec3(0.0), originW = vec3(0.0), uW = vec3(0.0), vW = vec3(0.0);
+  vec4 origin = vec4(0.0), originW = vec4(0.0);  // w: the turn
+  vec3 axisX = vec3(0.0), axisY = vec3(0.0), axisXW = vec3(0.0), axisYW = vec3(0.0);
   int row = int(limbRows.x);
   for (int k = 0; k < 4; ++k, row += 3) {
-    vec3 o = layerRows[row].xyz, a = layerRows[row + 1].xyz, b = layerRows[row + 2].xyz;
+    vec4 o = layerRows[row];
+    vec3 a = layerRows[row + 1].xyz, b = layerRows[row + 2].xyz;
     origin += bw[k] * o;
-    xu += bw[k] * a;
-    xv += bw[k] * b;
+    axisX += bw[k] * a;
+    axisY += bw[k] * b;
     originW += dw[k] * o;
-    uW += dw[k] * a;
-    vW += dw[k] * b;
+    axisXW += dw[k] * a;
+    axisYW += dw[k] * b;
   }
-  x = origin + u * xu + v * xv;
-  vec3 xw = originW + u * uW + v * vW;
+  float c = cos(origin.w), s = sin(origin.w);
+  vec2 p = mat2(c, s, -s, c) * limbParameters.xy;
+  x = origin.xyz + p.x * axisX + p.y * axisY;
+  vec3 xu = c * axisX + s * axisY, xv = c * axisY - s * axisX;
+  vec3 xw = originW.xyz + p.x * axisXW + p.y * axisYW + originW.w * (p.x * axisY - p.y * axisX);
 #ifdef SCULPTED
   int link = int(limbRows.y);
   mat3 worldFromLink = mat3(layerRows[link].xyz, layerRows[link + 1].xyz, layerRows[link + 2].xyz);

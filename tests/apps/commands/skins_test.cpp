@@ -32,7 +32,7 @@ TEST(Skins, TheTableShowsWhatEachMethodIsFor) {
   std::vector<SkinChoice> methods;
   for (const char* name : {"lbs", "cor+twist+smooth"}) methods.push_back(parseSkinChoice(name));
   const SkinComparison comparison =
-      compareSkins(figure, methods, trials, false, [](double, const std::string&) {});
+      compareSkins(figure, methods, trials, false, false, [](double, const std::string&) {});
   ASSERT_EQ(comparison.cells.size(), 6u);
   // The candy wrapper, and none.
   EXPECT_LE(cell(comparison, "lbs", "forearm twist 170").section, 0.3);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/document/chosen_skin.h"
 #include "kinematics/configuration.h"
 #include "kinematics/notation/mannequin.h"
 #include "kinematics/symmetry.h"
@@ -310,6 +311,45 @@ TEST(Session, APointOfTheSkinFollowsByItsBlendNotByOneBone) {
   const Vector3d onSurface =
       0.2 * skinned.positions[3] + 0.3 * skinned.positions[4] + 0.5 * skinned.positions[5];
   EXPECT_LT((onSurface - session.reached(goal)).norm(), 1e-12);
+}
+
+TEST(Session, APointOfTheSkinIsWhereTheMethodAndTheLayersThatAreShownHaveIt) {
+  Session session(openModel("figure"));
+  // A triangle in the middle of the left elbow, where methods differ.
+  const int elbow = session.skeleton().jointIndex("lowerarm_l");
+  const Vector3d joint = bindFrames(session.model())[elbow].translation();
+  const Mesh& mesh = session.skin()->mesh;
+  int triangle = 0;
+  double nearest = 1e9;
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t)
+    if (const double d = (mesh.positions[mesh.triangles[t][0]] - joint).norm(); d < nearest)
+      nearest = d, triangle = t;
+  const Vector3d share(0.2, 0.3, 0.5);
+  std::vector<Vector3d> places;
+  for (const char* name : {"lbs", "dqs+twist", "cor+twist", "lbs+layers=muscle"}) {
+    SCOPED_TRACE(name);
+    session.resetPose();
+    session.removeAllGoals();
+    session.chooseSkin(parseSkinChoice(name));
+    const GoalId goal = session.addSurfaceGoal({.triangle = triangle, .barycentric = share});
+    Eigen::VectorXd q = session.q();
+    q[session.skeleton().qIndex(elbow)] = 1.5;
+    session.setPose(q);
+    SkinnedVertices whole;
+    ChosenSkin(session.model(), *session.skin(), chosenSkin(session.document()),
+               session.edits().muscles.get())
+        .pose(session.frames(), &session.q(), whole);
+    Vector3d expected = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) expected += share[k] * whole.positions[mesh.triangles[triangle][k]];
+    EXPECT_LE((session.reached(goal) - expected).norm(), 1e-12);
+    places.push_back(expected);
+    drag(session, goal, {0.02, 0.03, 0.04}, 10);
+    stepFrames(session, 40);
+    EXPECT_LT((session.reached(goal) - session.goal(goal).goal.target).norm(), 1e-3);
+    session.cancelDrag();
+  }
+  for (std::size_t i = 1; i < places.size(); ++i)  // the test's own premise
+    EXPECT_GT((places[i] - places[0]).norm(), 1e-3) << i;
 }
 
 TEST(Session, UndoBringsBackPoseAndGoalsAndRedoRepeats) {

@@ -11,8 +11,8 @@ namespace gelenk {
 namespace {
 
 TEST(SkinChoice, WhatIsWrittenReadsBackTheSame) {
-  for (const char* text :
-       {"lbs", "dqs", "cor", "lbs+twist", "cor+twist+smooth", "dqs+smooth=12.5", "ddm-v2+smooth"})
+  for (const char* text : {"lbs", "dqs", "cor", "lbs+twist", "cor+twist+smooth", "dqs+smooth=12.5",
+                           "ddm-v2+smooth", "lbs+layers", "cor+twist+smooth+layers=muscle"})
     EXPECT_EQ(toString(parseSkinChoice(text)), text);
   const SkinChoice choice = parseSkinChoice("cor+smooth+twist");
   EXPECT_EQ(choice, (SkinChoice{.method = SkinMethodKind::Cor, .twist = true, .smoothing = 0.03}));
@@ -26,6 +26,8 @@ TEST(SkinChoice, WhatIsWrongIsNamed) {
                                     {"cor+smooth=-3", "200"},
                                     {"cor+smooth=nan", "200"},
                                     {"ddm-v0+twist", "twist"},
+                                    {"ddm-v0+layers", "layers"},
+                                    {"cor+layers=fat", "layers=fat"},
                                     {"COR", "cor"}})
     try {
       parseSkinChoice(text);

@@ -50,7 +50,7 @@ TEST(LayeredBlend, WithLinearBlendingOutsideItIsTheSumOfMuscleSkin) {
     const auto limbs = poseLimbs(l.body, frames);
     SkinnedVertices sum, displaced;
     skinWithMuscles(l.body, frames, limbs, sum);
-    skinWithMuscles(layered, l.body, frames, limbs, displaced);
+    skinWithMuscles(layered, frames, limbs, displaced);
     for (std::size_t v = 0; v < sum.positions.size(); ++v)
       EXPECT_LE((sum.positions[v] - displaced.positions[v]).norm(), 1e-13)
           << "trial " << trial << " vertex " << v;
@@ -68,7 +68,7 @@ TEST(LayeredBlend, RestStaysAndARigidMotionMovesAllAlikeByEveryMethod) {
     SCOPED_TRACE(method->name);
     const LayeredSkin layered = prepareLayers(l.body, *method, l.rest);
     SkinnedVertices at;
-    skinWithMuscles(layered, l.body, moved, poseLimbs(l.body, moved), at);
+    skinWithMuscles(layered, moved, poseLimbs(l.body, moved), at);
     for (std::size_t v = 0; v < at.positions.size(); ++v)
       EXPECT_LE((at.positions[v] - motion * l.body.skin.mesh.positions[v]).norm(), 1e-12);
   }
@@ -82,7 +82,7 @@ TEST(LayeredBlend, InsideTheLimbTheLayersAloneCountWhateverTheMethod) {
   for (const SkinMethod* method : skinMethods()) {
     if (method->shader.empty()) continue;
     SkinnedVertices at;
-    skinWithMuscles(prepareLayers(l.body, *method, l.rest), l.body, frames, limbs, at);
+    skinWithMuscles(prepareLayers(l.body, *method, l.rest), frames, limbs, at);
     int inside = 0;
     for (std::size_t v = 0; v < at.positions.size(); ++v) {
       if (l.body.vertices[v].weight < 1.0) continue;
@@ -91,6 +91,25 @@ TEST(LayeredBlend, InsideTheLimbTheLayersAloneCountWhateverTheMethod) {
           << method->name;
     }
     EXPECT_GT(inside, 50);
+  }
+}
+
+TEST(LayeredBlend, AFewVerticesAloneAreWhereTheWholeSkinHasThem) {
+  const Layered l;
+  std::mt19937_64 random(5);
+  const Frames frames = bent(l, random, 1.0);
+  const auto limbs = poseLimbs(l.body, frames);
+  const int vertices[] = {700, 40, 3};
+  for (const char* name : {"lbs", "dqs", "cor"}) {
+    const LayeredSkin layered = prepareLayers(l.body, skinMethodNamed(name), l.rest);
+    SkinnedVertices all, some;
+    skinWithMuscles(layered, frames, limbs, all);
+    skinWithMuscles(verticesOf(layered, vertices), frames, limbs, some);
+    ASSERT_EQ(some.positions.size(), 3u);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(some.positions[k], all.positions[vertices[k]]) << name;
+      EXPECT_EQ(some.normals[k], all.normals[vertices[k]]) << name;
+    }
   }
 }
 

@@ -62,8 +62,8 @@ double seamJump(const LimbPose& pose) {
   for (int v = 0; v + 1 < pose.volumeCount(); ++v)
     for (const Vector2d& uv :
          {Vector2d(0.1, 0.2), Vector2d(0.5, 0.5), Vector2d(0.9, 0.3), Vector2d(0.0, 1.0)}) {
-      const FfdSample before = pose.lattice(v).evaluate({uv.x(), uv.y(), 1.0});
-      const FfdSample after = pose.lattice(v + 1).evaluate({uv.x(), uv.y(), 0.0});
+      const FfdSample before = pose.evaluate(v, {uv.x(), uv.y(), 1.0});
+      const FfdSample after = pose.evaluate(v + 1, {uv.x(), uv.y(), 0.0});
       worst = std::max({worst, (before.position - after.position).norm(),
                         (before.derivatives - after.derivatives).norm()});
     }
@@ -125,11 +125,59 @@ TEST(MuscleLayer, SixtyFourPointsEqualTheAffineRoute) {
     const LimbPose pose = poseLimb(limb.shape, limb.frames, limb.muscles);
     for (int v = 0; v < pose.volumeCount(); ++v) {
       const Vector3d uvw(uniform01(random), uniform01(random), uniform01(random));
-      const FfdSample full = pose.lattice(v).evaluate(uvw), affine = evaluateAffine(&pose.planes[3 * v], uvw);
+      const FfdPlane* planes = &pose.planes[3 * v];
+      const FfdLattice lattice = latticeOf({planes[0], planes[1], planes[2], planes[3]});
+      const FfdSample full = lattice.evaluate(uvw), affine = evaluateAffine(planes, uvw);
       EXPECT_LE((full.position - affine.position).norm(), 1e-12);
       EXPECT_LE((full.derivatives - affine.derivatives).norm(), 1e-12);
-      EXPECT_LE((pose.lattice(v).position(uvw) - full.position).norm(), 1e-14);
+      EXPECT_LE((lattice.position(uvw) - full.position).norm(), 1e-14);
+      EXPECT_LE((lattice.position(pose.turned(v, uvw)) - pose.position(v, uvw)).norm(), 1e-12);
     }
+  }
+}
+
+TEST(MuscleLayer, DerivativesAreThoseOfThePositionTwistAndDisplacementsIncluded) {
+  std::mt19937_64 random(11);
+  for (int i = 0; i < 50; ++i) {
+    RandomLimb limb = randomLimb(random);
+    if (i % 2 == 1)
+      for (int c = 0; c < 16; ++c)
+        limb.muscles[0].plane4.displacement.push_back(0.02 * testing::randomUnit(random));
+    const LimbPose pose = poseLimb(limb.shape, limb.frames, limb.muscles);
+    for (int v = 0; v < pose.volumeCount(); ++v) {
+      const Vector3d uvw(uniform01(random), uniform01(random), uniform01(random));
+      const FfdSample at = pose.evaluate(v, uvw);
+      EXPECT_LE((at.position - pose.position(v, uvw)).norm(), 1e-14);
+      constexpr double h = 1e-6;
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d step = h * Vector3d::Unit(k);
+        const Vector3d slope = (pose.position(v, uvw + step) - pose.position(v, uvw - step)) / (2.0 * h);
+        EXPECT_LE((slope - at.derivatives.col(k)).norm(), 1e-8) << "chain " << i << " d/d"
+                                                                << "uvw"[k];
+      }
+    }
+  }
+}
+
+TEST(MuscleLayer, TwistAlongAStraightLimbKeepsEverySectionAndTurnsItEvenly) {
+  const LimbShape shape = defaultLimbShape({0.3, 0.25});
+  for (const double twist : {0.5, 1.4, 3.0}) {
+    const LimbFrames frames{.joints = {{0, 0, 0}, {0, 0, 0.3}, {0, 0, 0.55}},
+                            .rotations = {Matrix3d::Identity(), Matrix3d::Identity()},
+                            .farTwist = twist};
+    const LimbPose pose = poseLimb(shape, frames);
+    double before = 0.0;
+    for (int v = 0; v < pose.volumeCount(); ++v)
+      for (double w = 0.0; w < 1.0; w += 0.05) {
+        const FfdSample at = pose.evaluate(v, {0.9, 0.5, w});  // 0.08 m from the bone
+        EXPECT_NEAR(at.position.head<2>().norm(), 0.08, 1e-12) << twist;
+        const Vector3d area = at.derivatives.col(0).cross(at.derivatives.col(1));
+        EXPECT_NEAR(area.z(), 0.04, 1e-12);  // a blend of turned planes: down to cos^2(twist / 2) of it
+        const double turned = std::atan2(at.position.y(), at.position.x());
+        EXPECT_GE(turned, before - 1e-12);
+        before = turned;
+        if (v < 2) EXPECT_NEAR(turned, 0.0, 1e-12) << "the upper link takes none of the hand's";
+      }
   }
 }
 
