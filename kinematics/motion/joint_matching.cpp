@@ -108,17 +108,19 @@ void mergeSynonyms(std::vector<PlainName>& names) {
       if (std::find(row.begin(), row.end(), name.part) != row.end()) name.part = row[0];
   }
   // Some rigs call the collar bone shoulder, others the upper arm; a wrist is the hand where there is no
-  // hand.
+  // hand, a root the pelvis where there is no pelvis (CMU).
   const auto has = [&](std::string_view part) {
     return std::any_of(names.begin(), names.end(), [&](const PlainName& name) { return name.part == part; });
   };
   const std::string shoulder = has("upperarm") ? "clavicle" : "upperarm",
-                    wrist = has("hand") ? "wrist" : "hand";
+                    wrist = has("hand") ? "wrist" : "hand", root = has("pelvis") ? "root" : "pelvis";
   for (PlainName& name : names)
     if (name.part == "shoulder")
       name.part = shoulder;
     else if (name.part == "wrist")
       name.part = wrist;
+    else if (name.part == "root")
+      name.part = root;
 }
 
 using Key = std::pair<std::string, Side>;

@@ -22,7 +22,7 @@ struct PlainName {
 /// root's begin with up to a separator ("Bip01 ", "def_"); case, separators and leading zeros of numbers. A
 /// side is a word left, right, l or r, or a leading l or r where the skeleton has the same name with the
 /// other letter. Names of one part of the body (upleg, upperleg, femur, thigh; the table is in the source)
-/// become one.
+/// become one; a root is the pelvis where there is none.
 std::vector<PlainName> plainNames(const Skeleton& skeleton);
 
 struct JointMatch {

@@ -1,5 +1,6 @@
 #include "kinematics/motion/motion_retarget.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -17,6 +18,8 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+
+constexpr double standsAbove = 0.8;  // 37 degrees from upright
 
 /// Bones from a matched pair to the matched pairs directly below it.
 struct Directions {
@@ -39,6 +42,17 @@ Matrix3d facing(const Frames& source, const Frames& target, const std::vector<Pl
   return Eigen::AngleAxisd(std::atan2(inTarget.cross(inSource).y(), inTarget.dot(inSource)),
                            Vector3d::UnitY())
       .toRotationMatrix();
+}
+
+/// The rotation that brings the target's directions nearest to the source's: least sum of squares (Kabsch
+/// 1976).
+Matrix3d nearestRotation(const Directions& bones) {
+  Matrix3d M = Matrix3d::Zero();
+  for (std::size_t k = 0; k < bones.target.size(); ++k) M += bones.source[k] * bones.target[k].transpose();
+  const Eigen::JacobiSVD<Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d U = svd.matrixU();
+  if ((U * svd.matrixV().transpose()).determinant() < 0.0) U.col(2) = -U.col(2);
+  return U * svd.matrixV().transpose();
 }
 
 double lowest(const Frames& frames) {
@@ -91,6 +105,55 @@ double nearestTurn(double angle, double hint) {
   return angle + 2.0 * M_PI * std::round((hint - angle) / (2.0 * M_PI));
 }
 
+/// The turning joints between pelvis and neck (or head), from below; empty where names do not tell.
+std::vector<int> spineOf(const Skeleton& skeleton) {
+  const auto names = plainNames(skeleton);
+  const auto named = [&](const char* part) {
+    const auto at = std::find(names.begin(), names.end(), PlainName{part});
+    return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+  };
+  const int pelvis = named("pelvis"), neck = named("neck") >= 0 ? named("neck") : named("head");
+  std::vector<int> spine;
+  if (pelvis < 0 || neck < 0 || !skeleton.isAncestor(pelvis, neck)) return spine;
+  for (int j = skeleton.parent(neck); j > pelvis; j = skeleton.parent(j))
+    if (skeleton.vCount(j) > 0) spine.push_back(j);
+  std::reverse(spine.begin(), spine.end());
+  return spine;
+}
+
+/// Every maker counts the spine's joints otherwise: those that no name has matched are paired from below,
+/// each run of them between two that names have.
+void matchSpines(const Skeleton& source, const Skeleton& target, JointMatching& matching) {
+  std::vector<int> from = spineOf(source);
+  const std::vector<int> onto = spineOf(target);
+  for (const JointMatch& match : matching.matches)
+    if (std::find(onto.begin(), onto.end(), match.target) == onto.end()) std::erase(from, match.source);
+  const auto placeInSource = [&](int t) {  // -1: not matched
+    for (const JointMatch& match : matching.matches)
+      if (match.target == t)
+        return static_cast<int>(std::find(from.begin(), from.end(), match.source) - from.begin());
+    return -1;
+  };
+  std::vector<JointMatch> found;
+  int low = 0;
+  for (std::size_t i = 0; i < onto.size();) {
+    std::size_t end = i;
+    while (end < onto.size() && placeInSource(onto[end]) < 0) ++end;
+    const int high = end < onto.size() ? placeInSource(onto[end]) : static_cast<int>(from.size());
+    const int wanted = static_cast<int>(end - i), there = high - low, n = std::min(wanted, there);
+    for (int k = 0; k < n; ++k) found.push_back({from[low + k * there / n], onto[i + k * wanted / n]});
+    low = high + 1;
+    i = end + 1;
+  }
+  for (const JointMatch& match : found) {
+    std::erase(matching.unmatchedSource, source.joint(match.source).name);
+    std::erase(matching.unmatchedTarget, target.joint(match.target).name);
+  }
+  matching.matches.insert(matching.matches.end(), found.begin(), found.end());
+  std::sort(matching.matches.begin(), matching.matches.end(),
+            [](const JointMatch& a, const JointMatch& b) { return a.target < b.target; });
+}
+
 /// Everything about a pair of skeletons that no frame changes.
 class Retargeter {
  public:
@@ -130,6 +193,9 @@ class Retargeter {
     for (int t = 0; t < target.jointCount(); ++t)
       if (sourceOf_[t] >= 0 && names[t] == PlainName{"pelvis"}) top_ = t;
     const Matrix3d whole = facing(sourceRest, targetRest_, names, sourceOf_);
+    const StandingParts sourceParts = standingParts(source), targetParts = standingParts(target);
+    targetStands_ =
+        targetParts.empty() || uprightness(targetParts, targetRest_, Vector3d::UnitY()) >= standsAbove;
     for (int t = 0; t < target.jointCount(); ++t) {
       if (sourceOf_[t] < 0) continue;
       const Directions& bones = directions[t];
@@ -137,13 +203,14 @@ class Retargeter {
       if (!isBone) childOf_[t] = -1;
       if (isBone)
         aligned_[t] = rotationBetween(bones.target[0], bones.source[0]).toRotationMatrix();
+      else if (!targetStands_ && bones.target.size() > 1)
+        aligned_[t] = nearestRotation(bones);
       else
         aligned_[t] = bones.target.empty() && matchedAbove[t] >= 0 ? aligned_[matchedAbove[t]] : whole;
     }
     for (int t = 0; t < target.jointCount(); ++t)
       if (childOf_[t] >= 0) hinges_[t] = hingeAt(t, directions);
     moving_ = movingJoint(target, top_);
-    const StandingParts sourceParts = standingParts(source), targetParts = standingParts(target);
     if (sourceParts.legs.size() == 2 && targetParts.legs.size() == 2)
       for (int k = 0; k < 2; ++k) {
         sourceHips_.push_back(sourceParts.legs[k].hip);
@@ -151,8 +218,9 @@ class Retargeter {
       }
     findScale(sourceLengths, targetLengths, options);
     findFloors(clip);
-    sourceFloor_ += ankleHeight(standingParts(source_), standing_.frames);
-    targetFloor_ += ankleHeight(standingParts(target_), targetRest_);
+    const double ankles = ankleHeight(sourceParts, standing_.frames);
+    sourceFloor_ += ankles;
+    targetFloor_ += targetStands_ ? ankleHeight(targetParts, targetRest_) : scale_ * ankles;
   }
 
   double scale() const { return scale_; }
@@ -328,7 +396,8 @@ class Retargeter {
     const double sourceLegs = legLength(source_, parts, standing_.frames),
                  targetLegs = legLength(target_, standingParts(target_), targetRest_);
     const double sourceLowest = lowest(standing_.frames), targetLowest = lowest(targetRest_);
-    const bool targetOnFloor = !(targetLegs > 0.0) || std::abs(targetLowest) < 0.1 * targetLegs;
+    const bool targetOnFloor =
+        targetStands_ && (!(targetLegs > 0.0) || std::abs(targetLowest) < 0.1 * targetLegs);
     const bool sourceOnFloor =
         standing_.frame < 0 && (!(sourceLegs > 0.0) || std::abs(sourceLowest) < 0.1 * sourceLegs);
     std::vector<double> upright, all;
@@ -336,7 +405,7 @@ class Retargeter {
     for (int f = 0; f < clip.frameCount(); ++f) {
       forwardKinematics(source_, clip.q.col(f), frames);
       all.push_back(lowest(frames));
-      if (!parts.empty() && uprightness(parts, frames, Vector3d::UnitY()) >= 0.8)
+      if (!parts.empty() && uprightness(parts, frames, Vector3d::UnitY()) >= standsAbove)
         upright.push_back(all.back());
     }
     std::vector<double>& heights = 2 * upright.size() >= all.size() ? upright : all;
@@ -360,6 +429,7 @@ class Retargeter {
   std::vector<int> childOf_;  ///< the matched joint that a matched joint's bone leads to; -1: none or several
   std::vector<Matrix3d> aligned_;  ///< A, of matched joints
   std::vector<Hinge> hinges_;
+  bool targetStands_ = true;    ///< at rest
   std::vector<double> twists_;  ///< of the ball above each hinge, of the frame before
   int top_ = -1, moving_ = -1;  ///< what carries the path, and the joint whose translations follow
   std::vector<int> sourceHips_, targetHips_;  ///< both hips of both bodies; else empty
@@ -466,6 +536,7 @@ RetargetedClip retargeted(const Skeleton& source, const MotionClip& clip, const 
     throw std::invalid_argument("the motion's joints have other names than the model's: " +
                                 std::to_string(result.matching.matches.size()) + " of " +
                                 std::to_string(target.jointCount()) + " match, two are needed");
+  matchSpines(source, target, result.matching);
   result.sourceUp = options.sourceUp ? *options.sourceUp : upOf(source, clip, standingParts(source));
   const bool turnSource = result.sourceUp.z() > 0.5, turnTarget = options.targetUp.z() > 0.5;
   if (!turnSource && !turnTarget) return retargetedUpright(source, clip, target, options, std::move(result));

@@ -133,6 +133,32 @@ TEST(OtherProgramsBvh, JointsOfOneNameAreToldApart) {
   EXPECT_EQ(file.notes[0].count, 2);
 }
 
+/// As systems other than CMU's write it: radians, centimetres, capitals, tabs, another order of rotations,
+/// entries on one line, frames that begin elsewhere.
+TEST(OtherProgramsAsf, KeywordsOfAnyCaseUnitsOrdersAndFrames) {
+  const AsfSkeleton asf = parseAsf(
+      ":VERSION 1.10\r\n:NAME Some Body\r\n:UNITS\r\n\tLENGTH 2.54\r\n\tANGLE RAD\r\n:ROOT\r\n\tAXIS "
+      "zyx\r\n\tORDER tx ty tz "
+      "rz ry rx\r\n\tPOSITION 0 0 0\r\n\tORIENTATION 0 0 0\r\n:BONEDATA\r\nBEGIN\r\n\tNAME "
+      "Spine\r\n\tDIRECTION 0, 1, "
+      "0\r\n\tLENGTH 50\r\n\tAXIS 0 0 0 zyx\r\n\tDOF rz ry rx\r\n\tLIMITS (-1 1)\r\n (-1,1)\r\n(-inf "
+      "Inf)\r\nEND\r\nBEGIN NAME Head DIRECTION 0 1 0 LENGTH 20 AXIS 0 0 0 zyx "
+      "END\r\n:HIERARCHY\r\nBEGIN\r\nroot "
+      "spine\r\nSPINE head # its end\r\nEND\r\n:SKIN none\r\n",
+      "other.asf");
+  const MotionClip clip =
+      parseAmc("#comment\r\n:FULLY-SPECIFIED\r\n101\r\nROOT 10 20 30 0.1 0.2 0.3\r\nspine\t0.5 0 1e-1\r\n",
+               "other.amc", asf);
+  const auto turn = [](double angle, int axis) {
+    return Eigen::AngleAxisd(angle, Vector3d::Unit(axis)).toRotationMatrix();
+  };
+  const Vector3d expected = Vector3d(0.1, 0.2, 0.3) + turn(0.3, 0) * turn(0.2, 1) * turn(0.1, 2) *
+                                                          turn(0.1, 0) * turn(0.5, 2) * Vector3d(0, 0.7, 0);
+  const Frames frames = forwardKinematics(asf.skeleton, clip.q.col(0));
+  EXPECT_LT((frames[asf.bones[2].endJoint].translation() - expected).norm(), 1e-12);
+  EXPECT_TRUE(asf.notes.empty());
+}
+
 std::string urdf(const std::string& joints) {
   return "<robot name=\"m\"><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>" + joints + "</robot>";
 }

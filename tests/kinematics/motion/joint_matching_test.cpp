@@ -45,6 +45,12 @@ TEST(PlainNames, AShoulderIsTheCollarBoneWhereTheArmHasItsOwnName) {
   EXPECT_EQ(plainNames(chain({"root", "shoulder_left", "elbow_left"}))[1].part, "upperarm");
 }
 
+TEST(PlainNames, ARootIsThePelvisWhereThereIsNone) {
+  const auto part = [](const std::vector<Joint>& joints) { return plainNames(Skeleton(joints))[0].part; };
+  EXPECT_EQ(part({{.name = "root"}, {.name = "lfemur", .parent = 0}}), "pelvis");
+  EXPECT_EQ(part({{.name = "root"}, {.name = "Hips", .parent = 0}}), "root");
+}
+
 TEST(JointMatching, PairsRigsOfDifferentMakersAndListsTheRest) {
   const Skeleton source =
       chain({"Hips", "Spine", "LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand", "Tail"});

@@ -139,6 +139,58 @@ TEST(Retarget, AZeroPoseThatIsNoStanceChangesNothingButTheNames) {
   EXPECT_NEAR(place(target.skeleton, result.clip, 1, "mixamorig:LeftFoot").y(), 0.05, 1e-9);
 }
 
+/// CMU has lowerback, upperback and thorax, Unreal's mannequin spine_01 to spine_03, Mixamo Spine to Spine2.
+TEST(Retarget, SpinesAreMatchedFromBelowWhateverTheirJointsAreCalled) {
+  const auto body = [](const std::vector<std::string>& names) {
+    std::vector<Joint> joints;
+    for (const std::string& name : names) {
+      Joint joint{.name = name, .parent = static_cast<int>(joints.size()) - 1, .ball = true};
+      joint.parentFromZero.translation().y() = joints.empty() ? 0.0 : 0.1;
+      joints.push_back(joint);
+    }
+    return Skeleton(joints);
+  };
+  const auto pairs = [&](const std::vector<std::string>& from, const std::vector<std::string>& onto) {
+    const Skeleton source = body(from), target = body(onto);
+    const MotionClip clip{.framesPerSecond = 1.0, .q = source.rest()};
+    std::string text;
+    const JointMatching matching = retargeted(source, clip, target).matching;
+    for (const JointMatch& match : matching.matches)
+      text += source.joint(match.source).name + '-' + target.joint(match.target).name + ' ';
+    for (const std::string& name : matching.unmatchedTarget) text += '+' + name;
+    for (const std::string& name : matching.unmatchedSource) text += '-' + name;
+    return text;
+  };
+  EXPECT_EQ(pairs({"root", "lowerback", "upperback", "thorax", "lowerneck"},
+                  {"pelvis", "spine_01", "spine_02", "spine_03", "neck_01"}),
+            "root-pelvis lowerback-spine_01 upperback-spine_02 thorax-spine_03 lowerneck-neck_01 ");
+  EXPECT_EQ(pairs({"Hips", "Spine", "Spine1", "Spine2", "Spine3", "Neck"}, {"pelvis", "low", "high", "neck"}),
+            "Hips-pelvis Spine-low Spine2-high Neck-neck -Spine1-Spine3");
+  EXPECT_EQ(pairs({"Hips", "waist", "Chest", "Neck"}, {"pelvis", "a", "b", "chest", "c", "neck"}),
+            "Hips-pelvis waist-a Chest-chest Neck-neck +b+c");
+}
+
+TEST(Retarget, ATargetWhoseZeroPoseIsNoStanceMovesAsTheSource) {
+  const BvhMotion source = readBvh(inputs + "apose.bvh"), lying = readBvh(inputs + "lying_zero_pose.bvh");
+  MotionClip clip = source.clip;
+  const int leg = source.skeleton.qIndex(source.skeleton.jointIndex("mixamorig:LeftLeg"));
+  clip.q(leg + 1, clip.frameCount() - 1) += 0.5;
+  for (const double turned : {0.0, 1.0, M_PI / 2}) {  // its pelvis and chest have bones in several directions
+    const Skeleton target = rotated(
+        lying.skeleton, Eigen::Quaterniond(Eigen::AngleAxisd(turned, Vector3d(2, 1, 2).normalized())));
+    const RetargetedClip result = retargeted(source.skeleton, clip, target);
+    EXPECT_NEAR(result.scale, 1.0, 1e-9);
+    for (int f = 0; f < clip.frameCount(); ++f)
+      for (const char* joint : {"Hips", "Spine", "Head", "LeftArm", "LeftForeArm", "LeftHand", "RightHand",
+                                "LeftUpLeg", "LeftLeg", "LeftFoot", "RightFoot"})
+        EXPECT_LT((place(target, result.clip, f, joint) -
+                   place(source.skeleton, clip, f, (std::string("mixamorig:") + joint).c_str()))
+                      .norm(),
+                  1e-6)
+            << joint << " in frame " << f + 1 << " turned by " << turned;
+  }
+}
+
 /// The clip with the whole source turned and placed otherwise.
 BvhMotion zUp(const std::string& file) {
   BvhMotion bvh = readBvh(file);
