@@ -196,10 +196,15 @@ class Retargeter {
     const StandingParts sourceParts = standingParts(source), targetParts = standingParts(target);
     targetStands_ =
         targetParts.empty() || uprightness(targetParts, targetRest_, Vector3d::UnitY()) >= standsAbove;
+    // Where both stand, the trunk keeps its own shape: rigs differ in where a spine bends and a collar bone
+    // begins.
+    const bool stand =
+        !sourceParts.empty() && !targetParts.empty() && targetStands_ && standing_.uprightness >= standsAbove;
     for (int t = 0; t < target.jointCount(); ++t) {
       if (sourceOf_[t] < 0) continue;
       const Directions& bones = directions[t];
-      const bool isBone = bones.target.size() == 1 && !target.isAncestor(t, top_);
+      const bool ofTrunk = stand && (names[t].side == Side::Middle || names[t].part == "clavicle");
+      const bool isBone = bones.target.size() == 1 && !target.isAncestor(t, top_) && !ofTrunk;
       if (!isBone) childOf_[t] = -1;
       if (isBone)
         aligned_[t] = rotationBetween(bones.target[0], bones.source[0]).toRotationMatrix();

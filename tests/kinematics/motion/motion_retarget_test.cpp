@@ -170,6 +170,50 @@ TEST(Retarget, SpinesAreMatchedFromBelowWhateverTheirJointsAreCalled) {
             "Hips-pelvis waist-a Chest-chest Neck-neck +b+c");
 }
 
+/// Collar bones that begin deeper in the chest of the one rig than of the other shrug no shoulders.
+TEST(Retarget, TheTrunkOfABodyThatStandsKeepsItsShapeAndLimbsPointAlike) {
+  const auto body = [](double slope, double armDown) {
+    std::vector<Joint> joints;
+    const auto add = [&](const char* name, int parent, const Vector3d& offset) {
+      Joint joint{.name = name, .parent = parent, .ball = true};
+      joint.parentFromZero.translation() = offset;
+      joints.push_back(joint);
+      return static_cast<int>(joints.size()) - 1;
+    };
+    const int hips = add("Hips", -1, {0, 0.9, 0}), spine = add("Spine", hips, {0, 0.3, 0.1 * slope}),
+              neck = add("Neck", spine, {0, 0.2, -0.1 * slope});
+    add("Head", neck, {0, 0.2, 0});
+    for (const double side : {1.0, -1.0}) {
+      const std::string name = side > 0 ? "Left" : "Right";
+      const int collar = add((name + "Shoulder").c_str(), spine, {0.02 * side, 0.1, 0}),
+                arm = add((name + "Arm").c_str(), collar, {0.15 * side, slope, 0}),
+                elbow = add((name + "ForeArm").c_str(), arm, {0.3 * side, -armDown, 0});
+      add((name + "Hand").c_str(), elbow, {0.3 * side, -armDown, 0});
+      const int thigh = add((name + "UpLeg").c_str(), hips, {0.1 * side, 0, 0}),
+                knee = add((name + "Leg").c_str(), thigh, {0, -0.45, 0});
+      add((name + "Foot").c_str(), knee, {0, -0.45, 0});
+    }
+    return Skeleton(joints);
+  };
+  const Skeleton source = body(0.15, 0.1), target = body(0.0, 0.0);
+  MotionClip clip{.framesPerSecond = 1.0, .q = source.rest().replicate(1, 2)};
+  Eigen::VectorXd bent = source.rest();
+  const Eigen::Quaterniond bow(Eigen::AngleAxisd(0.4, Vector3d::UnitX()));
+  setJointRotation(source, bent, source.jointIndex("Spine"), bow);
+  clip.q.col(1) = bent;
+  const RetargetedClip result = retargeted(source, clip, target);
+  const Frames rest = restFrames(target), stands = forwardKinematics(target, result.clip.q.col(0)),
+               bows = forwardKinematics(target, result.clip.q.col(1));
+  for (const char* joint : {"Spine", "Neck", "LeftShoulder", "RightShoulder"}) {
+    const int j = target.jointIndex(joint);
+    EXPECT_TRUE(stands[j].linear().isApprox(rest[j].linear(), 1e-9)) << joint;
+    EXPECT_TRUE(bows[j].linear().isApprox(bow.toRotationMatrix() * rest[j].linear(), 1e-9)) << joint;
+  }
+  const Vector3d arm =
+      place(target, result.clip, 0, "LeftForeArm") - place(target, result.clip, 0, "LeftArm");
+  EXPECT_LT((arm.normalized() - Vector3d(0.3, -0.1, 0).normalized()).norm(), 1e-9);
+}
+
 TEST(Retarget, ATargetWhoseZeroPoseIsNoStanceMovesAsTheSource) {
   const BvhMotion source = readBvh(inputs + "apose.bvh"), lying = readBvh(inputs + "lying_zero_pose.bvh");
   MotionClip clip = source.clip;
