@@ -629,6 +629,7 @@ Document parseScene(std::string_view text, const std::string& file, const Model&
   if (const auto entry = root.find("weights")) readWeights(*entry, model, edits.weights);
   if (const auto entry = root.find("muscles"))
     edits.muscles = std::make_shared<MuscleSettings>(readMuscles(*entry, limbsOf(model)));
+  if (document.skin.layers != SkinLayers::None) chooseSkin(document, model, document.skin);
   if (const auto entry = root.find("clip")) edits.clip = std::make_shared<ClipEdits>(readClip(*entry, model));
   if (const auto entry = root.find("playback")) document.playback = readPlayback(*entry, edits.seconds);
   if (const auto entry = root.find("lab")) document.lab = readLab(*entry);

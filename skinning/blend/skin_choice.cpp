@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "skinning/blend/limb_chains.h"
+#include "skinning/blend/shoulder_lift.h"
 #include "skinning/blend/weight_smoothing.h"
 
 namespace gelenk {
@@ -58,13 +59,17 @@ std::string toString(const SkinChoice& choice) {
 
 PreparedSkin prepareSkin(const Skin& skin, const SkinChoice& choice, const Skeleton& skeleton,
                          const Frames& bound) {
+  const std::vector<LimbChain> limbs = limbChains(skeleton);
   TwistSpread spread;
   if (choice.twist) {
     std::vector<std::vector<int>> chains;
-    for (const LimbChain& limb : limbChains(skeleton)) chains.push_back(limb.joints);
+    for (const LimbChain& limb : limbs) chains.push_back(limb.joints);
     spread = spreadTwist(skeleton, bound, chains);
   }
-  return prepareSkin(smoothWeights(skin, choice.smoothing), skinMethod(choice.method), std::move(spread));
+  PreparedSkin prepared =
+      prepareSkin(smoothWeights(skin, choice.smoothing), skinMethod(choice.method), std::move(spread));
+  liftShoulderCentres(prepared, skeleton, bound, limbs);
+  return prepared;
 }
 
 }  // namespace gelenk

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "apps/commands/skins_report.h"
+#include "skinning/blend/skin_measures.h"
 
 namespace gelenk {
 namespace {
@@ -49,6 +51,33 @@ TEST(Skins, TheTableShowsWhatEachMethodIsFor) {
   }
   const std::string csv = toCsv(comparison.cells);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 7);
+}
+
+TEST(Skins, CentresOfRotationThatGoUpKeepARaisedShouldersVolume) {
+  const Model figure = openModel("figure");
+  const SkinTrials trials = onlyPoses(standardTrials(figure), {"shoulder up", "shoulder cross", "elbow 90"});
+  ASSERT_EQ(trials.poses.size(), 3u);
+  const Frames bound = bindFrames(figure);
+  PreparedSkin with = prepareSkin(*figure.skin, parseSkinChoice("cor+twist+smooth"), figure.skeleton, bound);
+  PreparedSkin without = prepareSkin(with.skin, skinMethodNamed("cor"), with.spread);
+  std::map<std::string, std::pair<double, double>> change;  // of the ball of 0.2 m, with and without
+  for (const SkinPoseCase& pose : trials.poses) {
+    const PartVolume ball(figure.skin->mesh, pose.centre, 0.2);
+    const auto volume = [&](const PreparedSkin& skin) {
+      return ball.volume(blendSkin(skin, pose.frames).positions) / ball.volume(figure.skin->mesh.positions) -
+             1;
+    };
+    change[pose.name] = {volume(with), volume(without)};
+  }
+  EXPECT_GT(change["shoulder up"].second, 0.09);
+  EXPECT_LT(change["shoulder up"].first, 0.05);
+  EXPECT_NEAR(change["shoulder cross"].first, change["shoulder cross"].second, 0.01);
+  EXPECT_NEAR(change["elbow 90"].first, change["elbow 90"].second, 1e-3);
+  // Slopes of the centres are the lifted ones': normals stay those of the skin.
+  const SkinComparison comparison =
+      compareSkins(figure, {parseSkinChoice("cor+twist+smooth")}, onlyPoses(trials, {"shoulder up"}), false,
+                   false, [](double, const std::string&) {});
+  EXPECT_LE(comparison.cells[0].normalMean, 0.7);
 }
 
 }  // namespace
