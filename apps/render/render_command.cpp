@@ -232,8 +232,9 @@ class Studio {
   Image picture(double turn = 0.0) {
     Camera camera = session_.document().view.camera;
     camera.azimuth += turn;
-    renderer_->draw(view_->compose(session_), camera, viewport_, target_->framebuffer(),
-                    static_cast<float>(request_.scale));
+    const auto scale = static_cast<float>(request_.scale);
+    renderer_->draw(view_->compose(session_, {.viewport = viewport_, .pixelScale = scale}), camera, viewport_,
+                    target_->framebuffer(), scale);
     return {viewport_.width, viewport_.height, target_->readPixels()};
   }
 

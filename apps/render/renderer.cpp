@@ -189,11 +189,11 @@ FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const View
                           scene.ground.visible ? (scene.ground.grid ? 2.0f : 1.0f) : 0.0f, 0.0f}};
 }
 
-GlTexture mapTexture(GLenum internal, int size, GLenum format, GLenum filter) {
+GlTexture mapTexture(GLenum internal, int width, int height, GLenum format, GLenum filter) {
   GlTexture texture = GlTexture::create();
   glBindTexture(GL_TEXTURE_2D, texture);
   const GLenum type = format == GL_DEPTH_COMPONENT ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE;
-  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), size, size, 0, format, type, nullptr);
+  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), width, height, 0, format, type, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
@@ -255,6 +255,7 @@ struct Renderer::State {
   int shadowPixels = 0, patchPixels = 0;  ///< set by prepareMaps
   int samples = software ? 0 : 4;
   int supersampling = 1;
+  bool quick = false;
 
   std::map<std::string, ShaderProgram> programs;  ///< variants, made when first needed
   OverlayGl overlay{frameBinding};
@@ -264,9 +265,14 @@ struct Renderer::State {
 
   GlTexture shadowMap, contact, noisyGroundLight, groundLight;
   GlFramebuffer shadowBuffer, contactBuffer, noisyGroundLightBuffer, groundLightBuffer;
-  GLuint comparing = 0, plain = 0;  ///< sampler objects: the shadow map with and without comparison
+  /// Sampler objects: the shadow map with and without comparison; an sRGB picture as it is stored (0: there
+  /// is none).
+  GLuint comparing = 0, plain = 0, asStored = 0;
 
   RenderTarget large, resolved;
+  GlTexture noisyOpenness, openness;  ///< of still pictures, a pixel of the picture each
+  GlFramebuffer noisyOpennessBuffer, opennessBuffer;
+  Viewport opennessSize{0, 0};
 
   State();
   ~State();
@@ -279,6 +285,7 @@ struct Renderer::State {
   void drawBodies(const RenderScene& scene, bool translucent);
   void drawBody(const RenderScene& scene, std::size_t index, bool translucent);
   void drawBackdrop(const RenderScene& scene);
+  void darkenFolds(const Viewport& viewport);
   void copyTo(GLuint framebuffer, const Viewport& viewport);
 };
 
@@ -294,6 +301,14 @@ Renderer::State::State() {
   }
   glSamplerParameteri(comparing, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glSamplerParameteri(comparing, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+#ifndef __EMSCRIPTEN__
+  if (epoxy_has_gl_extension("GL_EXT_texture_sRGB_decode")) {
+    glGenSamplers(1, &asStored);
+    glSamplerParameteri(asStored, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glSamplerParameteri(asStored, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glSamplerParameteri(asStored, GL_TEXTURE_SRGB_DECODE_EXT, GL_SKIP_DECODE_EXT);
+  }
+#endif
   glBindBuffer(GL_UNIFORM_BUFFER, frame);
   glBufferData(GL_UNIFORM_BUFFER, sizeof(FrameBlock), nullptr, GL_STREAM_DRAW);
   glBindBuffer(GL_UNIFORM_BUFFER, 0);
@@ -302,6 +317,7 @@ Renderer::State::State() {
 Renderer::State::~State() {
   glDeleteSamplers(1, &comparing);
   glDeleteSamplers(1, &plain);
+  glDeleteSamplers(1, &asStored);
 }
 
 const ShaderProgram& Renderer::State::program(const std::string& name, const ProgramText& text) {
@@ -317,6 +333,7 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
   made.bindSampler("shadowDepth", ShadowDepthUnit);
   made.bindSampler("contact", ContactUnit);
   made.bindSampler("source", ContactUnit);
+  made.bindSampler("depth", ContactUnit);
   made.bindSampler("groundLight", GroundLightUnit);
   return programs.emplace(name, std::move(made)).first->second;
 }
@@ -334,13 +351,14 @@ const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const
 /// costs.
 void Renderer::State::prepareMaps() {
   const bool fine = !software || supersampling > 1;
-  if (shadowPixels == (fine ? 2048 : 1024)) return;
-  shadowPixels = fine ? 2048 : 1024;
-  patchPixels = fine ? 768 : 256;
-  shadowMap = mapTexture(GL_DEPTH_COMPONENT24, shadowPixels, GL_DEPTH_COMPONENT, GL_LINEAR);
-  contact = mapTexture(GL_R8, patchPixels, GL_RED, GL_LINEAR);
-  noisyGroundLight = mapTexture(GL_RG8, patchPixels, GL_RG, GL_LINEAR);
-  groundLight = mapTexture(GL_RG8, patchPixels, GL_RG, GL_LINEAR);
+  const int shadow = fine ? 2048 : 1024, patch = fine ? 768 : quick ? 160 : 256;
+  if (shadowPixels == shadow && patchPixels == patch) return;
+  shadowPixels = shadow;
+  patchPixels = patch;
+  shadowMap = mapTexture(GL_DEPTH_COMPONENT24, shadowPixels, shadowPixels, GL_DEPTH_COMPONENT, GL_LINEAR);
+  contact = mapTexture(GL_R8, patchPixels, patchPixels, GL_RED, GL_LINEAR);
+  noisyGroundLight = mapTexture(GL_RG8, patchPixels, patchPixels, GL_RG, GL_LINEAR);
+  groundLight = mapTexture(GL_RG8, patchPixels, patchPixels, GL_RG, GL_LINEAR);
   shadowBuffer = framebufferOf(shadowMap, GL_DEPTH_ATTACHMENT, "the shadow");
   contactBuffer = framebufferOf(contact, GL_COLOR_ATTACHMENT0, "the contact shadow");
   noisyGroundLightBuffer = framebufferOf(noisyGroundLight, GL_COLOR_ATTACHMENT0, "the ground's light");
@@ -426,6 +444,7 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
   glUniform1f(surface.uniform("packedColours"),
               body.look && !body.look->look().coordinates.empty() ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
+  glUniform1i(surface.uniform("taps"), supersampling > 1 ? 12 : 4);
   setMaterial(surface, {});
   glUniform1i(surface.uniform("vertexCount"), body.mesh->vertexCount());
   poses[index].bind();
@@ -473,6 +492,48 @@ void Renderer::State::drawBackdrop(const RenderScene& scene) {
   glDepthMask(GL_TRUE);
 }
 
+/// Where parts of bodies come near each other less light gets in: found in the depths of what was drawn so
+/// far, for still pictures.
+void Renderer::State::darkenFolds(const Viewport& viewport) {
+  const RenderTarget* drawn = &large;
+  if (samples > 0) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, large.framebuffer());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
+    glBlitFramebuffer(0, 0, large.width(), large.height(), 0, 0, large.width(), large.height(),
+                      GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+    drawn = &resolved;
+  }
+  if (opennessSize.width != viewport.width || opennessSize.height != viewport.height) {
+    noisyOpenness = mapTexture(GL_RG8, viewport.width, viewport.height, GL_RG, GL_LINEAR);
+    openness = mapTexture(GL_RG8, viewport.width, viewport.height, GL_RG, GL_LINEAR);
+    noisyOpennessBuffer = framebufferOf(noisyOpenness, GL_COLOR_ATTACHMENT0, "the folds");
+    opennessBuffer = framebufferOf(openness, GL_COLOR_ATTACHMENT0, "the folds");
+    opennessSize = viewport;
+  }
+  const auto pass = [&](GLuint framebuffer, const char* name, GLuint source) {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    program(name,
+            {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = std::string(name) + ".frag"})
+        .use();
+    bindTexture(ContactUnit, source);
+    glBindVertexArray(noVertices);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  };
+  encodeSrgbTargets(false);
+  glDisable(GL_DEPTH_TEST);
+  glViewport(0, 0, viewport.width, viewport.height);
+  pass(noisyOpennessBuffer, "occlusion", drawn->depthTexture());
+  pass(opennessBuffer, "blur", noisyOpenness);
+  encodeSrgbTargets(true);
+  glViewport(0, 0, large.width(), large.height());
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_DST_COLOR, GL_ZERO);
+  pass(large.framebuffer(), "openness", openness);
+  bindTexture(ContactUnit, 0);
+  glDisable(GL_BLEND);
+  glEnable(GL_DEPTH_TEST);
+}
+
 void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
   const RenderTarget* picture = &large;
   if (samples > 0) {
@@ -485,13 +546,20 @@ void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
   encodeSrgbTargets(false);  // average.frag does it, for a target that keeps what is written
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, viewport.width, viewport.height);
+  glBindVertexArray(noVertices);
+  if (supersampling == 1 && asStored != 0) {  // nothing to average: the bytes as they are
+    program("copy", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "copy.frag"}).use();
+    bindTexture(ContactUnit, picture->texture(), asStored);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    bindTexture(ContactUnit, 0);
+    return;
+  }
   const ShaderProgram& average =
       program("average", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "average.frag"});
   average.use();
   glUniform1i(average.uniform("large"), ContactUnit);
   glUniform1i(average.uniform("factor"), supersampling);
   bindTexture(ContactUnit, picture->texture());
-  glBindVertexArray(noVertices);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -505,6 +573,7 @@ void Renderer::setSamples(int samples) {
 }
 int Renderer::samples() const { return state_->samples; }
 void Renderer::setSupersampling(int n) { state_->supersampling = std::clamp(n, 1, 4); }
+void Renderer::setQuick(bool quick) { state_->quick = quick; }
 
 void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewport& viewport,
                     unsigned framebuffer, float pixelScale) {
@@ -547,6 +616,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   glClear(GL_DEPTH_BUFFER_BIT);
   gl.drawBodies(scene, false);
   gl.drawBackdrop(scene);
+  if (gl.supersampling > 1 && !scene.bodies.empty() && !scene.xray) gl.darkenFolds(viewport);
   glEnable(GL_BLEND);
   // The picture stays opaque: what shows it may blend it over something else.
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

@@ -82,6 +82,8 @@ class Renderer {
   /// Draws n times as large both ways and averages: smooth edges for still pictures on any renderer. 1
   /// (initially) to 4.
   void setSupersampling(int n);
+  /// While something moves on a software renderer: the ground's light in fewer texels.
+  void setQuick(bool quick);
 
  private:
   struct State;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "apps/render/colour.h"
+#include "apps/render/rulers.h"
 #include "apps/render/scene_marks.h"
 #include "apps/render/signs.h"
 #include "skinning/blend/limb_chains.h"
@@ -310,7 +311,12 @@ void SceneView::addMarks(const Session& session, const PictureExtras& extras, Re
   const std::optional<int> selected = session.selectedJoint();
   if (show.skeleton || !mesh_)
     addBones(scene.overlayOnTop, session.skeleton(), frames_, size_, boneColour, selected.value_or(-1));
-  if (session.model().planar) addWorkspace(scene.overlay, session, frames_, colours);
+  if (session.model().planar) {
+    addWorkspace(scene.overlay, session, frames_, colours);
+    if (extras.viewport)
+      addRulers(scene.overlay, session.document().view.camera, *extras.viewport, extras.pixelScale, 0.0,
+                colours.dim);
+  }
   if (show.jointFrames) {
     addJointFrames(scene.overlayOnTop, frames_, size_);
     if (ownPose_ && session.skeleton().jointCount() <= 12)

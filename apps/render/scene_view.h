@@ -32,7 +32,10 @@ struct PictureExtras {
   Overlay overlayOnTop = {};                                       ///< seen through everything
   std::vector<double> limitGlow = {};                              ///< a joint, 0 to 1: limits that light up
   bool whole = true;  ///< a still picture: what is computed bit by bit is finished at once
-  int latticePlane = -1, latticePoint = -1;           ///< of the limb whose lattice is shown, drawn stronger
+  int latticePlane = -1, latticePoint = -1;  ///< of the limb whose lattice is shown, drawn stronger
+  std::optional<Viewport> viewport =
+      {};                   ///< of the picture, for what lies along its edges; none: nothing does
+  float pixelScale = 1.0f;  ///< its pixels for one at scale 1
   std::optional<GoalId> hovered = {}, selected = {};  ///< drawn larger; with all that belongs to them
 };
 

@@ -58,8 +58,8 @@ void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd
       std::snprintf(text, sizeof text, format, m(i, j));
       if (j > 0) ImGui::SameLine(0, 0);
       ImGui::SetCursorPosX(left + column * static_cast<float>(j + 1) - 8 * sandbox.scale() -
-                           ImGui::CalcTextSize(text).x);
-      ImGui::TextUnformatted(text);
+                           mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), text).width);
+      mathItem(text);
     }
   const float wide = left + column * static_cast<float>(m.cols());
   drawBrackets(
@@ -84,13 +84,16 @@ std::vector<std::string> matrixRow(const std::string& line) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
+float widthOf(const std::string& formula) {
+  return mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), formula).width;
+}
+
 /// Rows of numbers between tall brackets, every column right-aligned.
 void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
   std::vector<float> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()), 0.0f);
-    for (std::size_t j = 0; j < row.size(); ++j)
-      widths[j] = std::max(widths[j], ImGui::CalcTextSize(row[j].c_str()).x);
+    for (std::size_t j = 0; j < row.size(); ++j) widths[j] = std::max(widths[j], widthOf(row[j]));
   }
   const float gap = 1.1f * ImGui::GetFontSize(), edge = 0.5f * ImGui::GetFontSize();
   const ImVec2 low = ImGui::GetCursorScreenPos();
@@ -99,8 +102,8 @@ void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
     for (std::size_t j = 0; j < row.size(); ++j) {
       x += widths[j];
       if (j > 0) ImGui::SameLine(0, 0);
-      ImGui::SetCursorPosX(x - ImGui::CalcTextSize(row[j].c_str()).x);
-      ImGui::TextUnformatted(row[j].c_str());
+      ImGui::SetCursorPosX(x - widthOf(row[j]));
+      mathItem(row[j]);
       x += gap;
     }
   }
@@ -110,6 +113,20 @@ void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
   drawBrackets(*ImGui::GetWindowDrawList(), {x, low.y},
                {x + wide, ImGui::GetCursorScreenPos().y - ImGui::GetStyle().ItemSpacing.y},
                ImGui::GetColorU32(ImGuiCol_Text), std::max(1.2f, 0.08f * ImGui::GetFontSize()));
+}
+
+/// A line that is wider than the window in pieces that are not, parted at blanks.
+std::vector<std::string> wrapped(const std::string& words, float width) {
+  std::vector<std::string> pieces{""};
+  std::istringstream stream(words);
+  for (std::string word; stream >> word;) {
+    const std::string longer = pieces.back().empty() ? word : pieces.back() + " " + word;
+    if (pieces.back().empty() || widthOf(longer) <= width)
+      pieces.back() = longer;
+    else
+      pieces.push_back(word);
+  }
+  return pieces;
 }
 
 /// Where the cells of a line begin: runs of three or more blanks part them.
@@ -146,6 +163,16 @@ void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen) {
     endMatrix();
     const auto cells = cellsOf(line);
     if (cells.empty()) ImGui::Dummy({0, 0.35f * ImGui::GetTextLineHeight()});
+    if (cells.size() == 1) {  // prose or a formula; the columns of a table stay as they are
+      const float left = cell * static_cast<float>(cells[0].first),
+                  room = ImGui::GetContentRegionAvail().x - left;
+      for (const std::string& piece :
+           wrapped(cells[0].second, std::max(room, 12.0f * ImGui::GetFontSize()))) {
+        ImGui::SetCursorPosX(left);
+        mathItem(piece);
+      }
+      continue;
+    }
     float over = 0.0f;
     for (const auto& [at, words] : cells)
       over = std::max(over, mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), words).over);
@@ -242,10 +269,11 @@ class LecturePanel final : public Panel {
     drawSwitch(sandbox);
     ImGui::Dummy({0, 6 * sandbox.scale()});
     ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
-    // As large as the longest line allows.
+    // As large as the widest table allows; other lines are wrapped.
     std::size_t longest = 1;
     std::istringstream lines(shown_);
-    for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+    for (std::string line; std::getline(lines, line);)
+      if (!matrixRow(line).empty() || cellsOf(line).size() > 1) longest = std::max(longest, line.size());
     ImFont* font = sandbox.state().gui.fonts().large;
     const float wanted = 0.47f * font->FontSize * static_cast<float>(longest);
     ImGui::SetWindowFontScale(std::clamp(ImGui::GetContentRegionAvail().x / wanted, 0.7f, 1.15f));
@@ -264,7 +292,6 @@ class LecturePanel final : public Panel {
     if (!scene_) return;
     scene_->overlay(sandbox);
     shown_ = live_ ? scene_->derivation(sandbox) : derivation_;
-    sandbox.state().rulers = true;
   }
 
   void opened(Sandbox& sandbox, bool fromFile) override {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/render/rulers.h"
 #include "apps/sandbox/gizmo.h"
 #include "apps/sandbox/label_places.h"
 #include "apps/sandbox/mathematics.h"
-#include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
@@ -63,7 +63,9 @@ void nameGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
   if (s.selectedGoal == goal.id && s.session->dragged() != goal.id)
     pen.draw->AddCircle(at, (r + 4) * pen.scale, colour32(pen.colours.accent), 40, 1.8f * pen.scale);
   if (s.hover.kind == Hover::Kind::Goal && s.hover.goal == goal.id)
-    words(pen, {at.x + 16 * pen.scale, at.y - 8 * pen.scale}, pen.colours.text, goal.goal.name);
+    words(pen, {at.x + 16 * pen.scale, at.y - (s.selectedGoal == goal.id ? 34 : 8) * pen.scale},
+          pen.colours.text,
+          goal.goal.name);  // beside the arrows of the selected one
 }
 
 void drawHover(const Pen& pen, Sandbox& sandbox) {
@@ -103,72 +105,49 @@ void nameGesture(const Pen& pen, Sandbox& sandbox) {
         pen.colours.text, text);
 }
 
-/// The coordinates of the plane along the left and the lower edge, and the axes through its origin, while a
-/// planar scene is seen from straight above.
-void drawRulers(const Pen& pen, Sandbox& sandbox) {
-  Sandbox::State& s = sandbox.state();
-  if (!s.rulers || !s.session->model().planar) return;
-  const auto pixelOf = [&](double x, double y) { return s.toWindow(Vector3d(x, y, 0.0)).pixel; };
-  const Eigen::Vector2d origin = pixelOf(0, 0), alongX = pixelOf(1, 0) - origin,
-                        alongY = pixelOf(0, 1) - origin;
-  const double perUnit = alongX.x();
-  if (perUnit <= 0.0 || std::abs(alongX.y()) > 1e-3 * perUnit || std::abs(alongY.x()) > 1e-3 * perUnit)
-    return;
-  const Layout::Rect& view = s.layout.view;
-  const float low = view.y + view.height, tick = 5 * pen.scale, margin = 3 * pen.scale;
-  const ImU32 ink = colour32(pen.colours.textDim, 0.9f), faint = colour32(pen.colours.textDim, 0.35f);
-  const float x0 = static_cast<float>(origin.x()), y0 = static_cast<float>(origin.y());
-  pen.draw->AddLine({view.x, y0}, {view.x + view.width, y0}, faint, pen.scale);
-  pen.draw->AddLine({x0, view.y}, {x0, low}, faint, pen.scale);
-  const double step = niceStep(80.0 * pen.scale / perUnit);
-  ImFont* font = pen.fonts.small;
-  const auto number = [&](double value) {
-    return fmt::format("{:g}", std::abs(value) < 0.01 * step ? 0.0 : value);
-  };
-  const double left = (view.x - origin.x()) / perUnit, right = (view.x + view.width - origin.x()) / perUnit;
-  for (double i = std::ceil(left / step); i <= right / step; ++i) {
-    const float x = static_cast<float>(origin.x() + i * step * perUnit);
-    const std::string text = number(i * step);
-    const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
-    pen.draw->AddLine({x, low}, {x, low - tick}, ink, pen.scale);
-    const ImVec2 at{x - 0.5f * size.x, low - tick - margin - size.y};
-    if (at.x < view.x + 40 * pen.scale) continue;  // the corner belongs to the other ruler
-    pen.draw->AddText(font, font->FontSize, at, ink, text.c_str());
-    pen.places->take({at.x, at.y, size.x, size.y});
+/// As much of the words as stands in so many lines of that width.
+std::string withinLines(const ImFont& font, const std::string& words, float width, int lines) {
+  const char *end = words.c_str() + words.size(), *at = words.c_str(), *before = at;
+  for (int line = 0; line < lines && at < end; ++line) {
+    before = at;
+    at = font.CalcWordWrapPositionA(1.0f, at, end, width);
+    while (at < end && (*at == ' ' || *at == '\n')) ++at;
   }
-  const double bottom = (origin.y() - low) / perUnit, top = (origin.y() - view.y) / perUnit;
-  for (double i = std::ceil(bottom / step); i <= top / step; ++i) {
-    const float y = static_cast<float>(origin.y() - i * step * perUnit);
-    const std::string text = number(i * step);
-    const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
-    pen.draw->AddLine({view.x, y}, {view.x + tick, y}, ink, pen.scale);
-    const ImVec2 at{view.x + tick + margin, y - 0.5f * size.y};
-    if (at.y + size.y > low - tick) continue;
-    pen.draw->AddText(font, font->FontSize, at, ink, text.c_str());
-    pen.places->take({at.x, at.y, size.x, size.y});
-  }
+  if (at >= end) return words;
+  at = font.CalcWordWrapPositionA(1.0f, before, end, width - 2 * font.FontSize);
+  return std::string(words.c_str(), at) + " …";
 }
 
+/// From the newest at the bottom upwards, over less than half of the view: two lines of each, all of it under
+/// the mouse, which keeps it.
 void drawNotices(const Pen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   std::erase_if(s.notices, [&](const Notice& notice) { return notice.until <= s.time; });
-  float y = s.layout.view.y + s.layout.view.height - 14 * pen.scale;
+  const Layout::Rect& view = s.layout.view;
+  const float margin = 7 * pen.scale, width = std::min(view.width - 40 * pen.scale, 760 * pen.scale);
+  ImFont* font = pen.fonts.regular;
+  float y = view.y + view.height - 14 * pen.scale;
   for (auto it = s.notices.rbegin(); it != s.notices.rend(); ++it) {
+    const auto boxOf = [&](const std::string& words) {
+      const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, width, words.c_str());
+      const float x = view.x + 0.5f * (view.width - size.x);
+      return Layout::Rect{x - 2 * margin, y - size.y - 3 * margin, size.x + 4 * margin, size.y + 2 * margin};
+    };
+    std::string words = withinLines(*font, it->words, width, 2);
+    Layout::Rect box = boxOf(words);
+    if (box.contains(s.mouse.x(), s.mouse.y())) {
+      it->until = std::max(it->until, s.time + noticeFade);
+      box = boxOf(words = it->words);
+    }
+    if (it != s.notices.rbegin() && box.y < view.y + 0.55f * view.height) break;
     const float alpha = static_cast<float>(std::clamp((it->until - s.time) / noticeFade, 0.0, 1.0));
-    const float width = std::min(s.layout.view.width - 40 * pen.scale, 760 * pen.scale);
-    ImFont* font = pen.fonts.regular;
-    const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, width, it->words.c_str());
-    const float x = s.layout.view.x + 0.5f * (s.layout.view.width - size.x);
-    y -= size.y + 14 * pen.scale;
-    const ImVec4& ink = it->isError ? pen.colours.bad : pen.colours.text;
-    pen.draw->AddRectFilled({x - 14 * pen.scale, y - 7 * pen.scale},
-                            {x + size.x + 14 * pen.scale, y + size.y + 7 * pen.scale},
-                            colour32(pen.colours.panelRaised, 0.95f * alpha), 7 * pen.scale);
-    pen.draw->AddRect({x - 14 * pen.scale, y - 7 * pen.scale},
-                      {x + size.x + 14 * pen.scale, y + size.y + 7 * pen.scale},
-                      colour32(it->isError ? pen.colours.bad : pen.colours.border, alpha), 7 * pen.scale);
-    pen.draw->AddText(font, font->FontSize, {x, y}, colour32(ink, alpha), it->words.c_str(), nullptr, width);
-    y -= 8 * pen.scale;
+    const ImVec2 low{box.x, box.y}, high{box.x + box.width, box.y + box.height};
+    pen.draw->AddRectFilled(low, high, colour32(pen.colours.panelRaised, 0.95f * alpha), margin);
+    pen.draw->AddRect(low, high, colour32(it->isError ? pen.colours.bad : pen.colours.border, alpha), margin);
+    pen.draw->AddText(font, font->FontSize, {low.x + 2 * margin, low.y + margin},
+                      colour32(it->isError ? pen.colours.bad : pen.colours.text, alpha), words.c_str(),
+                      nullptr, width);
+    y = box.y - margin;
   }
 }
 
@@ -193,12 +172,15 @@ void drawMarks(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   const Layout::Rect& view = s.layout.view;
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
-  LabelPlaces places({view.x + 2, view.y + 2, view.width - 4, view.height - 4});
+  // Labels leave the edges to the coordinates of the plane.
+  const bool planar = s.session->model().planar;
+  const float left = planar ? static_cast<float>(rulerWidth) * s.scale : 2.0f,
+              low = planar ? static_cast<float>(rulerHeight) * s.scale : 2.0f;
+  LabelPlaces places({view.x + left, view.y + 2, view.width - left - 2, view.height - low - 2});
   const Pen pen{draw, s.colours(), s.gui.fonts(), s.scale, &places};
   draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())),
                  {view.x, view.y}, {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
   draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height}, true);
-  drawRulers(pen, sandbox);
   for (const auto& label : s.labels) {
     const Projected p = s.toWindow(label.at);
     if (p.depth > 0.0)
@@ -208,10 +190,10 @@ void drawMarks(Sandbox& sandbox) {
           {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text, true);
   }
   drawConstraint(pen, sandbox);
+  drawGizmo(sandbox.state(), *draw);
   if (s.show().handles && (!s.shownFrames || s.handlesOnShown))
     for (const SceneGoal& goal : s.session->goals())
       if (isGoalShown(sandbox.session(), goal)) nameGoal(pen, sandbox, goal);
-  drawGizmo(sandbox.state(), *draw);
   nameGesture(pen, sandbox);
   drawHover(pen, sandbox);
   drawNotices(pen, sandbox);

@@ -24,10 +24,12 @@ constexpr std::array signs{Sign{"<=", "≤"}, Sign{">=", "≥"},    Sign{"!=", "
 bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)); }
 bool isWord(char c) { return std::isalnum(static_cast<unsigned char>(c)); }
 
-/// The letter for a name that stands alone, else the name.
+/// The letter for a name that stands alone or behind the d of a differential, else the name.
 std::string spelled(const std::string& word) {
-  for (const auto& [plain, set] : greek)
+  for (const auto& [plain, set] : greek) {
     if (word == plain) return std::string(set);
+    if (word.starts_with('d') && word.substr(1) == plain) return 'd' + std::string(set);
+  }
   return word;
 }
 
@@ -40,6 +42,13 @@ std::string withSigns(const std::string& text) {
       while (to < text.size() && isLetter(text[to])) ++to;
       out += spelled(text.substr(i, to - i));
       i = to;
+      continue;
+    }
+    const bool negative = text[i] == '-' && i + 1 < text.size() && isWord(text[i + 1]) &&
+                          (i == 0 || std::string_view(" ([,").find(text[i - 1]) != std::string_view::npos);
+    if (negative) {
+      out += "−";
+      ++i;
       continue;
     }
     const auto sign = std::ranges::find_if(
@@ -101,6 +110,27 @@ std::string withoutBrackets(const std::string& factor) {
   return factor.front() == '(' && closing(factor, 0) + 1 == factor.size()
              ? factor.substr(1, factor.size() - 2)
              : factor;
+}
+
+/// d and one letter, or the name of a Greek one: df, dphi_1.
+bool isDifferential(const std::string& text, std::size_t at) {
+  std::size_t end = at;
+  while (end < text.size() && isLetter(text[end])) ++end;
+  const std::string word = text.substr(at, end - at);
+  return word.starts_with('d') && (word.size() == 2 || spelled(word) != word);
+}
+
+/// Behind a numerator that begins at `from`, a bracket or the upper half of df / dx; npos: none does.
+std::size_t endOfNumerator(const std::string& text, std::size_t from) {
+  if (from > 0 && text[from - 1] != ' ' && text[from - 1] != '(') return std::string::npos;
+  if (text[from] == '(') {
+    const std::size_t end = closing(text, from);
+    return end == std::string::npos ? end : end + 1;
+  }
+  const std::size_t end = endOfFactor(text, from);
+  return isDifferential(text, from) && text.compare(end, 3, " / ") == 0 && isDifferential(text, end + 3)
+             ? end
+             : std::string::npos;
 }
 
 constexpr float scriptSize = 0.72f, raised = -0.20f, lowered = 0.36f;  // shares of the size
@@ -194,18 +224,17 @@ std::vector<MathRun> setMathematics(const std::string& plain) {
         i = end + 1;
         continue;
       }
-    if (plain[i] == '(' && (i == 0 || plain[i - 1] == ' ' || plain[i - 1] == '('))
-      if (const std::size_t end = closing(plain, i);
-          end != std::string::npos && plain.compare(end + 1, 3, " / ") == 0) {
-        const std::size_t from = end + 4, to = endOfFactor(plain, from);
-        if (to > from) {
-          endLine();
-          runs.push_back({.above = setMathematics(plain.substr(i + 1, end - i - 1)),
-                          .below = setMathematics(withoutBrackets(plain.substr(from, to - from)))});
-          i = to;
-          continue;
-        }
+    if (const std::size_t end = endOfNumerator(plain, i);
+        end != std::string::npos && plain.compare(end, 3, " / ") == 0) {
+      const std::size_t from = end + 3, to = endOfFactor(plain, from);
+      if (to > from) {
+        endLine();
+        runs.push_back({.above = setMathematics(withoutBrackets(plain.substr(i, end - i))),
+                        .below = setMathematics(withoutBrackets(plain.substr(from, to - from)))});
+        i = to;
+        continue;
       }
+    }
     line += plain[i++];
   }
   endLine();

@@ -48,6 +48,7 @@ class ModelPanel final : public Panel {
         "Every joint uniform within its limits; a free root stays where it is. Seed 1 at the start of the "
         "program.");
     parts(s);
+    notes(s);
     ImGui::Separator();
     const float sliders = s.selectedJoint() ? slidersHeight(s) : 0.0f;
     ImGui::BeginChild("tree", {0, std::max(120 * s.scale, ImGui::GetContentRegionAvail().y - sliders)});
@@ -75,6 +76,17 @@ class ModelPanel final : public Panel {
       else
         hidden.insert(name);
     }
+  }
+
+  /// What its reader had to say of the file.
+  static void notes(const Sandbox::State& s) {
+    const std::vector<Note>& notes = s.session->model().notes;
+    if (notes.empty() ||
+        !ImGui::CollapsingHeader(notes.size() == 1
+                                     ? "A note on the file###notes"
+                                     : fmt::format("{} notes on the file###notes", notes.size()).c_str()))
+      return;
+    for (const Note& note : notes) ImGui::TextWrapped("%s", note.line().c_str());
   }
 
   static float slidersHeight(const Sandbox::State& s) {

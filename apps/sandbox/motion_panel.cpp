@@ -272,10 +272,16 @@ class MotionPanel final : public Panel {
     drawSecondClip(sandbox);
     heading(sandbox.state(), "GOALS ON TOP");
     ImGui::Checkbox("Hold pins and goals while it plays", &play_->goalsOnTop);
-    if (play_->goalsOnTop)
-      ImGui::TextDisabled("solved by %s", solverOverClip(sandbox.session().solver()).c_str());
-    tooltip(
-        "The drag solver would pull towards the rest pose; over a clip lm-gain-ratio stands in its place.");
+    if (const std::string& chosen = sandbox.session().solver(); play_->goalsOnTop) {
+      const std::string used = solverOverClip(chosen);
+      const std::string_view title = solverEntry(used).title;
+      ImGui::TextWrapped("%s",
+                         (used == chosen ? fmt::format("Solved by {}.", title)
+                                         : fmt::format("Solved by {}, not by the {}, which would pull "
+                                                       "the body out of the clip towards its rest pose.",
+                                                       title, solverEntry(chosen).title))
+                             .c_str());
+    }
     heading(sandbox.state(), "EXPORT");
     ImGui::SetNextItemWidth(-70 * sandbox.scale());
     ImGui::InputText("##export", exportPath_, sizeof exportPath_);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/render/rulers.h"
 #include "apps/sandbox/mathematics.h"
 
 namespace gelenk {
@@ -58,13 +59,6 @@ void moveApart(std::vector<Label>& labels, float height) {
 }
 
 }  // namespace
-
-double niceStep(double step) {
-  const double power = std::pow(10.0, std::floor(std::log10(step)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= step * 0.999) return factor * power;
-  return 10.0 * power;
-}
 
 void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 position, ImVec2 size,
               const Palette& palette, const Fonts& fonts, float scale) {

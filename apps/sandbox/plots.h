@@ -9,9 +9,6 @@
 
 namespace gelenk {
 
-/// 1, 2 or 5 times a power of ten, at least `step` (> 0).
-double niceStep(double step);
-
 /// One line of a plot; x is the index.
 struct Curve {
   std::vector<double> values;

@@ -22,7 +22,8 @@ namespace {
 
 constexpr double noticeSeconds = 3.5, errorSeconds = 9.0;
 constexpr int framesToSettle = 4;
-constexpr double still = 1e-7;  // radians or metres a frame
+constexpr double slowFrame = 1.0 / 45.0, smallShare = 0.7;  // seconds; of a picture's width and height
+constexpr double still = 1e-7;                              // radians or metres a frame
 constexpr std::size_t errorHistory = 240, dragHistory = 3;
 
 /// Moves in a fifth of a second, eased at both ends.
@@ -63,16 +64,64 @@ void followDocument(const Sandbox& sandbox) {
   s.view->follow(*s.session, sandbox.shownFrames(), !s.shownFrames || s.handlesOnShown, painting);
 }
 
+/// Everything that the picture follows from; empty where that is not to be told from outside: colours and
+/// muscles live on the graphics card.
+std::string madeFrom(const Sandbox::State& s, const RenderScene& scene, const Viewport& viewport) {
+  std::string facts;
+  const auto add = [&](const auto&... values) {
+    (facts.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
+  };
+  const auto addAll = [&](const auto& list) {
+    add(list.size());
+    facts.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof *list.data());
+  };
+  const auto addVector = [&](const Eigen::Vector3d& v) { add(v.x(), v.y(), v.z()); };
+  const Camera& camera = s.session->document().view.camera;
+  addVector(camera.target), addVector(camera.up);
+  add(camera.distance, camera.azimuth, camera.elevation, camera.verticalFieldOfView, camera.orthographic);
+  add(viewport.width, viewport.height, s.scale, s.view.get(), s.session->weightsVersion());
+  facts += toString(s.session->document().skin);
+  add(scene.theme, scene.xray, scene.shadows, scene.lightFromViewer, scene.size, scene.ground.visible,
+      scene.ground.grid, scene.ground.height);
+  addVector(scene.bounds.min()), addVector(scene.bounds.max());
+  for (const Overlay* overlay : {&scene.overlay, &scene.overlayOnTop}) {
+    addAll(overlay->fills), addAll(overlay->lines), addAll(overlay->points);
+  }
+  for (const BodyInstance& body : scene.bodies) {
+    if (body.surface == SurfaceColour::Vertex || !body.pose->layers.empty()) return {};
+    add(body.mesh, body.look, body.tint, body.wireframe, body.seeThrough);
+    addAll(body.pose->rows);
+    facts += body.pose->method;
+  }
+  for (const std::string& part : s.session->document().view.hidden) facts += part + '\n';
+  return facts;
+}
+
+/// Anew only where something changed. For a person who watches, what stands still is drawn once more, as
+/// smooth as a picture in a file.
 void renderView(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   s.extras.limitGlow = s.limitGlow;
   if (s.hover.kind == Hover::Kind::Goal) s.extras.hovered = s.hover.goal;
   s.extras.selected = s.goalSelected();
   s.extras.whole = false;
+  s.extras.viewport = s.viewport();
+  s.extras.pixelScale = s.scale;
   const RenderScene scene = s.view->compose(*s.session, s.extras);
   const Viewport viewport = s.viewport();
-  s.picture.resize(viewport.width, viewport.height);
-  s.renderer.draw(scene, s.camera(), viewport, s.picture.framebuffer(), s.scale);
+  const bool watched = s.options.refines && !s.recorder.isRunning(), fine = watched && sandbox.rests() > 0.0;
+  // Where the processor draws, what moves too slowly is drawn smaller until it stands still.
+  s.drawnSmall = watched && !fine && isSoftwareRenderer() && (s.drawnSmall || s.secondsPerFrame > slowFrame);
+  const double share = s.drawnSmall ? smallShare : 1.0;
+  const Viewport drawn{static_cast<int>(share * viewport.width), static_cast<int>(share * viewport.height)};
+  std::string from = madeFrom(s, scene, viewport);
+  if (!from.empty() && from == s.drawn && (s.drawnFine || !fine)) return;
+  s.drawn = std::move(from);
+  s.drawnFine = fine;
+  s.picture.resize(drawn.width, drawn.height, s.drawnSmall);
+  s.renderer.setSupersampling(fine ? 2 : 1);
+  s.renderer.setQuick(s.drawnSmall);
+  s.renderer.draw(scene, s.camera(), drawn, s.picture.framebuffer(), static_cast<float>(share) * s.scale);
 }
 
 }  // namespace
@@ -228,7 +277,6 @@ void Sandbox::frame(const Input& input, double dt) {
   s.windowHeight = input.height;
   s.settling = input.events.empty() && s.frameNumber > 1 ? std::max(0, s.settling - 1) : framesToSettle;
   s.labels.clear();
-  s.rulers = false;
   s.extras = {};
   s.shownFrames.reset();
 

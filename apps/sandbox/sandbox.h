@@ -30,6 +30,7 @@ struct SandboxOptions {
   std::string preferences = {};  ///< file of what the window remembers (preferences.h); empty: nothing
   bool bare = false;             ///< the view alone, without menus and panels: for films
   bool asks = false;             ///< before unsaved changes are lost: a person sits before it
+  bool refines = false;          ///< draws what stands still once more, smoother and with darker folds
   std::function<void()> chooseFiles = {};  ///< asks for files to open; empty: the sandbox's own dialog
   std::function<void()> shareScene = {};   ///< makes a link to the scene; empty: that is not offered
 };

@@ -108,6 +108,7 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
   options.scale = input.scale;
   const bool watched = !replay && arguments.frames == 0;  // by a person
   options.asks = watched && !arguments.remote;
+  options.refines = options.refines || watched;
   if (watched) options.preferences = preferencesFile();
   Sandbox sandbox(options);
   startRecording(sandbox, arguments);
@@ -207,6 +208,8 @@ void addSandboxCommand(Command& app) {
                  "A parameter of the solver, such as dls.lambda=0.1 (repeatable)");
   command.flag("--remote", a.remote,
                "Driven by a program over standard input and output, a JSON object a line (docs/sandbox.md)");
+  command.flag("--refine", a.sandbox.refines,
+               "Draw what stands still once more, smoother, also without a person who watches");
   command.flag("--verbose", a.verbose, "Tell the time to the first frame and the renderer");
   command.run([arguments] { run(*arguments); });
 }

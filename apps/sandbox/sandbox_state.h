@@ -116,7 +116,6 @@ struct Sandbox::State {
     Eigen::Vector4f colour;
   };
   std::vector<Label> labels;
-  bool rulers = false;                 ///< coordinates along the edges of a planar scene
   std::vector<double> limitGlow;       ///< a joint, 1 at its limit, fading
   std::optional<GoalId> selectedGoal;  ///< may have gone meanwhile: goalSelected()
 
@@ -141,6 +140,9 @@ struct Sandbox::State {
   std::function<void(Sandbox&)> afterFrame;  ///< run when the frame is drawn: it may open another document
   std::string toOpen;                        ///< chosen in a menu or dialog
   int savedEdits = 0;                        ///< Session::editCount() when the document was opened or saved
+  std::string drawn;                         ///< what the picture of the view was made from; empty: not known
+  bool drawnFine = false;                    ///< smooth, as a still picture is
+  bool drawnSmall = false;                   ///< in fewer pixels than it is shown in
   std::vector<Notice> notices;
   PlotHistory plots;
   std::string screenshotPath;  ///< written at the end of the frame

@@ -8,13 +8,15 @@ namespace gelenk {
 /// they are.
 class ViewPicture {
  public:
-  /// Makes it anew when the size changes. The framebuffer binding is left changed.
-  void resize(int width, int height);
+  /// Makes it anew when that changes. stretched: it is shown in another size. The framebuffer binding is left
+  /// changed.
+  void resize(int width, int height, bool stretched = false);
   unsigned framebuffer() const { return framebuffer_; }
   unsigned texture() const { return texture_; }
 
  private:
   int width_ = 0, height_ = 0;
+  bool stretched_ = false;
   GlTexture texture_;
   GlFramebuffer framebuffer_;
 };

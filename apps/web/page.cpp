@@ -122,6 +122,7 @@ EMSCRIPTEN_KEEPALIVE const char* page_start(const char* text) {
                            .preferences = preferencesFile(),
                            .bare = wanted.value("bare", false),
                            .asks = true,
+                           .refines = true,
                            .chooseFiles = [] { tellChooseFiles(); },
                            .shareScene = [] { tellShareScene(); }};
     if (wanted.contains("lecture")) options.model = exampleNamed(wanted["lecture"]);

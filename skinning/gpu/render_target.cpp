@@ -13,12 +13,36 @@ void requireCompleteFramebuffer(const char* what) {
                            std::to_string(status) + ")");
 }
 
+namespace {
+
+GlTexture attachedTexture(GLenum attachment, GLenum internal, GLenum format, GLenum type, GLint filter,
+                          int width, int height) {
+  GlTexture texture = GlTexture::create();
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), width, height, 0, format, type, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
+  return texture;
+}
+
+GlRenderbuffer attachedBuffer(GLenum attachment, GLenum internal, int samples, int width, int height) {
+  GlRenderbuffer buffer = GlRenderbuffer::create();
+  glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, internal, width, height);
+  glBindRenderbuffer(GL_RENDERBUFFER, 0);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
+  return buffer;
+}
+
+}  // namespace
+
 RenderTarget::RenderTarget(int width, int height, Colour format, int samples)
-    : width_(width),
-      height_(height),
-      samples_(samples),
-      framebuffer_(GlFramebuffer::create()),
-      depth_(GlRenderbuffer::create()) {
+    : width_(width), height_(height), samples_(samples), framebuffer_(GlFramebuffer::create()) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   if (width < 1 || height < 1 || width > largest || height > largest)
@@ -28,25 +52,14 @@ RenderTarget::RenderTarget(int width, int height, Colour format, int samples)
   const GLenum internal = format == Colour::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA8;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   if (samples > 0) {
-    multisampledColour_ = GlRenderbuffer::create();
-    glBindRenderbuffer(GL_RENDERBUFFER, multisampledColour_);
-    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, internal, width, height);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, multisampledColour_);
+    multisampledColour_ = attachedBuffer(GL_COLOR_ATTACHMENT0, internal, samples, width, height);
+    multisampledDepth_ = attachedBuffer(GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24, samples, width, height);
   } else {
-    texture_ = GlTexture::create();
-    glBindTexture(GL_TEXTURE_2D, texture_);
-    glTexImage2D(GL_TEXTURE_2D, 0, internal, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    glBindTexture(GL_TEXTURE_2D, 0);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
+    texture_ =
+        attachedTexture(GL_COLOR_ATTACHMENT0, internal, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR, width, height);
+    depth_ = attachedTexture(GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
+                             GL_NEAREST, width, height);
   }
-  glBindRenderbuffer(GL_RENDERBUFFER, depth_);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, width, height);
-  glBindRenderbuffer(GL_RENDERBUFFER, 0);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   requireCompleteFramebuffer("the picture");
 }
 

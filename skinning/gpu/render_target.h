@@ -7,7 +7,8 @@
 
 namespace gelenk {
 
-/// A framebuffer of its own: one colour attachment and a 24-bit depth attachment.
+/// A framebuffer of its own: one colour attachment and a 24-bit depth attachment, textures where it is not
+/// multisampled.
 class RenderTarget {
  public:
   /// Rgba8 keeps what is written, as a window does; Srgb8 encodes on writing while
@@ -22,7 +23,8 @@ class RenderTarget {
   int height() const { return height_; }
   int samples() const { return samples_; }
   GLuint framebuffer() const { return framebuffer_; }
-  GLuint texture() const { return texture_; }  ///< the colour; 0 where multisampled
+  GLuint texture() const { return texture_; }     ///< the colour; 0 where multisampled
+  GLuint depthTexture() const { return depth_; }  ///< likewise
 
   /// RGBA as stored, top row first: 4 width height bytes. Not for multisampled targets.
   std::vector<std::uint8_t> readPixels() const;
@@ -30,8 +32,8 @@ class RenderTarget {
  private:
   int width_ = 0, height_ = 0, samples_ = 0;
   GlFramebuffer framebuffer_;
-  GlTexture texture_;
-  GlRenderbuffer multisampledColour_, depth_;
+  GlTexture texture_, depth_;
+  GlRenderbuffer multisampledColour_, multisampledDepth_;
 };
 
 /// Pixels of any framebuffer that is not multisampled: RGBA as stored, top row first.

@@ -1,9 +1,11 @@
 #include "skinning/io/collada.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
+#include "skinning/io/picture.h"
 
 #ifdef GELENK_ASSIMP
 #include <assimp/config.h>
@@ -24,6 +26,7 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldF
              const std::string& path, Mesh& mesh, MeshLook* look) {
   const aiMatrix4x4 worldFromNode = worldFromParent * node.mTransformation;
   const bool mirrored = worldFromNode.Determinant() < 0.0f;
+  const aiMatrix3x3 normalFromNode = aiMatrix3x3(worldFromNode).Inverse().Transpose();
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
     const int base = static_cast<int>(mesh.positions.size()), first = static_cast<int>(mesh.triangles.size());
@@ -32,6 +35,10 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldF
       mesh.positions.emplace_back(p.x, p.y, p.z);
       if (!mesh.positions.back().allFinite())
         throw ParseError(path, 0, "finite coordinates", "NaN or infinity");
+      const aiVector3D n = part.HasNormals() ? normalFromNode * part.mNormals[v] : aiVector3D();
+      mesh.normals.push_back(Eigen::Vector3d(n.x, n.y, n.z).stableNormalized());
+      const aiVector3D at = part.HasTextureCoords(0) ? part.mTextureCoords[0][v] : aiVector3D(0, 1, 0);
+      if (look) look->coordinates.emplace_back(at.x, 1.0f - at.y);
     }
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
@@ -51,8 +58,21 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldF
     addNode(scene, *node.mChildren[k], worldFromNode, path, mesh, look);
 }
 
-/// Diffuse colours; textures are passed over.
-Material materialOf(const aiMaterial& source) {
+/// A picture within the file, or beside it; null where it cannot be read.
+std::shared_ptr<const Texture> pictureOf(const aiScene& scene, const std::string& name,
+                                         const std::string& path) {
+  if (const aiTexture* inside = scene.GetEmbeddedTexture(name.c_str()))
+    return inside->mHeight > 0
+               ? nullptr  // of plain pixels, which Collada has not
+               : decodePicture({reinterpret_cast<const char*>(inside->pcData), inside->mWidth});
+  const std::filesystem::path file(name), folder = std::filesystem::path(path).parent_path();
+  if (auto picture = readPicture((folder / file).string())) return picture;
+  return readPicture((folder / file.filename()).string());
+}
+
+/// Diffuse colour and texture.
+Material materialOf(const aiScene& scene, const aiMaterial& source, const std::string& path, MeshLook& look,
+                    std::vector<Note>* notes) {
   Material material{.gloss = 0.2f};
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
@@ -61,6 +81,15 @@ Material materialOf(const aiMaterial& source) {
   const auto within = [](float value) { return value > 0.0f ? std::min(value, 1.0f) : 0.0f; };
   material.colour.head<3>() =
       linearFromSrgb(Eigen::Vector3f(within(diffuse.r), within(diffuse.g), within(diffuse.b)));
+  if (source.GetTexture(aiTextureType_DIFFUSE, 0, &name) != AI_SUCCESS) return material;
+  if (const auto picture = pictureOf(scene, name.C_Str(), path)) {
+    material.texture = static_cast<int>(look.textures.size());
+    material.colour.setOnes();  // Collada has either a colour or a texture
+    material.cutOff = blendCutOff;
+    look.textures.push_back(picture);
+  } else if (notes) {
+    tell(*notes, "texture-missing", "textures that could not be read: their surfaces have one colour");
+  }
   return material;
 }
 
@@ -68,7 +97,7 @@ Material materialOf(const aiMaterial& source) {
 
 bool readsCollada() { return true; }
 
-Mesh readCollada(const std::string& path, MeshLook* look) {
+Mesh readCollada(const std::string& path, MeshLook* look, std::vector<Note>* notes) {
   const std::string text = readFile(path);  // the system's reason where it cannot be opened
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -78,9 +107,12 @@ Mesh readCollada(const std::string& path, MeshLook* look) {
   Mesh mesh;
   if (look)
     for (unsigned m = 0; m < scene->mNumMaterials; ++m)
-      look->materials.push_back(materialOf(*scene->mMaterials[m]));
+      look->materials.push_back(materialOf(*scene, *scene->mMaterials[m], path, *look, notes));
   addNode(*scene, *scene->mRootNode, aiMatrix4x4(), path, mesh, look);
   if (mesh.triangles.empty()) throw ParseError(path, 0, "at least one triangle", "none");
+  if (std::ranges::any_of(mesh.normals, [](const auto& n) { return !(n.norm() > 0.5); }))
+    mesh.normals.clear();
+  if (look && look->textures.empty()) look->coordinates.clear();
   return mesh;
 }
 
@@ -88,7 +120,7 @@ Mesh readCollada(const std::string& path, MeshLook* look) {
 
 bool readsCollada() { return false; }
 
-Mesh readCollada(const std::string& path, MeshLook*) {
+Mesh readCollada(const std::string& path, MeshLook*, std::vector<Note>*) {
   throw ParseError(path, 0, "STL or OBJ",
                    "Collada, which this build does not read (it was made without Assimp)");
 }

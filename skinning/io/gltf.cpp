@@ -19,6 +19,7 @@
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/rotation.h"
+#include "skinning/io/picture.h"
 #include "skinning/io/gltf_joints.h"
 
 namespace gelenk {
@@ -704,7 +705,7 @@ class Reader {
       for (int k = 0; k < 4 && factor.size() == 4; ++k)
         material.colour[k] = std::clamp(static_cast<float>(factor[k]), 0.0f, 1.0f);
       if (source.alphaMode == "MASK") material.cutOff = static_cast<float>(source.alphaCutoff);
-      if (source.alphaMode == "BLEND") material.cutOff = 0.3f;  // solid where it is mostly there
+      if (source.alphaMode == "BLEND") material.cutOff = blendCutOff;
       if (source.alphaMode == "OPAQUE") material.colour.w() = 1.0f;
       material.gloss =
           static_cast<float>(std::clamp(0.4 * (1.0 - source.pbrMetallicRoughness.roughnessFactor), 0.0, 1.0));

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
 #include <span>
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
+#include "skinning/io/picture.h"
 #include "skinning/polygon.h"
 
 namespace gelenk {
@@ -37,14 +39,19 @@ Eigen::Vector3d parseVertex(const Words& words, const std::string& file, int lin
   return {values[0], values[1], values[2]};
 }
 
-/// Index, from zero, of the vertex in a corner "i", "i/t", "i//n", "i/t/n". A positive index may point
-/// further down the file and is not checked here.
-int parseCorner(std::string_view word, int verticesSoFar, const std::string& file, int line) {
+struct Corner {
+  int vertex, coordinate;  ///< from zero; coordinate: -1 for none
+};
+
+/// A corner "i", "i/t", "i//n", "i/t/n". Positive indices may point further down the file and are not checked
+/// here.
+Corner parseCorner(std::string_view word, int verticesSoFar, int coordinatesSoFar, const std::string& file,
+                   int line) {
   const auto fail = [&](const std::string& expected) {
     throw ParseError(file, line, expected, "'" + std::string(word) + "'");
   };
   std::string_view rest = word;
-  int index = 0;
+  std::array<int, 3> index{};
   for (int part = 0; part < 3; ++part) {
     const std::size_t slash = rest.find('/');
     const std::string_view number = rest.substr(0, slash);
@@ -52,17 +59,19 @@ int parseCorner(std::string_view word, int verticesSoFar, const std::string& fil
     if (!(number.empty() && mayBeEmpty)) {
       const auto value = parseInteger(number);
       if (!value || *value == 0) fail("a face corner i, i/t, i//n or i/t/n with indices from 1");
-      if (part == 0) index = *value;
+      index[part] = *value;
     }
     if (slash == std::string_view::npos) {
-      if (index < 0 && index < -verticesSoFar)
+      const auto [vertex, coordinate, normal] = index;
+      if (vertex < -verticesSoFar)
         fail("an index that counts back at most " + std::to_string(verticesSoFar) + " vertices");
-      return index > 0 ? index - 1 : verticesSoFar + index;
+      return {vertex > 0 ? vertex - 1 : verticesSoFar + vertex,
+              coordinate >= 0 ? coordinate - 1 : std::max(-1, coordinatesSoFar + coordinate)};
     }
     rest.remove_prefix(slash + 1);
   }
   fail("at most three indices in a face corner");
-  return 0;
+  return {};
 }
 
 /// Line n (from zero) and the lines that continue it after a '\\' at the end; n moves to the last of them.
@@ -105,7 +114,8 @@ Mesh parseObj(std::string_view text, const std::string& file, std::vector<Note>*
                          std::to_string(words.size() - 1));
       faces.push_back({lineNumber, corners.size(), words.size() - 1});
       for (std::size_t k = 1; k < words.size(); ++k)
-        corners.push_back(parseCorner(words[k], static_cast<int>(mesh.positions.size()), file, lineNumber));
+        corners.push_back(
+            parseCorner(words[k], static_cast<int>(mesh.positions.size()), 0, file, lineNumber).vertex);
     } else if (std::find(passedOver.begin(), passedOver.end(), words[0]) == passedOver.end()) {
       throw ParseError(file, lineNumber, "an OBJ keyword such as v or f", "'" + std::string(words[0]) + "'");
     }
@@ -142,33 +152,108 @@ Mesh readObj(const std::string& path, std::vector<Note>* notes) {
 
 namespace {
 
-/// newmtl, Kd and d of a file; others are passed over. false: it cannot be read.
-bool readMaterials(const std::string& path, MeshLook& look) {
+/// The file of `map_Kd [options] name with blanks.png`, beside the .mtl; empty: it is not there.
+std::string pictureOf(std::string_view line, const std::filesystem::path& folder) {
+  std::string name(line.substr(line.find("map_Kd") + 6));
+  std::ranges::replace(name, '\\', '/');  // written on Windows
+  std::error_code error;
+  // Options come first, and each has its own number of words: the longest rest that is a file's name is it.
+  for (std::size_t at = name.find_first_not_of(" \t"); at != name.npos;
+       at = name.find_first_not_of(" \t", name.find_first_of(" \t", at))) {
+    const std::string rest = name.substr(at, name.find_last_not_of(" \t\r") + 1 - at);
+    for (const auto& path : {folder / rest, folder / std::filesystem::path(rest).filename()})
+      if (std::filesystem::is_regular_file(path, error)) return path.string();
+  }
+  return {};
+}
+
+/// newmtl, Kd and map_Kd of a file; others are passed over. false: it cannot be read.
+bool readMaterials(const std::filesystem::path& path, MeshLook& look, std::vector<Note>* notes) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;
-  const std::string text = readFile(path);
-  for (const std::string_view line : splitLines(plainText(text, path))) {
-    const Words words = splitWords(line.substr(0, line.find('#')));
+  const std::string text = readFile(path.string());
+  for (std::string_view line : splitLines(plainText(text, path.string()))) {
+    line = line.substr(0, line.find('#'));
+    const Words words = splitWords(line);
     if (words.size() > 1 && words[0] == "newmtl") look.materials.push_back({.name = std::string(words[1])});
-    if (words.size() == 4 && words[0] == "Kd" && !look.materials.empty()) {
+    Material& material = look.materials.back();
+    if (words.size() == 4 && words[0] == "Kd") {
       Eigen::Vector3f rgb = Eigen::Vector3f::Ones();
       for (int k = 0; k < 3; ++k)
         rgb[k] = std::clamp(static_cast<float>(parseNumber(words[k + 1]).value_or(1.0)), 0.0f, 1.0f);
-      look.materials.back().colour.head<3>() = linearFromSrgb(rgb);
+      material.colour.head<3>() = linearFromSrgb(rgb);
     }
+    if (words.size() > 1 && words[0] == "map_Kd") {
+      const auto picture = readPicture(pictureOf(line, path.parent_path()));
+      if (!picture) {
+        if (notes)
+          tell(*notes, "texture-missing", "textures that could not be read: their surfaces have one colour");
+        continue;
+      }
+      material.texture = static_cast<int>(look.textures.size());
+      look.textures.push_back(picture);
+    }
+  }
+  for (Material& material : look.materials) {
+    if (material.texture < 0) continue;
+    if (material.colour.head<3>().isZero()) material.colour.setOnes();
+    material.cutOff = blendCutOff;
   }
   return true;
 }
 
+Eigen::Vector2f parseCoordinate(const Words& words) {
+  const auto number = [&](std::size_t k) {
+    return k < words.size() ? static_cast<float>(parseNumber(words[k]).value_or(0.0)) : 0.0f;
+  };
+  return {number(1), 1.0f - number(2)};
+}
+
+/// The coordinates a vertex, with a copy of it for each further pair that a corner asks for. corners: three a
+/// triangle, by number into coordinates.
+void layCoordinates(const std::vector<Eigen::Vector2f>& coordinates,
+                    const std::vector<std::array<int, 3>>& corners, int vertices, ObjLook& out) {
+  std::vector<int> first(vertices, -2);  // number of the coordinates of each vertex; -2: none yet
+  std::map<std::pair<int, int>, int> further;
+  out.look.coordinates.assign(vertices, Eigen::Vector2f::Zero());
+  const auto at = [&](int number) {
+    return number >= 0 && number < static_cast<int>(coordinates.size()) ? coordinates[number]
+                                                                        : Eigen::Vector2f::Zero();
+  };
+  for (std::size_t t = 0; t < corners.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      int& vertex = out.triangles[t][k];
+      const int number = corners[t][k];
+      if (first[vertex] == -2) {
+        first[vertex] = number;
+        out.look.coordinates[vertex] = at(number);
+      }
+      if (first[vertex] == number) continue;
+      const auto [known, isNew] =
+          further.try_emplace({vertex, number}, vertices + static_cast<int>(out.copyOf.size()));
+      if (isNew) {
+        out.copyOf.push_back(vertex);
+        out.look.coordinates.push_back(at(number));
+      }
+      vertex = known->second;
+    }
+}
+
 }  // namespace
 
-std::optional<MeshLook> readObjLook(const std::string& path, const Mesh& mesh) {
+std::optional<ObjLook> readObjLook(const std::string& path, const Mesh& mesh, std::vector<Note>* notes) {
   const std::string whole = readFile(path);
-  MeshLook look;
+  ObjLook out;
+  MeshLook& look = out.look;
   look.materials.push_back({.name = "none"});
   bool found = false;
-  int material = 0, first = 0, next = 0;
+  int material = 0, first = 0, vertices = 0;
+  std::vector<Eigen::Vector2f> coordinates;
+  std::vector<std::array<int, 3>> corners;  // numbers of their coordinates
+  std::vector<Corner> face;
+  std::vector<Eigen::Vector3d> polygon;
   const auto endPart = [&] {
+    const int next = static_cast<int>(out.triangles.size());
     if (next > first)
       look.parts.push_back({.name = look.materials[material].name,
                             .firstTriangle = first,
@@ -176,27 +261,59 @@ std::optional<MeshLook> readObjLook(const std::string& path, const Mesh& mesh) {
                             .material = material});
     first = next;
   };
+  const auto addTriangle = [&](int a, int b, int c) {
+    out.triangles.push_back({face[a].vertex, face[b].vertex, face[c].vertex});
+    corners.push_back({face[a].coordinate, face[b].coordinate, face[c].coordinate});
+  };
   const auto lines = splitLines(plainText(whole, path));
   std::string joined;
   for (std::size_t n = 0; n < lines.size(); ++n) {
-    const std::string_view line = continuedLine(lines, n, joined);
-    const Words words = splitWords(line.substr(0, line.find('#')));
+    std::string_view line = continuedLine(lines, n, joined);
+    line = line.substr(0, line.find('#'));
+    const Words words = splitWords(line);
     if (words.size() < 2) continue;
     if (words[0] == "mtllib") {
       for (std::size_t k = 1; k < words.size(); ++k)
         found |=
-            readMaterials((std::filesystem::path(path).parent_path() / std::string(words[k])).string(), look);
+            readMaterials(std::filesystem::path(path).parent_path() / std::string(words[k]), look, notes);
     } else if (words[0] == "usemtl") {
       endPart();
       const auto named = std::ranges::find(look.materials, words[1], &Material::name);
       material = named == look.materials.end() ? 0 : static_cast<int>(named - look.materials.begin());
+    } else if (words[0] == "v") {
+      ++vertices;
+    } else if (words[0] == "vt") {
+      coordinates.push_back(parseCoordinate(words));
     } else if (words[0] == "f") {
-      next += static_cast<int>(words.size()) - 3;  // a polygon of n corners gives n - 2 triangles
+      face.clear();
+      for (std::size_t k = 1; k < words.size(); ++k)
+        face.push_back(parseCorner(words[k], vertices, static_cast<int>(coordinates.size()), path,
+                                   static_cast<int>(n) + 1));
+      if (face.size() == 3) {
+        addTriangle(0, 1, 2);
+        continue;
+      }
+      polygon.clear();
+      for (const Corner& corner : face) {
+        if (corner.vertex >= static_cast<int>(mesh.positions.size())) return std::nullopt;
+        polygon.push_back(mesh.positions[corner.vertex]);
+      }
+      for (const auto& [a, b, c] : triangulated(polygon).triangles) addTriangle(a, b, c);
     }
   }
   endPart();
-  if (!found || next != static_cast<int>(mesh.triangles.size())) return std::nullopt;
-  return look;
+  if (!found || out.triangles != mesh.triangles) return std::nullopt;
+  if (!look.textures.empty())
+    layCoordinates(coordinates, corners, static_cast<int>(mesh.positions.size()), out);
+  return out;
+}
+
+void cutForTexture(const ObjLook& look, Mesh& mesh) {
+  if (look.copyOf.empty()) return;
+  if (mesh.normals.size() != mesh.positions.size()) computeNormals(mesh);
+  cutForTexture(look, mesh.positions);
+  cutForTexture(look, mesh.normals);
+  mesh.triangles = look.triangles;
 }
 
 std::string formatObj(const Mesh& mesh) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,10 +28,27 @@ Mesh readObj(const std::string& path, std::vector<Note>* notes = nullptr);
 /// The same from text; file names it in messages.
 Mesh parseObj(std::string_view text, const std::string& file, std::vector<Note>* notes = nullptr);
 
-/// Colours of an OBJ that was read as this mesh: diffuse colours (Kd) of the .mtl files that it names, by its
-/// usemtl lines. Textures are passed over; the vertices stay those of the file, one place for all corners.
-/// nullopt where it names no file that is there.
-std::optional<MeshLook> readObjLook(const std::string& path, const Mesh& mesh);
+/// How an OBJ's maker made it look, by its usemtl lines and the .mtl files that it names: diffuse colour (Kd,
+/// taken as white where it is 0 0 0 beside a texture) times texture (map_Kd; its options are passed over).
+/// Where faces lay different texture coordinates on one vertex the surface is cut: the vertex comes again,
+/// behind all others, so that those of the file keep their numbers.
+struct ObjLook {
+  MeshLook look;
+  std::vector<int> copyOf = {};               ///< the vertex that each added one repeats
+  std::vector<std::array<int, 3>> triangles;  ///< of the mesh with the added vertices
+};
+
+/// mesh: as readObj read it from that file. notes: textures that cannot be read, whose surfaces have one
+/// colour. nullopt where no .mtl that the file names is there.
+std::optional<ObjLook> readObjLook(const std::string& path, const Mesh& mesh,
+                                   std::vector<Note>* notes = nullptr);
+/// Cuts the mesh, and whatever else has a value a vertex. It gets normals before, so that light does not
+/// break at a cut.
+void cutForTexture(const ObjLook& look, Mesh& mesh);
+template <class Value>
+void cutForTexture(const ObjLook& look, std::vector<Value>& values) {
+  for (const int v : look.copyOf) values.push_back(Value(values[v]));
+}
 
 /// Vertices in the shortest notation that reads back as the same bits, then triangles. Normals are not
 /// written.

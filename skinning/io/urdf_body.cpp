@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "kinematics/io/word_stream.h"
+#include "skinning/creases.h"
 #include "skinning/io/collada.h"
 #include "skinning/io/obj.h"
 #include "skinning/io/stl.h"
@@ -116,18 +117,22 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
   Mesh mesh;
   try {
     mesh = name.ends_with(".stl")   ? readStl(*path)
-           : name.ends_with(".dae") ? readCollada(*path, &look)
+           : name.ends_with(".dae") ? readCollada(*path, &look, &notes)
                                     : readObj(*path, &notes);
   } catch (const std::runtime_error& error) {
     tell(notes, "mesh-unreadable", "meshes that cannot be read are left out: " + std::string(error.what()));
+    look = {};
     return mesh;
   }
   if (name.ends_with(".obj"))
-    if (auto colours = readObjLook(*path, mesh)) look = *std::move(colours);
+    if (auto own = readObjLook(*path, mesh, &notes)) {
+      cutForTexture(*own, mesh);
+      look = std::move(own->look);
+    }
   for (Vector3d& p : mesh.positions) p = p.cwiseProduct(visual.size);
+  for (Vector3d& n : mesh.normals) n = n.cwiseQuotient(visual.size).stableNormalized();
   if (visual.size.prod() < 0.0)  // mirrored: keep the outside outside
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-  mesh.normals.clear();
   return mesh;
 }
 
@@ -152,7 +157,13 @@ UrdfModel openUrdf(const std::string& path) {
           static_cast<float>(rgba.w());
       own = {.materials = {material}, .parts = {{.triangleCount = count}}};
     }
-    const int materials = static_cast<int>(look.materials.size());
+    const int materials = static_cast<int>(look.materials.size()),
+              textures = static_cast<int>(look.textures.size());
+    for (Material& material : own.materials)
+      if (material.texture >= 0) material.texture += textures;
+    look.textures.insert(look.textures.end(), own.textures.begin(), own.textures.end());
+    look.coordinates.resize(whole.positions.size(), Eigen::Vector2f::Zero());
+    look.coordinates.insert(look.coordinates.end(), own.coordinates.begin(), own.coordinates.end());
     look.materials.insert(look.materials.end(), own.materials.begin(), own.materials.end());
     for (MeshLook::Part part : own.parts) {
       part.name = robot.skeleton.joint(visual.joint).name;
@@ -161,12 +172,14 @@ UrdfModel openUrdf(const std::string& path) {
       look.parts.push_back(std::move(part));
     }
   };
-  const auto add = [&](const UrdfVisual& visual, const Mesh& body, MeshLook own) {
+  const auto add = [&](const UrdfVisual& visual, Mesh body, MeshLook own) {
+    if (body.normals.empty()) body = withCreases(body, 0.6);
     paint(visual, std::move(own), static_cast<int>(whole.triangles.size()),
           static_cast<int>(body.triangles.size()));
     const int base = static_cast<int>(whole.positions.size());
     const Eigen::Isometry3d worldFromVisual = rest[visual.joint] * visual.jointFromVisual;
     for (const Vector3d& p : body.positions) whole.positions.push_back(worldFromVisual * p);
+    for (const Vector3d& n : body.normals) whole.normals.push_back(worldFromVisual.linear() * n);
     for (const auto& [a, b, c] : body.triangles) whole.triangles.push_back({base + a, base + b, base + c});
     influences.resize(whole.positions.size(), Influences{{visual.joint, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}});
   };
@@ -203,6 +216,7 @@ UrdfModel openUrdf(const std::string& path) {
          "meshes that were not found as STL, OBJ or Collada, left out: " + listed(leftOut),
          static_cast<int>(leftOut.size()));
   if (whole.triangles.empty()) return model;
+  look.coordinates.resize(look.textures.empty() ? 0 : whole.positions.size(), Eigen::Vector2f::Zero());
   model.skin = bindSkin(std::move(whole), rest, std::move(influences));
   model.look = std::make_shared<const MeshLook>(std::move(look));
   return model;

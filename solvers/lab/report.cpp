@@ -857,7 +857,9 @@ Report writeReport(const std::string& folder, const Results& results, const Repo
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Gelenk: solvers "
       "compared</title><style>" +
-      std::string(pageStyle) + "</style></head><body>\n<h1>Inverse kinematics: solvers compared</h1>\n";
+      std::string(pageStyle) + "</style></head><body>\n<h1>Inverse kinematics: solvers compared";
+  for (const std::string& model : valuesOf(results.record, "model")) html += " on " + escaped(model);
+  html += "</h1>\n";
   if (!canPlot)
     html += "<p><b>No plots: the program gnuplot was not found when this report was written.</b></p>\n";
   if (canPlot) std::filesystem::create_directories(folder + "/plots");

@@ -107,6 +107,27 @@ TEST_F(RendererTest, BackgroundCornersFollowTheGradientOfTheTheme) {
   }
 }
 
+/// Two boxes that stand a hand's breadth apart: the sides that face each other get less light in a still
+/// picture, what is open keeps it, with samples of the hardware's own too.
+TEST_F(RendererTest, FoldsAreDarkerInStillPictures) {
+  SkinPose other = pose_;
+  other.rows[3] += 0.44f;  // x of the first joint's translation
+  scene_.bodies.push_back({.mesh = &*mesh_, .pose = &other});
+  scene_.shadows = false;
+  const Vector3d between(0.2, 0.5, 0.1), open(-0.1, 0.5, 0.2);
+  camera_.azimuth = 0.5;  // sees into the gap
+  camera_.target = {0.22, 0.5, 0.2};
+  for (const int samples : {0, 4}) {
+    renderer_->setSamples(samples);
+    renderer_->setSupersampling(1);
+    const Image plain = draw();
+    renderer_->setSupersampling(2);
+    const Image still = draw();
+    EXPECT_LT(at(still, between).sum(), 0.93 * at(plain, between).sum()) << samples;
+    EXPECT_NEAR(at(still, open).sum(), at(plain, open).sum(), 8) << samples;
+  }
+}
+
 TEST_F(RendererTest, ColoursArriveAsTheyWerePicked) {
   // Through linear light, the sRGB target and the copy: 8-bit rounding alone is left.
   scene_.overlayOnTop.triangle({-9, -9, 0}, {9, -9, 0}, {0, 18, 0}, {0.2f, 0.5f, 0.8f});

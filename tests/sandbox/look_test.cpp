@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "apps/commands/image.h"
 #include "apps/document/model_files.h"
 #include "apps/document/scene_file.h"
 #include "apps/render/renderer.h"
@@ -13,6 +14,7 @@
 #include "skinning/bodies/robot_body.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
+#include "skinning/io/collada.h"
 #include "skinning/io/obj.h"
 #include "tests/places.h"
 
@@ -249,11 +251,86 @@ TEST(Looks, AnObjTakesTheColoursOfItsMtl) {
   const Mesh mesh = readMesh(obj);
   const auto look = readObjLook(obj, mesh);
   ASSERT_TRUE(look);
-  EXPECT_NO_THROW(validate(*look, 5, 3));
-  ASSERT_EQ(look->parts.size(), 2u);
-  EXPECT_EQ(look->parts[0].triangleCount, 2);
-  EXPECT_NEAR(look->materials[look->parts[1].material].colour.z(), linearFromSrgb(0.6f), 1e-6);
+  EXPECT_NO_THROW(validate(look->look, 5, 3));
+  ASSERT_EQ(look->look.parts.size(), 2u);
+  EXPECT_EQ(look->look.parts[0].triangleCount, 2);
+  EXPECT_NEAR(look->look.materials[look->look.parts[1].material].colour.z(), linearFromSrgb(0.6f), 1e-6);
+  EXPECT_TRUE(look->copyOf.empty());
   EXPECT_FALSE(readObjLook(folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n"), mesh));
+}
+
+/// Two squares that share an edge; one shows the picture's left half, which is red, the other its right,
+/// blue.
+TEST(Looks, AnObjIsCutWhereItsTextureIsAndKeepsItsVerticesNumbers) {
+  const Folder folder;
+  writePng((folder.path / "two colours.png").string(), {2, 1, {255, 0, 0, 255, 0, 0, 255, 255}});
+  folder.write("a.mtl", "newmtl paint\nKd 0 0 0\nmap_Kd -s 1 1 1 -clamp on textures\\two colours.png\n");
+  const std::string obj =
+      folder.write("a.obj",
+                   "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
+                   "vt 0.25 0.5\nvt 0.75 0.5\nusemtl paint\nf 1/1 2/1 3/1 4/1\nf 2/-1 5/2 6/2 3/-1\n");
+  Mesh mesh = readMesh(obj);
+  const auto look = readObjLook(obj, mesh);
+  ASSERT_TRUE(look);
+  EXPECT_EQ(look->copyOf, (std::vector<int>{1, 2}));  // the shared edge
+  const auto before = mesh.positions;
+  cutForTexture(*look, mesh);
+  EXPECT_NO_THROW(validate(look->look, 8, 4));
+  EXPECT_TRUE(std::equal(before.begin(), before.end(), mesh.positions.begin()));
+  for (std::size_t t = 0; t < 4; ++t)
+    for (const int v : mesh.triangles[t]) EXPECT_EQ(look->look.coordinates[v].x(), t < 2 ? 0.25f : 0.75f);
+  for (const auto& normal : mesh.normals) EXPECT_EQ(normal, Eigen::Vector3d::UnitZ());
+
+  Model model{.name = "squares", .skeleton = Skeleton({Joint{.name = "root"}})};
+  model.skin = bindSkin(mesh, restFrames(model.skeleton), std::vector<Influences>(8));
+  model.look = std::make_shared<const MeshLook>(look->look);
+  const Vector3f mean = seen(model).mean;  // half of each: as much red as blue, hardly any green
+  EXPECT_NEAR(mean.x(), mean.z(), 0.15f);
+  EXPECT_LT(mean.y(), 0.6f * mean.x());
+
+  fs::remove(folder.path / "two colours.png");
+  std::vector<Note> notes;
+  readObjLook(obj, readMesh(obj), &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].kind, "texture-missing");
+}
+
+/// The same picture on a Collada mesh, which comes with its own normals.
+TEST(Looks, AColladaMeshTakesItsTextureAndItsNormals) {
+  if (!readsCollada()) GTEST_SKIP() << "built without Assimp";
+  const Folder folder;
+  writePng((folder.path / "red.png").string(), {1, 1, {255, 0, 0, 255}});
+  const auto source = [](const std::string& id, const std::string& numbers, int stride) {
+    std::string text = "<source id=\"" + id + "\"><float_array id=\"" + id + "-a\" count=\"" +
+                       std::to_string(3 * stride) + "\">" + numbers +
+                       "</float_array><technique_common><accessor source=\"#" + id +
+                       "-a\" count=\"3\" stride=\"" + std::to_string(stride) + "\">";
+    for (int k = 0; k < stride; ++k)
+      text += std::string("<param name=\"") + (stride == 2 ? "ST" : "XYZ")[k] + "\" type=\"float\"/>";
+    return text + "</accessor></technique_common></source>";
+  };
+  const std::string dae = folder.write(
+      "a.dae",
+      R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
+<library_images><image id="i"><init_from>red.png</init_from></image></library_images>
+<library_effects><effect id="e"><profile_COMMON><newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>
+<newparam sid="t"><sampler2D><source>s</source></sampler2D></newparam><technique sid="c"><lambert><diffuse><texture texture="t" texcoord="uv"/></diffuse></lambert></technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh>)" +
+          source("p", "0 0 0 1 0 0 0 1 0", 3) + source("n", "0 0.6 0.8 0 0.6 0.8 0 0.6 0.8", 3) +
+          source("u", "0 0 1 0 0 1", 2) +
+          R"(<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles material="x" count="1"><input semantic="VERTEX" source="#v" offset="0"/>
+<input semantic="NORMAL" source="#n" offset="0"/><input semantic="TEXCOORD" source="#u" offset="0" set="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="w"><node><instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="x" target="#m"/></technique_common></bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#w"/></scene></COLLADA>)");
+  MeshLook look;
+  const Mesh mesh = readCollada(dae, &look);
+  ASSERT_EQ(mesh.normals.size(), 3u);
+  EXPECT_NEAR((mesh.normals[0] - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 0.0, 1e-6);
+  ASSERT_EQ(look.textures.size(), 1u);
+  EXPECT_EQ(look.textures[0]->rgba, (std::vector<std::uint8_t>{255, 0, 0, 255}));
+  EXPECT_EQ(look.materials[look.parts[0].material].texture, 0);
+  ASSERT_EQ(look.coordinates.size(), 3u);
 }
 
 /// Every built-in robot: closed shells of three paints, rigid on its joints, none the colour of skin.

@@ -51,6 +51,14 @@ TEST(Mathematics, FractionsStandOverABar) {
             (Runs{{.text = "f(x) / 2"}}));  // a function's bracket is no numerator
 }
 
+TEST(Mathematics, DifferentialsOfGreekLettersAndTheirQuotients) {
+  EXPECT_EQ(
+      setMathematics("df / dphi_1"),
+      (Runs{{.above = {{.text = "df"}}, .below = {{.text = "dφ"}, {.text = "1", .place = Place::Sub}}}}));
+  EXPECT_EQ(setMathematics("J dtheta"), (Runs{{.text = "J dθ"}}));
+  EXPECT_EQ(setMathematics("distance / d, d / d"), (Runs{{.text = "distance / d, d / d"}}));
+}
+
 TEST(Mathematics, OrdinaryWordsStayAsTheyAre) {
   for (const char* text : {"philosophy", "multiple", "at 3 ^ 4", "1.5e-07, (3, 4)", "sigmas"})
     EXPECT_EQ(setMathematics(text), (Runs{{.text = text}})) << text;

@@ -1,6 +1,7 @@
 // What a first user met (the review of the sandbox), a test a bug: each failed before it was mended.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -8,6 +9,7 @@
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/view_picture.h"
+#include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "skinning/gpu/offscreen_context.h"
 #include "skinning/gpu/render_target.h"
@@ -59,6 +61,33 @@ TEST(Review, WhatALectureExampleShowsEndsWithIt) {
     EXPECT_TRUE(stage.sandbox.options().ground) << topic;
     EXPECT_TRUE(stage.sandbox.options().shadow) << topic;
     EXPECT_EQ(stage.sandbox.session().solver(), "drag") << topic;
+  }
+}
+
+/// Notes on a file's seven missing meshes covered a small window.
+TEST(Review, NoticesLeaveMostOfASmallViewFree) {
+  Stage stage("figure");
+  for (int i = 0; i < 4; ++i) {
+    std::string words = "meshes that were not found:";
+    for (int k = 0; k < 40; ++k) words += " package://example/robots/meshes/visual/part.dae,";
+    stage.sandbox.say(words, i % 2 == 0);
+  }
+  const auto picture = [&](int w, int h, double dt) {
+    stage.target.resize(w, h);
+    glBindFramebuffer(GL_FRAMEBUFFER, stage.target.framebuffer());
+    stage.sandbox.frame({.width = w, .height = h, .events = {}}, dt);
+    return readPixels(stage.target.framebuffer(), w, h);
+  };
+  for (const auto& [w, h] : {std::pair{640, 480}, {1280, 800}}) {
+    const auto with = picture(w, h, 1e-3);
+    auto notices = std::exchange(stage.sandbox.state().notices, {});
+    const auto without = picture(w, h, 1e-3);
+    stage.sandbox.state().notices = std::move(notices);
+    const Layout::Rect view = stage.sandbox.state().layout.view;
+    int covered = 0;
+    for (std::size_t i = 0; i < with.size(); i += 4) covered += std::memcmp(&with[i], &without[i], 3) != 0;
+    EXPECT_GT(covered, 1000);
+    EXPECT_LT(covered, 0.5 * view.width * view.height);
   }
 }
 
@@ -205,6 +234,55 @@ TEST(Review, TTurnsTheGoalThatIsDragged) {
   stage.play("0 grab " + tool + "\n2 keydown t\n3 shift-by 30 0 4\n9 keyup t\n", 3);
   ASSERT_TRUE(stage.sandbox.session().dragged());
   EXPECT_EQ(stage.sandbox.session().goal(*stage.sandbox.session().dragged()).goal.kind, GoalKind::Pose);
+}
+
+/// 9: edges were stepped. Where a person watches, what stands still is drawn once more, smooth; it stays
+/// while the mouse moves over nothing, and a drag has the quick picture again.
+TEST(Review, WhatStandsStillIsDrawnSmooth) {
+  Stage stage("figure");
+  Sandbox::State& s = stage.sandbox.state();
+  const auto view = [&] {
+    return readPixels(s.picture.framebuffer(), s.viewport().width, s.viewport().height);
+  };
+  stage.play("0 move 30 60\n", 8);
+  const auto quick = view();
+  s.options.refines = true;
+  stage.play("", 8);
+  EXPECT_TRUE(s.drawnFine);
+  const auto smooth = view();
+  EXPECT_NE(smooth, quick);
+  stage.play("0 move 40 70\n1 move 45 70\n", 1);
+  EXPECT_EQ(view(), smooth);
+  stage.play("0 grab hand_r\n2 shift-by -20 -40 6\n", 1);
+  EXPECT_FALSE(s.drawnFine);
+  stage.play("0 release left\n1 key r\n", 20);
+  EXPECT_TRUE(s.drawnFine);
+}
+
+/// Led far out of reach and back the same way, an arm ends where it began, and never jumps on the way.
+TEST(Review, ADragOutOfReachAndBackNeverJumps) {
+  for (const auto& [model, goal] : {std::pair{"figure", "hand_r"}, {"panda", "tool"}, {"ur5", "tool"}}) {
+    Stage stage(model);
+    const Skeleton& skeleton = stage.sandbox.session().skeleton();
+    ViewOptions& show = stage.sandbox.state().show();
+    show.skin = show.shadow = show.ground = false;  // the picture does not matter here
+    stage.play("", 1);
+    const Eigen::VectorXd start = stage.sandbox.session().q();
+    stage.play(std::string("0 grab ") + goal + "\n", 2);
+    Eigen::VectorXd before = stage.sandbox.session().q();
+    double largest = 0.0, farthest = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      const int way = i < 20 ? -12 : i >= 30 && i < 50 ? 12 : 0;
+      stage.play("0 shift-by " + std::to_string(way) + " " + std::to_string(way / 4) + " 1\n", 0);
+      const Eigen::VectorXd& now = stage.sandbox.session().q();
+      largest = std::max(largest, difference(skeleton, before, now).lpNorm<Eigen::Infinity>());
+      farthest = std::max(farthest, stage.sandbox.session().lastSolve().error);
+      before = now;
+    }
+    EXPECT_GT(farthest, 0.05) << model;  // it was out of reach
+    EXPECT_LT(largest, 0.4) << model;    // radians in a frame; another branch of the arm lies 1 and more away
+    EXPECT_LT(difference(skeleton, start, before).lpNorm<Eigen::Infinity>(), 0.05) << model;
+  }
 }
 
 }  // namespace

@@ -31,11 +31,14 @@ bool saysItsUnit(const std::string& path) {
   return kind && (fileFormat(*kind).saysItsUnit || fileFormat(*kind).alwaysMetres);
 }
 
-/// Colours of an OBJ's .mtl; null where there are none.
-std::shared_ptr<const MeshLook> lookOf(const std::string& path, const Mesh& mesh) {
-  if (fileKind(path) != FileKind::ObjMesh) return nullptr;
-  auto look = readObjLook(path, mesh);
-  return look ? std::make_shared<const MeshLook>(*std::move(look)) : nullptr;
+/// Colours and textures of an OBJ's .mtl, where there are any.
+void paint(const std::string& path, Model& model) {
+  if (fileKind(path) != FileKind::ObjMesh) return;
+  auto look = readObjLook(path, model.skin->mesh, &model.notes);
+  if (!look) return;
+  cutForTexture(*look, model.skin->mesh);
+  cutForTexture(*look, model.skin->influences);
+  model.look = std::make_shared<const MeshLook>(std::move(look->look));
 }
 
 void tellWeightLoss(std::vector<Note>& notes, const WeightLoss& loss, std::size_t vertices) {
@@ -87,8 +90,8 @@ Model openBody(const std::string& objPath, const std::string& skeletonPath,
   WeightLoss loss;
   auto influences = fourLargest(weights, model.skeleton.jointCount(), &loss);
   tellWeightLoss(model.notes, loss, mesh.positions.size());
-  model.look = lookOf(objPath, mesh);
   model.skin = bindSkin(std::move(mesh), rest, std::move(influences));
+  paint(objPath, model);
   return model;
 }
 
@@ -135,8 +138,8 @@ Imported exerciseSheet(const std::string& objPath, const Companions& files, cons
   WeightLoss loss;
   auto influences = fourLargest(transferWeights(bones, mesh.positions, fitted, transferred),
                                 transferred.skeleton.jointCount(), &loss);
-  result.model.look = lookOf(objPath, mesh);
   result.model.skin = bindSkin(std::move(mesh), transferred.bindFrames, std::move(influences));
+  paint(objPath, result.model);
   auto& notes = result.model.notes;
   tellWeightLoss(notes, loss, result.model.skin->mesh.positions.size());
   if (!transferred.unmatchedBones.empty())

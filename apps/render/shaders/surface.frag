@@ -20,12 +20,23 @@ uniform vec4 materialColour;       // linear, times picture and vertex colour
 uniform vec3 materialLook;         // x: share of the picture, y: nothing is drawn below this alpha, z: gloss
 uniform float seeThrough;    // 1: x-ray or ghost, more opaque towards the outline
 uniform sampler2DShadow shadowMap;
+uniform int taps;                  // of the shadow's edge: 4, or more for one that is soft
 
 float keyVisibility(vec3 position, vec3 normal) {
   if (groundPatch.w < 0.5) return 1.0;
-  vec4 at = shadowFromWorld * vec4(position + 1.5 * keyDirection.w * normal, 1.0);
+  bool soft = taps > 4;
+  vec4 at = shadowFromWorld * vec4(position + (soft ? 4.0 : 1.5) * keyDirection.w * normal, 1.0);
   at.z = min(at.z, 1.0);  // maps of some renderers do not clamp what is compared with them
   float texel = 1.0 / float(textureSize(shadowMap, 0).x);
+  if (soft) {
+    float turn = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))), visible = 0.0;
+    for (int i = 0; i < taps; ++i) {
+      float angle = 2.39996323 * float(i) + turn;
+      vec2 off = 6.0 * texel * sqrt((float(i) + 0.5) / float(taps)) * vec2(cos(angle), sin(angle));
+      visible += texture(shadowMap, at.xyz + vec3(off, 0.0));
+    }
+    return visible / float(taps);
+  }
   vec2 wide = vec2(1.4, 0.6) * texel;
   return 0.25 * (texture(shadowMap, at.xyz + vec3(wide, 0.0)) + texture(shadowMap, at.xyz - vec3(wide, 0.0)) +
                  texture(shadowMap, at.xyz + vec3(-wide.y, wide.x, 0.0)) +
