@@ -449,7 +449,7 @@ void dialogs(Sandbox& sandbox) {
     ImGui::OpenPopup(title);
   }
   const Layout::Rect& view = s.layout.view;
-  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.4f * view.height}, ImGuiCond_Always,
+  ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.5f * view.height}, ImGuiCond_Always,
                           {0.5f, 0.5f});
   if (!ImGui::BeginPopupModal(
           title, nullptr,

@@ -19,8 +19,8 @@
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/rotation.h"
-#include "skinning/io/picture.h"
 #include "skinning/io/gltf_joints.h"
+#include "skinning/io/picture.h"
 
 namespace gelenk {
 namespace {

@@ -284,8 +284,8 @@ TEST(Looks, AnObjIsCutWhereItsTextureIsAndKeepsItsVerticesNumbers) {
   Model model{.name = "squares", .skeleton = Skeleton({Joint{.name = "root"}})};
   model.skin = bindSkin(mesh, restFrames(model.skeleton), std::vector<Influences>(8));
   model.look = std::make_shared<const MeshLook>(look->look);
-  const Vector3f mean = seen(model).mean;  // half of each: as much red as blue, hardly any green
-  EXPECT_NEAR(mean.x(), mean.z(), 0.15f);
+  const Vector3f mean = seen(model).mean;  // half of each: red and blue, hardly any green
+  EXPECT_GT(std::min(mean.x(), mean.z()), 0.25f);
   EXPECT_LT(mean.y(), 0.6f * mean.x());
 
   fs::remove(folder.path / "two colours.png");

@@ -271,8 +271,8 @@ TEST(Review, ADragOutOfReachAndBackNeverJumps) {
     stage.play(std::string("0 grab ") + goal + "\n", 2);
     Eigen::VectorXd before = stage.sandbox.session().q();
     double largest = 0.0, farthest = 0.0;
-    for (int i = 0; i < 60; ++i) {
-      const int way = i < 20 ? -12 : i >= 30 && i < 50 ? 12 : 0;
+    for (int i = 0; i < 90; ++i) {
+      const int way = i < 20 ? -18 : i >= 30 && i < 50 ? 18 : 0;
       stage.play("0 shift-by " + std::to_string(way) + " " + std::to_string(way / 4) + " 1\n", 0);
       const Eigen::VectorXd& now = stage.sandbox.session().q();
       largest = std::max(largest, difference(skeleton, before, now).lpNorm<Eigen::Infinity>());

@@ -485,7 +485,7 @@ TEST_F(Comparison, TheReportIsSelfContainedAndSaysWhatWasUnsupported) {
   EXPECT_NE(html.find("unsupported"), std::string::npos);
   EXPECT_NE(html.find("gelenk compare &lt;x&gt;"), std::string::npos);
   EXPECT_NE(html.find("solvers compared on "), std::string::npos);  // which model
-  EXPECT_EQ(html.find("src="), std::string::npos);  // nothing is fetched from elsewhere
+  EXPECT_EQ(html.find("src="), std::string::npos);                  // nothing is fetched from elsewhere
   EXPECT_EQ(html.find("href=\"http"), std::string::npos);
   for (const char* word :
        {"mcnemar_p", "wilson_95", "bootstrap_95", "expected_running_time", "p99", "jitter", "checksums"})
