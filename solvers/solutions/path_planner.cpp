@@ -84,7 +84,11 @@ MatrixXd PathPlanner::candidates(const Isometry3d& pose, const PathOptions& opti
   std::vector<VectorXd> list;
   const SerialChain& c = chain();
   VectorXd image(c.n);
-  if (seven_) {
+  if (seven_ && seven_->family()) {
+    std::vector<Vector7d> along;
+    seven_->family()->sample(pose, options.step, along);
+    list.assign(along.begin(), along.end());
+  } else if (seven_) {
     const int held = seven_->heldJoint();
     const double lower = std::isfinite(c.lower[held]) ? c.lower[held] : -M_PI,
                  upper = std::isfinite(c.upper[held]) ? c.upper[held] : M_PI;
@@ -141,33 +145,67 @@ PathPlan PathPlanner::plan(std::span<const Isometry3d> poses, const PathOptions&
   return plan;
 }
 
-/// Every pose slides along its self-motion towards the middle of its neighbours (across a jump: not at all).
+/// Every pose slides along its self-motion so that the whole gets shorter: Gauss-Newton on the sum of the
+/// distances between neighbours, each weighted by one over itself (so that it is the length, not its square,
+/// that gets least), which is a tridiagonal system for the steps along the tangents. Across a jump nothing
+/// pulls; a pose that would leave the limits goes as far as it can.
 void PathPlanner::refine(std::span<const Isometry3d> poses, const PathOptions& options,
                          PathPlan& plan) const {
   const int count = static_cast<int>(plan.q.size());
-  for (int sweep = 0; sweep < options.sweeps; ++sweep) {
-    double most = 0.0;
-    for (int k = 0; k < count; ++k) {
-      Vector7d wanted = Vector7d::Zero();
-      int neighbours = 0;
-      for (const int o : {k - 1, k + 1}) {
-        if (o < 0 || o >= count || largestTurn(plan.q[k], plan.q[o]) > options.jump) continue;
-        wanted += plan.q[o];
-        ++neighbours;
+  std::vector<Vector7d> q(plan.q.begin(), plan.q.end()), moved(count), tangent(count);
+  std::vector<char> linked(count, 0);  // to the next
+  for (int k = 0; k + 1 < count; ++k) linked[k] = largestTurn(q[k], q[k + 1]) <= options.jump;
+  const auto lengthOf = [&](const std::vector<Vector7d>& way) {
+    double sum = 0.0;
+    for (int k = 0; k + 1 < count; ++k)
+      if (linked[k]) {
+        if (largestTurn(way[k], way[k + 1]) > options.jump) return std::numeric_limits<double>::infinity();
+        sum += (way[k + 1] - way[k]).norm();
       }
-      if (neighbours == 0) continue;
-      Vector7d q = plan.q[k];
-      const double moved = seven_->slideTowards(poses[k], wanted / neighbours, 0.2, q);
-      bool keeps = moved > 0.0;  // no new jump
-      for (const int o : {k - 1, k + 1})
-        if (o >= 0 && o < count && largestTurn(plan.q[k], plan.q[o]) <= options.jump)
-          keeps &= largestTurn(q, plan.q[o]) <= options.jump;
-      if (!keeps) continue;
-      most = std::max(most, moved);
-      plan.q[k] = q;
+    return sum;
+  };
+  double length = lengthOf(q);
+  std::vector<double> main(count), beside(count), step(count);
+  for (int round = 0; round < options.rounds; ++round) {
+    for (int k = 0; k < count; ++k) tangent[k] = seven_->tangent(q[k]);
+    std::fill(main.begin(), main.end(), 1e-9);
+    std::fill(beside.begin(), beside.end(), 0.0);
+    std::fill(step.begin(), step.end(), 0.0);
+    const double floor = 1e-3 + 0.1 * length / count;
+    for (int k = 0; k + 1 < count; ++k) {
+      if (!linked[k]) continue;
+      const Vector7d d = q[k + 1] - q[k];
+      const double weight = 1.0 / (d.norm() + floor);
+      main[k] += weight, main[k + 1] += weight;
+      beside[k] = -weight * tangent[k].dot(tangent[k + 1]);
+      step[k] += weight * tangent[k].dot(d), step[k + 1] -= weight * tangent[k + 1].dot(d);
     }
-    if (most < 1e-5) break;
+    for (int k = 0; k + 1 < count; ++k) {  // Thomas
+      const double factor = beside[k] / main[k];
+      main[k + 1] -= factor * beside[k], step[k + 1] -= factor * step[k];
+    }
+    double most = 0.0;
+    for (int k = count - 1; k >= 0; --k) {
+      step[k] = (step[k] - (k + 1 < count ? beside[k] * step[k + 1] : 0.0)) / main[k];
+      most = std::max(most, std::abs(step[k]));
+    }
+    bool shorter = false;
+    for (double share = std::min(1.0, 0.3 / (most + 1e-12)); share > 0.02 && !shorter; share *= 0.5) {
+      for (int k = 0; k < count; ++k) {
+        moved[k] = q[k];
+        for (double part = share; part > 0.1 * share; part *= 0.5)
+          if (seven_->slide(poses[k], part * step[k] * tangent[k], moved[k])) break;
+      }
+      const double now = lengthOf(moved);
+      if (now >= length) continue;
+      shorter = now < length * (1.0 - 1e-4);
+      std::swap(q, moved);
+      length = now;
+      break;
+    }
+    if (!shorter) break;
   }
+  plan.q.assign(q.begin(), q.end());
 }
 
 void PathPlanner::measure(std::span<const Isometry3d> poses, const PathOptions& options,

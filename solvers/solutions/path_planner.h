@@ -13,8 +13,9 @@ namespace gelenk {
 
 struct PathOptions {
   double jump = 0.5;  ///< radians: a joint that turns farther from one pose to the next has jumped
-  int slices = 48;    ///< seven joints: values of the held joint that are looked at for each pose
-  int sweeps = 40;    ///< seven joints: rounds of the refinement along the self-motions
+  int slices = 48;  ///< seven joints without a closed form: values of the held joint looked at for each pose
+  double step = 0.3;  ///< seven joints with a closed form: radians between solutions looked at on a curve
+  int rounds = 20;    ///< seven joints: of the refinement along the self-motions, at most
 };
 
 /// A jump that no choice of solutions avoids at this place (another choice may put it elsewhere).

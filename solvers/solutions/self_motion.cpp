@@ -45,6 +45,7 @@ SevenJointArm::SevenJointArm(const SerialChain& chain) : chain_(chain) {
     throw std::invalid_argument("self-motions are for seven revolute joints; this chain has " +
                                 std::to_string(chain.n) +
                                 (chain.hasPrismatic ? ", not all of them revolute" : ""));
+  family_ = ShoulderFamily::of(chain);
   scale_ = chain.length / 3.0;
   const ChainConstants& C = chain.constants;
   for (int i = 0; i < 7; ++i) {
@@ -90,6 +91,14 @@ SevenJointArm::SevenJointArm(const SerialChain& chain) : chain_(chain) {
     }
     if (score < best) best = score, generalCut_ = cut;
   }
+}
+
+std::string SevenJointArm::describe() const {
+  if (family_) return "closed form over joint 7: axes 1, 2 and 3 meet, and axes 5 and 6";
+  const std::string joint = std::to_string(held_ + 1);
+  return decomposition_.kind == LoopClass::General
+             ? "general: joint " + joint + " held, the other six by elimination"
+             : "closed forms with joint " + joint + " held";
 }
 
 Isometry3d SevenJointArm::lastFrame(const Isometry3d& worldFromTip) const {
@@ -352,7 +361,7 @@ std::vector<SelfMotionCurve> SevenJointArm::selfMotion(const Isometry3d& worldFr
 }
 
 /// Down the distance along the curve, within limits; returns the distance.
-double SevenJointArm::descend(const Isometry3d& goal, const Vector7d& near, Vector7d& q) const {
+double SevenJointArm::descend(const Isometry3d& goal, const Vector7d& near, bool limits, Vector7d& q) const {
   double distance = (q - near).norm();
   double trust = 0.3;
   Vector7d tangent = Vector7d::Constant(1.0).normalized();
@@ -373,7 +382,8 @@ double SevenJointArm::descend(const Isometry3d& goal, const Vector7d& near, Vect
       Vector7d next = q + step * tangent;
       if (!correct(goal, tangent, next) || (next - q).norm() > 3.0 * std::abs(step)) continue;
       bool inside = true;
-      for (int i = 0; i < 7; ++i) inside &= next[i] >= chain_.lower[i] && next[i] <= chain_.upper[i];
+      for (int i = 0; i < 7; ++i)
+        inside &= !limits || (next[i] >= chain_.lower[i] && next[i] <= chain_.upper[i]);
       const double there = (next - near).norm();
       if (!inside || there >= distance) continue;
       q = next, distance = there, moved = true;
@@ -384,35 +394,48 @@ double SevenJointArm::descend(const Isometry3d& goal, const Vector7d& near, Vect
   return distance;
 }
 
-double SevenJointArm::slideTowards(const Isometry3d& worldFromTip, const Vector7d& wanted, double most,
-                                   Vector7d& q) const {
-  Vector7d tangent = wanted - q;
-  if (tangent.norm() < 1e-9) return 0.0;
-  tangent.normalize();
-  for (int k = 0; k < 2; ++k) tangent = tangentAt(q, tangent);
-  const double step = std::clamp(tangent.dot(wanted - q), -most, most);
-  Vector7d next = q + step * tangent;
-  if (std::abs(step) < 1e-9 || !correct(lastFrame(worldFromTip), tangent, next)) return 0.0;
-  if ((next - q).norm() > 2.0 * std::abs(step)) return 0.0;
+Vector7d SevenJointArm::tangent(const Vector7d& q) const {
+  return tangentAt(q, tangentAt(q, Vector7d::Constant(1.0).normalized()));
+}
+
+bool SevenJointArm::slide(const Isometry3d& worldFromTip, const Vector7d& step, Vector7d& q) const {
+  const double size = step.norm();
+  if (size < 1e-9) return true;
+  Vector7d next = q + step;
+  if (!correct(lastFrame(worldFromTip), step / size, next) || (next - q).norm() > 2.0 * size) return false;
   for (int i = 0; i < 7; ++i)
-    if (next[i] < chain_.lower[i] || next[i] > chain_.upper[i]) return 0.0;
-  const double moved = (next - q).norm();
+    if (next[i] < chain_.lower[i] || next[i] > chain_.upper[i]) return false;
   q = next;
-  return moved;
+  return true;
 }
 
 bool SevenJointArm::nearest(const Isometry3d& worldFromTip, const Vector7d& near, Vector7d& best,
                             const SelfMotionOptions& options) const {
   const Isometry3d goal = lastFrame(worldFromTip);
+  if (family_) {
+    if (!family_->nearest(worldFromTip, near, options.limits, best)) return false;
+    correct(goal, tangentAt(best, Vector7d::Constant(1.0)), best);
+    if (family_->misfit() > 1e-12) descend(goal, near, options.limits, best);
+    if (options.limits) best = best.cwiseMax(chain_.lower).cwiseMin(chain_.upper);
+    return true;
+  }
+  return nearestByWalking(worldFromTip, near, best, options);
+}
+
+bool SevenJointArm::nearestByWalking(const Isometry3d& worldFromTip, const Vector7d& near, Vector7d& best,
+                                     const SelfMotionOptions& options) const {
+  const Isometry3d goal = lastFrame(worldFromTip);
   double bestDistance = INFINITY;
-  for (const SelfMotionCurve& piece : selfMotion(worldFromTip, options)) {
+  for (SelfMotionCurve& piece : selfMotion(worldFromTip, options)) {
+    if (!options.limits)  // an image of the whole curve each: the nearest of each pose
+      for (Vector7d& q : piece.q) q = near + wrapped(q - near);
     const auto distance = [&](size_t k) { return (piece.q[k] - near).norm(); };
     for (size_t k = 0; k < piece.q.size(); ++k) {
       const double own = distance(k);
       if (own - 2.0 * options.step > bestDistance) continue;
       if ((k > 0 && distance(k - 1) < own) || (k + 1 < piece.q.size() && distance(k + 1) < own)) continue;
       Vector7d q = piece.q[k];
-      const double d = descend(goal, near, q);
+      const double d = descend(goal, near, options.limits, q);
       if (d < bestDistance) bestDistance = d, best = q;
     }
   }

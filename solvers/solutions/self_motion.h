@@ -1,14 +1,15 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "solvers/serial/serial_chain.h"
 #include "solvers/solutions/closed_loop.h"
+#include "solvers/solutions/shoulder_family.h"
 
 namespace gelenk {
-
-using Vector7d = Eigen::Matrix<double, 7, 1>;
 
 /// Solutions of a pose with one joint of seven held.
 struct SliceSolutions {
@@ -45,6 +46,7 @@ class SevenJointArm {
   const SerialChain& chain() const { return chain_; }
   int heldJoint() const { return held_; }
   LoopClass sliceClass() const { return decomposition_.kind; }
+  std::string describe() const;  ///< "closed form over joint 7: axes 1, 2 and 3 meet, and axes 5 and 6"
 
   /// All solutions with the held joint at `angle`, each polished to 1e-12. No allocation.
   void slice(const Eigen::Isometry3d& worldFromTip, double angle, const Vector7d& reference,
@@ -54,16 +56,25 @@ class SevenJointArm {
   std::vector<SelfMotionCurve> selfMotion(const Eigen::Isometry3d& worldFromTip,
                                           const SelfMotionOptions& options = {}) const;
 
-  /// The solution within limits nearest to `near`: of every piece of the self-motion the points that are
-  /// nearer than their neighbours, each improved by a projected Newton on the distance. False where no
-  /// solution lies within the limits.
+  /// The closed form of the family, where the arm has one.
+  const std::optional<ShoulderFamily>& family() const { return family_; }
+
+  /// The solution within limits nearest to `near`; false where there is none. By the closed form of the
+  /// family where there is one (then options.limits alone is read, and nothing is allocated), else of every
+  /// piece of the self-motion the points that are nearer than their neighbours, each improved by a projected
+  /// Newton on the distance.
   bool nearest(const Eigen::Isometry3d& worldFromTip, const Vector7d& near, Vector7d& best,
                const SelfMotionOptions& options = {}) const;
 
-  /// Slides a solution along its self-motion, by at most `most` radians and within limits, to where it is
-  /// nearest to `wanted` by the tangent there; returns how far it went.
-  double slideTowards(const Eigen::Isometry3d& worldFromTip, const Vector7d& wanted, double most,
-                      Vector7d& q) const;
+  /// The same by walking, whatever the arm: slower, and a second way to the closed form's answers.
+  bool nearestByWalking(const Eigen::Isometry3d& worldFromTip, const Vector7d& near, Vector7d& best,
+                        const SelfMotionOptions& options = {}) const;
+
+  /// Unit tangent of the self-motion through a solution, in either sense.
+  Vector7d tangent(const Vector7d& q) const;
+  /// Moves a solution along its self-motion, by `step` on the tangent and back onto the curve. False, and
+  /// nothing is changed, where that fails or leaves the limits.
+  bool slide(const Eigen::Isometry3d& worldFromTip, const Vector7d& step, Vector7d& q) const;
 
  private:
   struct Frame;
@@ -76,7 +87,7 @@ class SevenJointArm {
   void cutByLimits(const Eigen::Isometry3d& goal, const SelfMotionCurve& whole,
                    std::vector<SelfMotionCurve>& pieces) const;
   bool toLimits(Vector7d& q, const Vector7d& reference) const;
-  double descend(const Eigen::Isometry3d& goal, const Vector7d& near, Vector7d& q) const;
+  double descend(const Eigen::Isometry3d& goal, const Vector7d& near, bool limits, Vector7d& q) const;
   Eigen::Isometry3d lastFrame(const Eigen::Isometry3d& worldFromTip) const;
 
   SerialChain chain_;
@@ -85,6 +96,7 @@ class SevenJointArm {
   int held_ = 6;
   Decomposition decomposition_;
   Cut generalCut_;
+  std::optional<ShoulderFamily> family_;
 };
 
 }  // namespace gelenk

@@ -39,6 +39,37 @@ inline DhTable generalArm(const std::string& name) {
       name, {{0, -h, 0.245}, {0.54, M_PI, 0}, {0, -h, 0}, {0, h, -0.54}, {0, -h, 0.15}, {0, M_PI, -0.16}});
 }
 
+/// UFactory xArm 7 from the maker's table (metres, radians): S-R-S but for offsets at elbow and wrist; some
+/// joints turn twice around.
+inline DhTable xarm7() {
+  DhTable table{.name = "xarm7", .convention = DhConvention::Modified};
+  const double h = M_PI / 2, twice = 2 * M_PI;
+  const auto row = [&](double alpha, double a, double d, double lower, double upper) {
+    table.rows.push_back({.a = a, .alpha = alpha, .d = d, .lower = lower, .upper = upper});
+  };
+  row(0, 0, 0.267, -twice, twice), row(-h, 0, 0, -2.059, 2.0944), row(h, 0, 0.293, -twice, twice);
+  row(h, 0.0525, 0, -0.19198, 3.927), row(h, 0.0775, 0.3425, -twice, twice);
+  row(h, 0, 0, -1.69297, M_PI), row(-h, 0.076, 0.097, -twice, twice);
+  return table;
+}
+
+/// Axes 1, 2 and 3 meet, and axes 5 and 6; everything else as it comes, limits too.
+inline DhTable randomShoulderArm(std::mt19937_64& random) {
+  DhTable table{.name = "shoulder", .convention = DhConvention::Modified};
+  const auto between = [&](double a, double b) { return a + (b - a) * uniform01(random); };
+  for (int i = 0; i < 7; ++i) {
+    const bool bare = i == 1 || i == 2 || i == 5;
+    const double side = uniform01(random) < 0.5 ? -1.0 : 1.0, middle = between(-1, 1), half = between(1, 4);
+    table.rows.push_back({.a = bare || i == 0 ? 0.0 : between(-0.3, 0.3),
+                          .alpha = i == 0 ? 0.0 : side * between(0.6, 2.5),
+                          .d = i == 1 ? 0.0 : between(-0.5, 0.5),
+                          .phi = between(-2, 2),
+                          .lower = middle - half,
+                          .upper = middle + half});
+  }
+  return table;
+}
+
 /// Lengths in [-1, 1] m, twists in [-pi, pi].
 inline DhTable randomArm(std::mt19937_64& random) {
   std::vector<Eigen::Vector3d> rows;
