@@ -1,12 +1,60 @@
 // Pictures that explain an arm: what is shown, and what can be taken from them.
+#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "apps/sandbox/branches.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "kinematics/forward_kinematics.h"
 #include "kinematics/io/text_file.h"
+#include "skinning/blend/skin_method.h"
 
 namespace gelenk {
 namespace {
+
+using Pose = Eigen::VectorXd;
+
+/// The poses may be computed anew while one is taken: by value.
+void take(Sandbox& sandbox, const Pose pose) {
+  sandbox.session().remember();
+  sandbox.session().setPose(pose);
+}
+
+/// The next or previous branch in the order of all solutions; where only the self-motion is shown, a step
+/// along it.
+void stepBranch(Sandbox& sandbox, int way) {
+  Sandbox::State& s = sandbox.state();
+  const TeachingPictures& teaching = s.view->teaching();
+  if (!s.show().solutions && !s.show().nullSpace) {
+    s.show().solutions = true;
+    sandbox.say("All solutions are shown: N takes the next branch, Shift + N the one before");
+    return;
+  }
+  if (const auto& others = teaching.solutions(); !others.empty()) {
+    // Round in one order, whichever of them is present: by the joints to a milliradian.
+    const auto key = [](const Pose& q) {
+      std::vector<double> rounded(q.begin(), q.end());
+      for (double& x : rounded) x = std::round(1e3 * x);
+      return rounded;
+    };
+    std::map<std::vector<double>, Pose> all;
+    for (const Pose& q : others) all.emplace(key(q), q);
+    auto next =
+        way > 0 ? all.upper_bound(key(sandbox.session().q())) : all.lower_bound(key(sandbox.session().q()));
+    if (way > 0 && next == all.end()) next = all.begin();
+    if (way < 0) next = std::prev(next == all.begin() ? all.end() : next);
+    take(sandbox, next->second);
+  } else if (const auto& along = teaching.selfMotion(); !along.empty()) {
+    const int count = static_cast<int>(along.size()), step = std::max(count / 24, 1);
+    take(sandbox, along[(teaching.selfMotionAt() + way * step + count) % count]);
+  }
+}
 
 class PicturesPanel final : public Panel {
  public:
@@ -33,7 +81,10 @@ class PicturesPanel final : public Panel {
         "5,000 random poses within the joints' limits; bright where the arm moves well in all directions.");
     heading(s, "OTHER POSES OF THE SAME EFFECTOR");
     ImGui::Checkbox("All solutions", &show.solutions);
-    tooltip("Every other solution within the limits, from the complete set (docs/solutions.md).");
+    tooltip(
+        "Every other solution within the limits, from the complete set (docs/solutions.md). A click on a "
+        "ghost "
+        "takes it, N the next, Shift + N the one before.");
     if (show.solutions) {
       ImGui::TextColored(s.colours().textDim, "%zu beside this one", teaching.solutions().size());
       for (std::size_t i = 0; i < teaching.solutions().size(); ++i) {
@@ -76,6 +127,12 @@ class PicturesPanel final : public Panel {
                          brokenAtBlanks(reason, ImGui::GetContentRegionAvail().x).c_str());
   }
 
+  bool keyPressed(Sandbox& sandbox, int key, int modifiers) override {
+    if (key != GLFW_KEY_N || modifiers & GLFW_MOD_CONTROL) return false;
+    stepBranch(sandbox, modifiers & GLFW_MOD_SHIFT ? -1 : 1);
+    return true;
+  }
+
   /// "solution N" and "along N" take a pose, "write FILE" the map.
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
     const TeachingPictures& teaching = sandbox.state().view->teaching();
@@ -97,14 +154,6 @@ class PicturesPanel final : public Panel {
   }
 
  private:
-  using Pose = Eigen::VectorXd;  // the poses may be computed anew while one is taken
-
-  static void take(Sandbox& sandbox, const Eigen::VectorXd& pose) {
-    const Pose copy = pose;
-    sandbox.session().remember();
-    sandbox.session().setPose(copy);
-  }
-
   static void write(Sandbox& sandbox, const std::string& path) {
     const ConvergenceMap& map = sandbox.state().view->teaching().map();
     std::string text = "x,y,z,iterations,reached,other_branch\n";
@@ -126,6 +175,36 @@ class PicturesPanel final : public Panel {
 };
 
 }  // namespace
+
+bool takeBranchAt(Sandbox& sandbox, const Eigen::Vector2d& pixel) {
+  Sandbox::State& s = sandbox.state();
+  const Session& session = sandbox.session();
+  const Ray ray = rayThroughPixel(s.camera(), s.viewport(), s.toView(pixel));
+  const Pose* found = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Pose& q : s.view->teaching().solutions()) {
+    const Frames frames = forwardKinematics(session.skeleton(), q);
+    if (session.skin() && s.view->prepared()) {
+      const auto hit =
+          pickSurface(session.skin()->mesh.triangles, blendSkin(*s.view->prepared(), frames).positions, ray);
+      if (hit && hit->depth < nearest) nearest = hit->depth, found = &q;
+      continue;
+    }
+    for (int i = 0; i < session.skeleton().jointCount(); ++i) {  // bare bones
+      const int parent = session.skeleton().parent(i);
+      if (parent < 0) continue;
+      const Projected a = s.toWindow(frames[parent].translation()), b = s.toWindow(frames[i].translation());
+      const Eigen::Vector2d bone = b.pixel - a.pixel;
+      const double share =
+          std::clamp((pixel - a.pixel).dot(bone) / std::max(bone.squaredNorm(), 1e-12), 0.0, 1.0);
+      if ((a.pixel + share * bone - pixel).norm() > 8.0 * s.scale || a.depth <= 0.0 || a.depth >= nearest)
+        continue;
+      nearest = a.depth, found = &q;
+    }
+  }
+  if (found) take(sandbox, *found);
+  return found != nullptr;
+}
 
 std::unique_ptr<Panel> makePicturesPanel() { return std::make_unique<PicturesPanel>(); }
 

@@ -382,6 +382,7 @@ void help(Sandbox& sandbox) {
       {"Tab, Shift + Tab", "next solver, previous solver"},
       {"F, Home", "frame the selection, frame everything"},
       {"1, 3, 7, 5", "front, side, top, orthographic"},
+      {"N, Shift + N", "next and previous branch; a click on a ghost takes it"},
       {"Space", "play"},
       {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
       {"Ctrl+S, Ctrl+O", "save and open; files can be dropped"},

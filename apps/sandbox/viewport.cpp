@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "apps/sandbox/branches.h"
 #include "apps/sandbox/gizmo.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/rotation.h"
@@ -159,7 +160,8 @@ void release(Sandbox& sandbox, int button) {
   } else if (s.gesture.kind == Gesture::Kind::Tool) {
     s.gesture.tool->released(sandbox);
   } else if (s.gesture.kind == Gesture::Kind::Orbit && !s.gesture.tool &&
-             (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale) {
+             (s.mouse - s.gesture.press).norm() < dragThreshold * s.scale &&
+             !takeBranchAt(sandbox, s.mouse)) {
     s.session->selectJoint(std::nullopt);
     s.selectedGoal.reset();
   }

@@ -155,5 +155,88 @@ TEST(TeachingPictures, ReachStaysWithinTheArmsLength) {
     EXPECT_LT(Eigen::Map<const Eigen::Vector3f>(point.at.position).norm(), length + 1e-5);
 }
 
+// ---- taking one of them
+
+struct Stage {
+  OffscreenContext context;
+  GlDebugLog log;
+  Sandbox sandbox;
+  ViewPicture target;
+  InputQueue queue;
+  explicit Stage(const std::string& model) : sandbox({.model = model, .width = 1000, .height = 700}) {
+    target.resize(1000, 700);
+    sandbox.session().view().show.solutions = true;
+    play("0 move 5 5\n");
+  }
+  void play(const std::string& script) {
+    Replay replay = Replay::parse("test", script);
+    for (int i = 0; i < replay.length() + 2; ++i) {
+      replay.play(i, sandbox, queue);
+      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+      sandbox.frame({.width = 1000, .height = 700, .events = queue.take()}, 1.0 / 60.0);
+    }
+  }
+  const TeachingPictures& pictures() { return sandbox.state().view->teaching(); }
+};
+
+TEST(Branches, TheKeyGoesThroughAllOfThemAndComesBack) {
+  for (const char* model : {"ur5", "puma560"}) {
+    SCOPED_TRACE(model);
+    Stage stage(model);
+    const VectorXd start = stage.sandbox.session().q();
+    const std::size_t count = stage.pictures().solutions().size();
+    ASSERT_GE(count, 1u);
+    std::vector<VectorXd> met{start};
+    for (std::size_t k = 0; k < count; ++k) {
+      stage.play("0 key n\n");
+      for (const VectorXd& q : met) EXPECT_GT((stage.sandbox.session().q() - q).norm(), 1e-2) << k;
+      met.push_back(stage.sandbox.session().q());
+    }
+    stage.play("0 key n\n");
+    EXPECT_LT((stage.sandbox.session().q() - start).norm(), 1e-4);
+    stage.play("0 keydown shift\n1 key n\n2 keyup shift\n");
+    EXPECT_LT((stage.sandbox.session().q() - met[count]).norm(), 1e-4);
+    stage.play("0 keydown ctrl\n1 key z\n2 keyup ctrl\n");  // a step is one entry of the history
+    EXPECT_LT((stage.sandbox.session().q() - start).norm(), 1e-4);
+  }
+}
+
+TEST(Branches, TheKeyGoesAlongTheCurveOfASevenJointArm) {
+  Stage stage("panda");
+  stage.sandbox.session().view().show.nullSpace = true;
+  stage.play("0 move 5 5\n");
+  const int tool = stage.sandbox.session().goals().front().goal.joint;
+  const Eigen::Matrix4d pose = stage.sandbox.session().frames()[tool].matrix();
+  const VectorXd start = stage.sandbox.session().q();
+  stage.play("0 key n\n");
+  EXPECT_GT((stage.sandbox.session().q() - start).norm(), 1e-2);
+  EXPECT_LT((stage.sandbox.session().frames()[tool].matrix() - pose).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(Branches, AClickOnAGhostTakesIt) {
+  Stage stage("ur5");
+  // A point of a ghost that neither the arm itself nor another ghost covers: tried one after the other.
+  Sandbox::State& s = stage.sandbox.state();
+  const std::vector<VectorXd> solutions = stage.pictures().solutions();
+  const VectorXd start = stage.sandbox.session().q();
+  int taken = 0;
+  for (const VectorXd& q : solutions) {
+    const Frames frames = forwardKinematics(stage.sandbox.session().skeleton(), q);
+    const Eigen::Vector2d pixel = s.toWindow(0.5 * (frames[1].translation() + frames[2].translation())).pixel;
+    stage.play("0 move " + std::to_string(pixel.x()) + " " + std::to_string(pixel.y()) +
+               "\n1 press left\n2 release left\n");
+    const VectorXd now = stage.sandbox.session().q();
+    if ((now - start).norm() < 1e-9) continue;  // the arm itself lies in front
+    EXPECT_TRUE(std::ranges::any_of(solutions, [&](const VectorXd& x) { return (x - now).norm() < 1e-9; }));
+    ++taken;
+    stage.play("0 keydown ctrl\n1 key z\n2 keyup ctrl\n");
+    EXPECT_LT((stage.sandbox.session().q() - start).norm(), 1e-9);
+  }
+  EXPECT_GE(taken, 2);
+  // Where there is none nothing is taken.
+  stage.play("0 move 12 12\n1 press left\n2 release left\n");
+  EXPECT_LT((stage.sandbox.session().q() - start).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace gelenk
