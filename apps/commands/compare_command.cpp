@@ -192,7 +192,7 @@ void addCompareCommand(Command& app) {
   ComparisonPlan& plan = request->plan;
   command.option("--model", request->model, "Built-in model or file").showDefault();
   command.option("--set", request->sets,
-                 "Problem set, D1 to D7, or D1[restarts=50] (default D1), or the value of a parameter, "
+                 "Problem set, D1 to D8, or D1[restarts=50] (default D1), or the value of a parameter, "
                  "dls.lambda=0.1 (repeatable)");
   command.option("--sweep", request->sweeps,
                  "Runs a grid over a parameter: dls.lambda=0.01:1:log9, or lin9 (repeatable)");

@@ -22,6 +22,7 @@
 #include "kinematics/io/csv.h"
 #include "kinematics/io/text_file.h"
 #include "solvers/iteration/evaluator.h"
+#include "solvers/lab/truth.h"
 #include "solvers/problem/goal_text.h"
 #include "solvers/problem/goal_type.h"
 #include "solvers/problem/ik_solver.h"
@@ -197,7 +198,8 @@ void addOtherSeeds(const LoadedSet& set, const std::vector<LabProblem*>& frames,
 
 /// All frames of a sequence, each from where the last one ended.
 Unit solveSequence(const LoadedSet& set, const std::vector<LabProblem*>& frames, const std::string& name,
-                   const IkSolver& solver, const ComparisonPlan& plan, const LabModel& model) {
+                   const IkSolver& solver, const ComparisonPlan& plan, const LabModel& model,
+                   TruthFinder& truths) {
   Unit unit;
   VectorXd before, beforeThat;
   for (const LabProblem* one : frames) {
@@ -205,6 +207,8 @@ Unit solveSequence(const LoadedSet& set, const std::vector<LabProblem*>& frames,
     if (one->frame > 0) problem.start = before;
     const Answer answer = timedSolve(solver, problem, plan, set.budget);
     ResultRow row = judged(set.name, *set.entry, *one, problem, name, answer, plan.tolerance);
+    const Truth truth = truths.of(problem);
+    row.solutions = truth.solutions, row.nearest = truth.nearest;
     const VectorXd q = answer.report.q;
     if (set.entry->family == ProblemFamily::Drag && row.residual >= 0.0) {
       const VectorXd step = difference(*one->skeleton, problem.start, q);
@@ -516,6 +520,7 @@ Results runComparison(const ComparisonPlan& plan, const LabModel& model, const s
   const std::string header = solutionsHeader(model.skeleton->nq());
   writeTables(folder, results, header);
 
+  TruthFinder truths;
   int total = 0, finished = static_cast<int>(done.size());
   for (const LoadedSet& set : sets) total += static_cast<int>(set.sequences.size() * plan.solvers.size());
   {
@@ -551,7 +556,7 @@ Results runComparison(const ComparisonPlan& plan, const LabModel& model, const s
             prepared = frames.front()->skeleton.get();
             solver->prepare(*prepared);
           }
-          Unit unit = solveSequence(set, frames, name, *solver, plan, model);
+          Unit unit = solveSequence(set, frames, name, *solver, plan, model, truths);
           keep(traces, unit.traces, results.traces);
           keep(seeds, unit.seeds, results.seeds);
           keep(solutions, unit.solutions, results.solutions);

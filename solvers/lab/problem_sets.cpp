@@ -15,6 +15,7 @@
 #include "solvers/problem/goal_text.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
+#include "solvers/solutions/complete_set.h"
 
 namespace gelenk {
 
@@ -38,6 +39,11 @@ constexpr std::array sets{
     ProblemSetEntry{"D6", "Tight limits", "share of every range: 0.5, 0.25, 0.1", ProblemFamily::TightLimits,
                     true},
     ProblemSetEntry{"D7", "Effectors in conflict", "unused", ProblemFamily::Conflict, false},
+    ProblemSetEntry{
+        "D8", "By the number of solutions",
+        "solutions of the goal, limits left out: 2, 4, ..., 16 as the arm has them; 1: where branches "
+        "merge; 0: just out of reach, not to be solved",
+        ProblemFamily::Solutions, true},
 };
 
 /// splitmix64, to make independent seeds of (seed, set, number).
@@ -262,6 +268,13 @@ class ProblemMaker {
         (set.family == ProblemFamily::ReachBoundary || set.family == ProblemFamily::Unreachable ||
          set.family == ProblemFamily::Conflict))
       throw std::invalid_argument(std::string(set.name) + " needs an effector that gets a target");
+    if (set.family == ProblemFamily::Solutions) {
+      if (model.effectors.size() != 1 || !model.goals.empty())
+        throw std::invalid_argument("D8 needs one effector and nothing asked for besides");
+      complete_ = std::make_shared<CompleteSet>(
+          *skeleton_, model.effectors[0],
+          CompleteSetTask{.task = model.pose ? TipTask::Pose : TipTask::Position});
+    }
     if (set.family == ProblemFamily::TightLimits)
       for (double share : limitLevels) shrunk_.push_back(shrunk(*skeleton_, share));
     if (set.family == ProblemFamily::ReachBoundary || set.family == ProblemFamily::Unreachable) {
@@ -321,6 +334,7 @@ class ProblemMaker {
         return one;
       }
       case ProblemFamily::Conflict: return conflict(one, random);
+      case ProblemFamily::Solutions: return bySolutions(one, number % 10, random);
       case ProblemFamily::Drag: break;
     }
     throw std::logic_error("drags are made as sequences");
@@ -395,11 +409,59 @@ class ProblemMaker {
     return one;
   }
 
+  /// Solutions of a goal, limits left out; a set that is not known to be complete counts as none.
+  int solutionsOf(const Goal& goal) const {
+    ArmSolutions found;
+    complete_->solve(Eigen::Translation3d(goal.target) * goal.orientation, Vector6d::Zero(), found);
+    return found.complete ? found.count : 0;
+  }
+
+  /// kind 0 to 7: 2, 4, ..., 16 solutions, or the number nearest to it that some random poses have; 8: at a
+  /// singularity; 9: moved straight on to just past the last place where there is any.
+  LabProblem bySolutions(LabProblem one, int kind, std::mt19937_64& random) const {
+    if (kind == 8) {
+      one.level = 1.0;
+      return meetable(one, nearSingular(model_, 0.0, random), random);
+    }
+    if (kind < 8) {
+      constexpr int draws = 60;
+      const int wanted = 2 * (kind + 1);
+      VectorXd best;
+      for (int i = 0; i < draws && one.level != wanted; ++i) {
+        const VectorXd q = randomWithinLimits(*skeleton_, random);
+        const int count = solutionsOf(goalsAt(model_, *skeleton_, q)[0]);
+        if (count > 0 && (best.size() == 0 || std::abs(count - wanted) < std::abs(one.level - wanted)))
+          best = q, one.level = count;
+      }
+      if (best.size() == 0)
+        throw std::invalid_argument("D8: no random pose of the arm has a finite number of solutions");
+      return meetable(one, best, random);
+    }
+    meetable(one, randomWithinLimits(*skeleton_, random), random);
+    one.level = 0.0;
+    Goal& goal = one.problem.goals[0];
+    const double reach = chainLength(*skeleton_, model_.effectors[0]);
+    const Vector3d from = goal.target, way = 2.0 * reach * randomDirection(random, isPlanar());
+    const auto reached = [&](double share) {
+      goal.target = from + share * way;
+      return solutionsOf(goal) > 0;
+    };
+    constexpr int steps = 64;
+    int last = 0;
+    for (int i = 1; i <= steps; ++i)
+      if (reached(static_cast<double>(i) / steps)) last = i;
+    double low = static_cast<double>(last) / steps, high = static_cast<double>(last + 1) / steps;
+    for (int i = 0; i < 40; ++i) (reached(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    goal.target = from + high * way + 1e-4 * way.normalized() * reach;
+    return one;
+  }
+
   const ProblemSetEntry& set_;
   const LabModel& model_;
   double tolerance_;
   std::shared_ptr<const Skeleton> skeleton_;
   std::vector<std::shared_ptr<const Skeleton>> shrunk_;
+  std::shared_ptr<const CompleteSet> complete_;
 };
 
 /// Distance to the nearest limit: 1 in the middle of every range, 0 at the end of one.

@@ -26,15 +26,24 @@ struct LabModel {
 /// joints for an unknown name.
 LabModel labModel(std::string name, const Skeleton& skeleton, const std::vector<std::string>& effectors = {});
 
-enum class ProblemFamily { Reachable, NearSingular, ReachBoundary, Unreachable, Drag, TightLimits, Conflict };
+enum class ProblemFamily {
+  Reachable,
+  NearSingular,
+  ReachBoundary,
+  Unreachable,
+  Drag,
+  TightLimits,
+  Conflict,
+  Solutions
+};
 
 struct ProblemSetEntry {
-  std::string_view name;  ///< "D1" ... "D7"
+  std::string_view name;  ///< "D1" ... "D8"
   std::string_view title;
   std::string_view levels;  ///< what `level` of a problem means and which values it takes in turn
   ProblemFamily family;
-  bool meetable;  ///< every goal can be met; otherwise problems are scored by the residual above the best one
-                  ///< known
+  bool meetable;  ///< every goal can be met (but for D8's level 0); otherwise problems are scored by the
+                  ///< residual above the best one known
 };
 
 std::span<const ProblemSetEntry> problemSetCatalogue();

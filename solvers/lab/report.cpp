@@ -26,6 +26,7 @@ using json = nlohmann::ordered_json;
 namespace {
 
 constexpr double microsecond = 1e-6;
+constexpr double sameSolution = 1e-3;  ///< radians and metres of all joints: no farther than the nearest
 const std::vector<double> scoredTolerances{1e-3, 1e-6, 1e-9};
 
 /// The rows of one set, by solver in order of first appearance.
@@ -77,6 +78,33 @@ json quantiles(const std::vector<double>& values) {
   return out;
 }
 
+/// Answers beside all solutions, of the problems whose solutions are known.
+json summariseTruth(const std::vector<const ResultRow*>& rows) {
+  int known = 0, without = 0, nearest = 0, failed = 0, wrong = 0;
+  std::vector<double> farther;
+  for (const ResultRow* row : rows) {
+    if (row->solutions.empty() || unsupported(*row)) continue;
+    ++known;
+    const bool none = row->solutions == "0";
+    without += none;
+    wrong += none && row->solved;
+    failed += !none && !row->solved;
+    if (!row->solved || !std::isfinite(row->nearest)) continue;
+    farther.push_back(row->displacement - row->nearest);
+    nearest += farther.back() <= sameSolution;
+  }
+  if (known == 0) return {};
+  const Interval bounds = wilsonInterval(nearest, known - without);
+  return {{"problems_known", known},
+          {"without_solution", without},
+          {"solved_without_solution", wrong},
+          {"failed_with_solution", failed},
+          {"nearest_found", nearest},
+          {"nearest_found_share", orNull(known > without ? double(nearest) / (known - without) : NAN)},
+          {"nearest_found_wilson_95", {bounds.lower, bounds.upper}},
+          {"farther_than_nearest", quantiles(farther)}};
+}
+
 json summariseSolver(const Group& group, const std::vector<const ResultRow*>& rows) {
   const int n = static_cast<int>(rows.size());
   json out{{"problems", n}};
@@ -123,6 +151,7 @@ json summariseSolver(const Group& group, const std::vector<const ResultRow*>& ro
     out["jump_over_rate"] = quantiles(column(rows, [](const ResultRow& r) { return r.jump / r.level; }));
     out["jitter"] = quantiles(column(rows, [](const ResultRow& r) { return r.jitter; }));
   }
+  if (json truth = summariseTruth(rows); !truth.empty()) out["all_solutions"] = std::move(truth);
   const std::vector<double> seconds =
       column(rows, [](const ResultRow& r) { return unsupported(r) ? NAN : r.seconds; });
   out["time"] = {
@@ -712,6 +741,31 @@ std::string seedsTable(const json& set) {
          rows + "</table>\n";
 }
 
+/// Beside all solutions, where they are known.
+std::string truthTable(const json& set) {
+  std::string rows;
+  for (const auto& [name, s] : set["solvers"].items()) {
+    if (!s.contains("all_solutions")) continue;
+    const json& t = s["all_solutions"];
+    rows += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} – {}</td><td>{}</td><td>{}</td>"
+        "<td>{}</td></tr>\n",
+        escaped(name), t["problems_known"].get<int>(), t["without_solution"].get<int>(),
+        shown(t["nearest_found_share"], 100.0, "{:.2f} %"),
+        shown(t["nearest_found_wilson_95"][0], 100.0, "{:.2f}"),
+        shown(t["nearest_found_wilson_95"][1], 100.0, "{:.2f}"),
+        shown(t["farther_than_nearest"]["median"], 1.0, "{:.3g}"),
+        shown(t["farther_than_nearest"]["p90"], 1.0, "{:.3g}"), t["failed_with_solution"].get<int>());
+  }
+  if (rows.empty()) return {};
+  return "<p>Beside all solutions within the limits, of the problems where they are known: how often the "
+         "answer was the nearest to the start, and how much farther away the solved ones were.</p><table><tr>"
+         "<th>solver</th><th>problems known</th><th>without a solution</th><th>nearest found</th><th>95 % "
+         "interval</th><th>farther: median</th><th>p90</th><th>failed though there is a "
+         "solution</th></tr>\n" +
+         rows + "</table>\n";
+}
+
 std::string pairsTable(const json& pairs) {
   std::string html =
       "<details><summary>Pairs of solvers: McNemar and paired "
@@ -757,8 +811,10 @@ std::string methodsSection(const Results& results, const ReportStyle& style, con
       "the machine may have been shared, so ratios "
       "within one run say more than microseconds. Expected time to a solution: total time over solved "
       "problems. Displacement ratio: joint displacement from the "
-      "start over that of the minimal-change path (pseudo-inverse in steps of at most 0.02 rad). Intervals "
-      "are Wilson's. "
+      "start over that of the minimal-change path (pseudo-inverse in steps of at most 0.02 rad). All "
+      "solutions "
+      "are those of complete sets (Gelenk's own); an answer is the nearest where it lies no more than "
+      "10<sup>-3</sup> farther from the start. Intervals are Wilson's. "
       "A time budget, where one is set, makes answers depend on the machine.</p>\n";
   return html;
 }
@@ -788,6 +844,22 @@ std::string summaryTable(const json& summary) {
                       shown(seconds["mean"], 1e6, "{:.1f}"), shown(seconds["median"], 1e6, "{:.1f}"),
                       shown(seconds["p99"], 1e6, "{:.1f}"), shown(s["iterations"]["median"], 1.0, "{:.0f}"));
     }
+  std::string truth;
+  for (const auto& [setName, facts] : summary["sets"].items())
+    for (const auto& [name, s] : facts["solvers"].items()) {
+      if (!s.contains("all_solutions")) continue;
+      const json& t = s["all_solutions"];
+      truth += fmt::format("{:<{}} {:<{}} {:>8} {:>11} {:>13} {:>15} {:>12}\n", setName, set, name, solver,
+                           t["problems_known"].get<int>(), t["without_solution"].get<int>(),
+                           shown(t["nearest_found_share"], 100.0, "{:.2f}%"),
+                           shown(t["farther_than_nearest"]["median"], 1.0, "{:.3g}"),
+                           t["failed_with_solution"].get<int>());
+    }
+  if (!truth.empty())
+    text +=
+        fmt::format("\n{:<{}} {:<{}} {:>8} {:>11} {:>13} {:>15} {:>12}\n", "set", set, "beside all solutions",
+                    solver, "known", "no solution", "nearest found", "farther, median", "failed alone") +
+        truth;
   return text;
 }
 
@@ -873,7 +945,8 @@ Report writeReport(const std::string& folder, const Results& results, const Repo
                         entry.title, group.rows.at(group.solvers[0]).size(), entry.levels,
                         restarts == "0" ? "One attempt" : "Up to " + restarts + " random restarts");
     html += tableOf(summary["sets"][group.set], style, group.drag, group.meetable) +
-            seedsTable(summary["sets"][group.set]) + pairsTable(summary["sets"][group.set]["pairs"]);
+            truthTable(summary["sets"][group.set]) + seedsTable(summary["sets"][group.set]) +
+            pairsTable(summary["sets"][group.set]["pairs"]);
     if (!canPlot) continue;
     html += "<div class=\"plots\">\n";
     int sweeps = 0;

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string markerTitle = "Gelenk comparison, format 2";
+const std::string markerTitle = "Gelenk comparison, format 3";
 
 /// A column: its name, and the field as text and back. Where: for messages.
 template <typename Row>
@@ -84,6 +84,8 @@ std::span<const Column<ResultRow>> columns() {
                                       COLUMN(R, "limit_violation", limitViolation),
                                       COLUMN(R, "displacement", displacement),
                                       COLUMN(R, "shortest_displacement", shortest),
+                                      COLUMN(R, "solutions", solutions),
+                                      COLUMN(R, "nearest_displacement", nearest),
                                       COLUMN(R, "jump", jump),
                                       COLUMN(R, "jitter", jitter),
                                       COLUMN(R, "iterations", counters.iterations),

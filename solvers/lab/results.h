@@ -26,8 +26,10 @@ struct ResultRow {
   double residual = 0.0;                     ///< weighted norm
   double excess = 0.0;                       ///< residual above the best one known
   double limitViolation = 0.0;
-  double displacement = 0.0;  ///< |difference(start, answer)|
-  double shortest = 0.0;      ///< the same of the minimal-change path; NaN where there is none
+  double displacement = 0.0;   ///< |difference(start, answer)|
+  double shortest = 0.0;       ///< the same of the minimal-change path; NaN where there is none
+  std::string solutions = {};  ///< how many the problem has, see Truth
+  double nearest = 0.0;  ///< |difference(start, nearest solution)|; NaN where there is none or not known
   double jump = 0.0,
          jitter = 0.0;  ///< drags: largest coordinate of the first and second difference from frame to frame
   Counters counters;

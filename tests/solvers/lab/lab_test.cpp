@@ -1,16 +1,21 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
+#include "kinematics/notation/robots.h"
 #include "solvers/iteration/evaluator.h"
 #include "solvers/lab/comparison.h"
 #include "solvers/lab/report.h"
 #include "solvers/lab/statistics.h"
 #include "solvers/lab/sweep.h"
+#include "solvers/lab/truth.h"
+#include "solvers/methods/step_rules.h"
 #include "solvers/problem/goal_text.h"
 #include "solvers/problem/judge.h"
 #include "tests/kinematics/random_skeleton.h"
@@ -93,9 +98,15 @@ Skeleton arm() {
   return Skeleton(joints);
 }
 
+/// What a set can be asked of: numbers of solutions are those of six joints.
+LabModel modelFor(const ProblemSetEntry& set) {
+  return set.family == ProblemFamily::Solutions ? labModel("puma560", toSkeleton(robotTable("puma560")))
+                                                : labModel("arm", arm());
+}
+
 TEST(ProblemSets, AreFrozenBySeedAndDoNotDependOnTheirNumber) {
-  const LabModel model = labModel("arm", arm());
   for (const ProblemSetEntry& set : problemSetCatalogue()) {
+    const LabModel model = modelFor(set);
     const auto some = makeProblems(set, model, 60, 3, 1e-6), more = makeProblems(set, model, 120, 3, 1e-6);
     EXPECT_EQ(checksum(some), checksum(makeProblems(set, model, 60, 3, 1e-6))) << set.name;
     EXPECT_NE(checksum(some), checksum(makeProblems(set, model, 60, 4, 1e-6))) << set.name;
@@ -107,10 +118,11 @@ TEST(ProblemSets, AreFrozenBySeedAndDoNotDependOnTheirNumber) {
 }
 
 TEST(ProblemSets, MeetableGoalsAreMetByTheirReferenceWithinTheLimits) {
-  const LabModel model = labModel("arm", arm());
   for (const ProblemSetEntry& set : problemSetCatalogue()) {
     if (!set.meetable) continue;
+    const LabModel model = modelFor(set);
     for (const LabProblem& one : makeProblems(set, model, 60, 5, 1e-9)) {
+      if (set.family == ProblemFamily::Solutions && one.level == 0.0) continue;
       EXPECT_TRUE(judge(one.problem, one.reference).solved) << set.name << " " << one.index;
       EXPECT_LE(limitViolation(*one.skeleton, one.problem.start), 1e-12);
     }
@@ -191,9 +203,66 @@ TEST(ProblemSets, LevelsAreWhatTheySay) {
 }
 
 TEST(ProblemSets, UnknownNamesAndEmptySetsAreRefused) {
-  EXPECT_THROW(problemSet("D8"), std::invalid_argument);
+  EXPECT_THROW(problemSet("D9"), std::invalid_argument);
+  EXPECT_THROW(makeProblems(problemSet("D8"), labModel("arm", arm()), 1, 1, 1e-6), std::invalid_argument);
   EXPECT_THROW(makeProblems(problemSet("D1"), labModel("arm", arm()), 0, 1, 1e-6), std::invalid_argument);
   EXPECT_THROW(labModel("arm", arm(), {"hand"}), std::invalid_argument);
+}
+
+/// Counted by another route: Newton from many starts.
+TEST(ProblemSets, D8HasAsManySolutionsAsItsLevelSays) {
+  const LabModel model = modelFor(problemSet("D8"));
+  const auto solver = makeLmGainRatio();
+  std::vector<Joint> joints = model.skeleton->joints();
+  for (Joint& joint : joints)
+    for (AxisDof& dof : joint.axes) dof.lower = -M_PI, dof.upper = M_PI;
+  const Skeleton free(joints);
+  std::set<double> levels;
+  for (const LabProblem& one : makeProblems(problemSet("D8"), model, 20, 7, 1e-6)) {
+    levels.insert(one.level);
+    if (one.level == 1.0) continue;  // merging: a double root is not counted by starts
+    IkProblem problem = one.problem;
+    problem.skeleton = &free;
+    std::vector<VectorXd> found;
+    std::mt19937_64 random(9);
+    for (int start = 0; start < 200; ++start) {
+      problem.start = randomWithinLimits(free, random);
+      const IkReport report =
+          solver->solve(problem, {.maxIterations = 200, .maxSeconds = 1e9}, TraceLevel::Off);
+      if (!judge(problem, report.q).solved) continue;
+      const bool known = std::ranges::any_of(found, [&](const VectorXd& q) {
+        double most = 0.0;
+        for (int i = 0; i < 6; ++i)
+          most = std::max(most, std::abs(std::remainder(q[i] - report.q[i], 2 * M_PI)));
+        return most < 1e-2;
+      });
+      if (!known) found.push_back(report.q);
+    }
+    EXPECT_EQ(static_cast<double>(found.size()), one.level) << one.index;
+  }
+  EXPECT_GE(levels.size(), 4u);  // 0, 1 and two numbers at least
+}
+
+TEST(Truth, KnowsTheNearestSolutionAndWhatHasNone) {
+  TruthFinder truths;
+  for (const char* robot : {"puma560", "panda"}) {
+    SCOPED_TRACE(robot);
+    const LabModel model = labModel(robot, toSkeleton(robotTable(robot)));
+    for (const LabProblem& one : makeProblems(problemSet("D1"), model, 20, 3, 1e-6)) {
+      const Truth truth = truths.of(one.problem);
+      EXPECT_EQ(truth.solutions == "family", model.skeleton->nq() == 7);
+      EXPECT_NE(truth.solutions, "0");
+      EXPECT_LE(truth.nearest, (one.problem.start - one.reference).norm() + 1e-9);
+      IkProblem at = one.problem;  // from a solution nothing is nearer than itself
+      at.start = one.reference;
+      EXPECT_LT(truths.of(at).nearest, 1e-6);
+      at.goals[0].target.x() += 10.0;
+      EXPECT_EQ(truths.of(at).solutions, "0");
+      EXPECT_TRUE(std::isnan(truths.of(at).nearest));
+      at.goals.push_back(at.goals[0]);
+      EXPECT_EQ(truths.of(at).solutions, "");
+    }
+  }
 }
 
 // ---- comparisons
