@@ -37,11 +37,13 @@ void stepBranch(Sandbox& sandbox, int way) {
     return;
   }
   if (const auto& others = teaching.solutions(); !others.empty()) {
-    // Round in one order, whichever of them is present: by the joints to a milliradian.
+    // Round in one order, whichever of them is present: by the directions of the joints, so that whole turns
+    // are the same.
     const auto key = [](const Pose& q) {
-      std::vector<double> rounded(q.begin(), q.end());
-      for (double& x : rounded) x = std::round(1e3 * x);
-      return rounded;
+      std::vector<double> directions;
+      for (const double x : q)
+        directions.insert(directions.end(), {std::round(1e3 * std::cos(x)), std::round(1e3 * std::sin(x))});
+      return directions;
     };
     std::map<std::vector<double>, Pose> all;
     for (const Pose& q : others) all.emplace(key(q), q);

@@ -240,7 +240,7 @@ TEST(ProblemSets, D8HasAsManySolutionsAsItsLevelSays) {
     }
     EXPECT_EQ(static_cast<double>(found.size()), one.level) << one.index;
   }
-  EXPECT_GE(levels.size(), 4u);  // 0, 1 and two numbers at least
+  EXPECT_GE(levels.size(), 3u);  // 0, 1 and the PUMA's own
 }
 
 TEST(Truth, KnowsTheNearestSolutionAndWhatHasNone) {
