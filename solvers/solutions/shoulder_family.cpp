@@ -25,20 +25,27 @@ constexpr double leaf = 0.25;     ///< radians: a chord this short is nearly str
 
 // ---- one formula for a number and for four
 
-GELENK_INLINE double choose(bool mask, double yes, double no) { return mask ? yes : no; }
-GELENK_INLINE Double4 choose(decltype(Double4{} < Double4{}) mask, Double4 yes, Double4 no) {
-  return mask ? yes : no;
+/// Four numbers side by side; in memory neighbours, of any alignment.
+typedef double Lanes __attribute__((vector_size(32)));
+GELENK_INLINE Lanes load(const double* from) {
+  Lanes v;
+  __builtin_memcpy(&v, from, sizeof v);
+  return v;
 }
+GELENK_INLINE void store(double* to, Lanes v) { __builtin_memcpy(to, &v, sizeof v); }
+
+GELENK_INLINE double choose(bool mask, double yes, double no) { return mask ? yes : no; }
+GELENK_INLINE Lanes choose(decltype(Lanes{} < Lanes{}) mask, Lanes yes, Lanes no) { return mask ? yes : no; }
 /// Square root; 0 below 0.
 GELENK_INLINE double root(double x) { return std::sqrt(x > 0.0 ? x : 0.0); }
-GELENK_INLINE Double4 root(Double4 x) {
-  x = x > 0.0 ? x : Double4{};
-  return Double4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+GELENK_INLINE Lanes root(Lanes x) {
+  x = x > 0.0 ? x : Lanes{};
+  return Lanes{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 }
 GELENK_INLINE double angleOf(double y, double x) { return std::atan2(y, x); }
 /// atan2 to 1e-15: reduced to |z| < tan(pi / 8), where a polynomial in z^2 (interpolated at Chebyshev's
 /// points) is good to 1.2e-17.
-GELENK_INLINE Double4 angleOf(Double4 y, Double4 x) {
+GELENK_INLINE Lanes angleOf(Lanes y, Lanes x) {
   constexpr double c[] = {1,
                           -0.33333333333328441,
                           0.19999999998855095,
@@ -50,21 +57,21 @@ GELENK_INLINE Double4 angleOf(Double4 y, Double4 x) {
                           0.056883491886823789,
                           -0.043480533438954326,
                           0.021135400583752725};
-  const Double4 ax = x < 0.0 ? -x : x, ay = y < 0.0 ? -y : y;
+  const Lanes ax = x < 0.0 ? -x : x, ay = y < 0.0 ? -y : y;
   const auto steep = ay > ax;
-  const Double4 big = steep ? ay : ax, small = steep ? ax : ay;
+  const Lanes big = steep ? ay : ax, small = steep ? ax : ay;
   const auto tilted = small > big * 0.41421356237309503;
-  const Double4 below = tilted ? big + small : big, z = (tilted ? small - big : small) / (below + 1e-300),
-                z2 = z * z;
-  Double4 p = Double4{} + c[10];
+  const Lanes below = tilted ? big + small : big, z = (tilted ? small - big : small) / (below + 1e-300),
+              z2 = z * z;
+  Lanes p = Lanes{} + c[10];
   for (int k = 9; k >= 0; --k) p = p * z2 + c[k];
-  Double4 angle = z * p + (tilted ? Double4{} + M_PI / 4 : Double4{});
+  Lanes angle = z * p + (tilted ? Lanes{} + M_PI / 4 : Lanes{});
   angle = steep ? M_PI / 2 - angle : angle;
   angle = x < 0.0 ? M_PI - angle : angle;
   return y < 0.0 ? -angle : angle;
 }
 GELENK_INLINE double larger(double a, double b) { return a > b ? a : b; }
-GELENK_INLINE Double4 larger(Double4 a, Double4 b) { return a > b ? a : b; }
+GELENK_INLINE Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 /// By whole turns to [-pi, pi].
 template <class V>
 GELENK_INLINE V wrapped(V x) {
@@ -250,14 +257,14 @@ struct Nodes {
     const double c0 = std::cos(interval.middle), s0 = std::sin(interval.middle);
     const double* across = chebyshev.at(count);
     for (int k = 0; k < count; k += 4) {
-      const Double4 x = -0.5 * interval.half * four(across + k), x2 = x * x;
-      Double4 sine = Double4{} + chebyshev.sine[terms - 1], cosine = Double4{} + chebyshev.cosine[terms - 1];
+      const Lanes x = -0.5 * interval.half * load(across + k), x2 = x * x;
+      Lanes sine = Lanes{} + chebyshev.sine[terms - 1], cosine = Lanes{} + chebyshev.cosine[terms - 1];
       for (int i = terms - 2; i >= 0; --i)
         sine = sine * x2 + chebyshev.sine[i], cosine = cosine * x2 + chebyshev.cosine[i];
       sine *= x;
-      const Double4 sine2 = 2.0 * sine * cosine, cosine2 = 1.0 - 2.0 * sine * sine;
-      four(c + k) = c0 * cosine2 - s0 * sine2;
-      four(s + k) = s0 * cosine2 + c0 * sine2;
+      const Lanes sine2 = 2.0 * sine * cosine, cosine2 = 1.0 - 2.0 * sine * sine;
+      store(c + k, c0 * cosine2 - s0 * sine2);
+      store(s + k, s0 * cosine2 + c0 * sine2);
     }
   }
 };
@@ -266,7 +273,7 @@ GELENK_SIMD_CLONES void discriminants(const Shape& S, const Goal& g, const Inter
                                       double* out) {
   const Nodes nodes(interval, count);
   for (int k = 0; k < count; k += 4)
-    four(out + k) = wristAt<Double4>(S, g, four(nodes.c + k), four(nodes.s + k), interval.elbow).discriminant;
+    store(out + k, wristAt<Lanes>(S, g, load(nodes.c + k), load(nodes.s + k), interval.elbow).discriminant);
 }
 
 /// Samples of the four branches of an interval.
@@ -282,23 +289,23 @@ struct Samples {
 GELENK_SIMD_CLONES void fill(const Shape& S, const Goal& g, const Limits& limits, Samples& out) {
   const Nodes nodes(out.interval, out.count);
   for (int k = 0; k < out.count; k += 4) {
-    const Wrist<Double4> w = wristAt<Double4>(S, g, four(nodes.c + k), four(nodes.s + k), out.interval.elbow);
+    const Wrist<Lanes> w = wristAt<Lanes>(S, g, load(nodes.c + k), load(nodes.s + k), out.interval.elbow);
     for (int side = 0; side < 2; ++side) {
-      const Forearm<Double4> forearm = forearmAt<Double4>(S, g, w, side == 0 ? 1.0 : -1.0);
-      Double4 wrist[4];
+      const Forearm<Lanes> forearm = forearmAt<Lanes>(S, g, w, side == 0 ? 1.0 : -1.0);
+      Lanes wrist[4];
       for (int i = 0; i < 4; ++i) wrist[i] = angleOf(forearm.s[i], forearm.c[i]) - S.theta[3 + i];
       for (int shoulder = 0; shoulder < 2; ++shoulder) {
         const int b = 2 * side + shoulder;
-        Double4 q[7], c[3], s[3], beyond;
-        shoulderAt<Double4>(S, forearm, shoulder, c, s);
+        Lanes q[7], c[3], s[3], beyond;
+        shoulderAt<Lanes>(S, forearm, shoulder, c, s);
         for (int i = 0; i < 3; ++i) q[i] = angleOf(s[i], c[i]) - S.theta[i];
         for (int i = 0; i < 4; ++i) q[3 + i] = wrist[i];
-        const Distances<Double4> square = place<Double4>(limits, q, beyond);
-        for (int i = 0; i < 7; ++i) four(out.q[b][i] + k) = q[i];
-        four(out.free2[b] + k) = square.free;
-        four(out.own2[b] + k) = square.own;
-        four(out.sure2[b] + k) = square.sure;
-        four(out.beyond[b] + k) = beyond;
+        const Distances<Lanes> square = place<Lanes>(limits, q, beyond);
+        for (int i = 0; i < 7; ++i) store(out.q[b][i] + k, q[i]);
+        store(out.free2[b] + k, square.free);
+        store(out.own2[b] + k, square.own);
+        store(out.sure2[b] + k, square.sure);
+        store(out.beyond[b] + k, beyond);
       }
     }
   }
@@ -317,15 +324,15 @@ GELENK_SIMD_CLONES void bound(const Limits& limits, Samples& out) {
   for (int b = 0; b < 4; ++b) {
     double free[mostNodes], sure[mostNodes], chord2[mostNodes] = {}, raw2[mostNodes] = {};
     for (int k = 0; k < out.count; k += 4) {
-      four(free + k) = root(four(out.free2[b] + k));
-      four(sure + k) = root(four(out.sure2[b] + k));
+      store(free + k, root(load(out.free2[b] + k)));
+      store(sure + k, root(load(out.sure2[b] + k)));
     }
     for (int i = 0; i < 7; ++i) {
       const double* q = out.q[b][i];
       for (int k = 0; k + 4 < out.count; k += 4) {
-        const Double4 step = four(q + k + 1) - four(q + k), d = wrapped(step);
-        four(chord2 + k) += d * d;
-        four(raw2 + k) += limits.wide[i] ? d * d : step * step;
+        const Lanes step = load(q + k + 1) - load(q + k), d = wrapped(step);
+        store(chord2 + k, load(chord2 + k) + (d * d));
+        store(raw2 + k, load(raw2 + k) + (limits.wide[i] ? d * d : step * step));
       }
       for (int k = out.count - 4; k + 1 < out.count; ++k) {
         const double step = q[k + 1] - q[k], d = wrapped(step);
