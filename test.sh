@@ -3,6 +3,7 @@
 # it, the window and its monkey and the Python module included, under ASan and UBSan; the Python module.
 #   ./test.sh            all of it
 #   ./test.sh release    one part: format, release, core, sanitize or python
+#   ./test.sh short      a part of "sanitize": the window, its monkey and bad input, nothing else built; what .ci/run takes of it
 #   ./test.sh web        the page in a browser (docs/web.md); not part of "all of it", since its compiler takes 0.8 GB
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -34,9 +35,12 @@ for part in "${parts[@]}"; do
     tests/web/page_test.py build-web/site build/gelenk
     continue
   fi
-  options=()
-  [ "$part" != sanitize ] || options=(-DGELENK_PYTHON=ON -DPython3_EXECUTABLE=/usr/bin/python3)  # wrong calls from Python too
-  cmake --preset "$part" "${options[@]}" >/dev/null
-  cmake --build --preset "$part"
-  ctest --preset "$part" -j "$(nproc)"
+  preset=$part options=() targets=() tests=()
+  if [ "$part" = sanitize ]; then options=(-DGELENK_PYTHON=ON -DPython3_EXECUTABLE=/usr/bin/python3); fi  # wrong calls from Python too
+  if [ "$part" = short ]; then
+    preset=sanitize targets=(--target sandbox_tests) tests=(-R '^(Seeds/Monkey|Monkey|RealWindow|BadInput|BindingPanel|MusclePanel|Unsaved)')
+  fi
+  cmake --preset "$preset" "${options[@]}" >/dev/null
+  cmake --build --preset "$preset" "${targets[@]}"
+  ctest --preset "$preset" -j "$(nproc)" "${tests[@]}"
 done
