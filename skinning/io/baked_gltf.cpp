@@ -23,7 +23,7 @@ class Arrays {
           const std::string& bounds = "") {
     const std::size_t begin = bytes_.size(), size = data.size() * sizeof(T);
     bytes_.resize(begin + size);
-    std::memcpy(bytes_.data() + begin, data.data(), size);
+    if (size > 0) std::memcpy(bytes_.data() + begin, data.data(), size);
     comma(views_) << "{\"buffer\":0,\"byteOffset\":" << begin << ",\"byteLength\":" << size;
     if (target != 0) views_ << ",\"target\":" << target;
     views_ << "}";

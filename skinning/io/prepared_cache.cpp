@@ -27,7 +27,7 @@ template <class T>
 bool take(std::string_view& from, std::vector<T>& values, std::size_t count) {
   if (from.size() < count * sizeof(T)) return false;
   values.resize(count);
-  std::memcpy(static_cast<void*>(values.data()), from.data(), count * sizeof(T));
+  if (count > 0) std::memcpy(static_cast<void*>(values.data()), from.data(), count * sizeof(T));
   from.remove_prefix(count * sizeof(T));
   return true;
 }

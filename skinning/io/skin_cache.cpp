@@ -38,7 +38,7 @@ class Taker {
   }
   void copy(void* to, std::size_t size) {
     if (size > bytes_.size()) throw std::runtime_error("cut short");
-    std::memcpy(to, bytes_.data(), size);
+    if (size > 0) std::memcpy(to, bytes_.data(), size);
     bytes_.remove_prefix(size);
   }
   std::size_t count(std::size_t leastBytesEach) {

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <source_location>
 #include <sstream>
 
 #include "kinematics/configuration.h"
@@ -55,7 +54,7 @@ class RealWindow : public ::testing::Test {
   static constexpr int patience = 200;  ///< seconds: machines that test may be busy
   /// The first status for which the condition holds; fails when the program ends or it takes too long.
   template <typename Condition>
-  json waitFor(Condition condition, const std::source_location& where = std::source_location::current()) {
+  json waitFor(Condition condition, int line = __builtin_LINE()) {
     const time_t begin = time(nullptr);
     json status;
     while (time(nullptr) - begin < patience) {
@@ -72,7 +71,7 @@ class RealWindow : public ::testing::Test {
       nanosleep(&pause, nullptr);
     }
     status.erase("q");
-    throw std::runtime_error("waited in vain in line " + std::to_string(where.line()) + ": " + status.dump());
+    throw std::runtime_error("waited in vain in line " + std::to_string(line) + ": " + status.dump());
   }
   json nextFrames(int count) {
     const int now = waitFor([](const json&) { return true; })["frame"];

@@ -188,14 +188,14 @@ TEST_P(SolverContract, JointsOffTheGoalsPathsStay) {
       }
       const VectorXd& start = owned.problem.start;
       const Joint& joint = skeleton.joint(i);
-      if (below || limitViolation(skeleton, start, sourceOf(i)) > 0.0) continue;
+      const int n = static_cast<int>(joint.axes.size()) + (joint.ball ? 4 : 0);
+      if (n == 0 || below || limitViolation(skeleton, start, sourceOf(i)) > 0.0) continue;
       VectorXd coupled = start;
       skeleton.couple(coupled);
       if (coupled[skeleton.qIndex(i)] != start[skeleton.qIndex(i)]) continue;  // it cannot stay so
       if (joint.ball && std::abs(ballRotation(skeleton, start, i).norm() - 1.0) > 1e-12) continue;
-      const int n = static_cast<int>(joint.axes.size()) + (joint.ball ? 4 : 0);
       EXPECT_EQ(report.q.segment(skeleton.qIndex(i), n), start.segment(skeleton.qIndex(i), n)) << joint.name;
-      held += n > 0;
+      ++held;
     }
   });
   RecordProperty("held", held);
