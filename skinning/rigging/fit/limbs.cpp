@@ -20,7 +20,7 @@ std::vector<float> distancesInside(const VoxelBody& body, const std::vector<int>
     const int from = open.top().second;
     open.pop();
     if (d > distance[from]) continue;
-    body.eachNeighbour(from, [&](int to, float step) {
+    body.eachNeighbour(from, [&, d = d](int to, float step) {
       if (body.isOutside(to) || (distance[to] >= 0.0f && distance[to] <= d + step)) return;
       open.push({distance[to] = d + step, to});
     });
