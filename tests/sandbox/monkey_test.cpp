@@ -333,7 +333,8 @@ TEST(Monkey, MoreByHand) {
 /// What is held, and where.
 json heldGoals(const Sandbox& sandbox) {
   json held = json::array();
-  for (const json& goal : json::parse(sandbox.status())["goals"])
+  const json status = json::parse(sandbox.status());
+  for (const json& goal : status["goals"])
     if (goal["state"] != "free") held.push_back({goal["name"], goal["state"], goal["target"]});
   return held;
 }
