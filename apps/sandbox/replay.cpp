@@ -163,8 +163,14 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
     s.session->remember();
     s.session->setTarget(goal, {number(command, 1), number(command, 2), number(command, 3)});
   }
-  if (verb == "pin") s.session->setState(goalNamed(sandbox, command.words[0]), GoalState::Pinned);
-  if (verb == "free") s.session->removeGoal(goalNamed(sandbox, command.words[0]));
+  if (verb == "pin" || verb == "free") {
+    const GoalId goal = goalNamed(sandbox, command.words[0]);
+    s.session->remember();
+    if (verb == "pin")
+      s.session->setState(goal, GoalState::Pinned);
+    else
+      s.session->removeGoal(goal);
+  }
   if (verb == "solver") s.session->setSolver(command.words[0]);
   if (verb == "open" && !sandbox.open(command.words[0])) throw std::invalid_argument(s.notices.back().words);
   if (verb == "select") {

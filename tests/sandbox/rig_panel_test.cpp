@@ -87,7 +87,7 @@ TEST(RigPanel, AMeshIsRiggedMendedByHandAndUndone) {
   const Session& session = stage.sandbox.session();
   ASSERT_TRUE(session.findGoal("ankle_l"));
   EXPECT_EQ(session.goal(*session.findGoal("ankle_l")).state, GoalState::Pinned);
-  const Joint& knee = stage.skeleton().joint(stage.skeleton().jointIndex("knee_l"));
+  const Joint knee = stage.skeleton().joint(stage.skeleton().jointIndex("knee_l"));
   EXPECT_FALSE(knee.ball);
   EXPECT_TRUE(std::isfinite(knee.axes.back().upper));
 
