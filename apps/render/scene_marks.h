@@ -18,9 +18,8 @@ void addLimit(Overlay& overlay, const Session& session, const Frames& worldFromJ
 void addWorkspace(Overlay& overlay, const Session& session, const Frames& worldFromJoint,
                   const MarkColours& colours);
 
-/// The body moved aside, to the left as the document's camera sees it: for linear blending beside muscle
-/// layers.
-Frames framesBeside(const Session& session, Frames worldFromJoint, double size);
+/// The body moved aside as the document's camera sees it, so many places to the left (below 0: to the right).
+Frames framesBeside(const Session& session, Frames worldFromJoint, double size, int place = 1);
 
 /// Goals that can be seen and taken now; pole handles only where their limb is held.
 bool isGoalShown(const Session& session, const SceneGoal& goal);

@@ -253,8 +253,8 @@ void SceneView::prepareBeside(const Session& session, const SkinChoice& wanted, 
   }
 }
 
-/// Other methods in the same pose, each a step further to the side, coloured by the distance from the body's
-/// own skin: black none, yellow 20 mm.
+/// Other methods in the same pose, to the right, to the left and further to the left, coloured by the
+/// distance from the body's own skin: black none, yellow 20 mm.
 void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
   skinFacts_.clear();
   const std::vector<SkinChoice>& wanted = session.document().lab.skins;
@@ -279,13 +279,15 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
   skinFacts_.push_back(factsOf(shown, own, own));
   skinFacts_.back().above = above(Eigen::Vector3d::Zero());
   skinsBeside_.resize(wanted.size());
+  const bool split = rig_ && settings_->split;
   SkinnedVertices at;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     SkinBeside& beside = skinsBeside_[i];
     prepareBeside(session, wanted[i], beside);
     if (!beside.skin) continue;
     beside.skin->pose(frames_, knownPose(session), at);
-    const Frames shifted = framesBeside(session, frames_, static_cast<double>(i + 1) * size_);
+    static constexpr int places[] = {-1, 1, 2, -2};  // the first one to the left is the muscle view's
+    const Frames shifted = framesBeside(session, frames_, size_, places[split ? (i == 0 ? 0 : i + 1) : i]);
     const Eigen::VectorXd* q = knownPose(session);
     if (const LayeredSkin* layered = beside.skin->layered()) {
       const std::vector<LimbPose> limbs = beside.skin->rig()->pose(shifted, q);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "apps/sandbox/sandbox_state.h"
 
@@ -34,27 +33,23 @@ const char* explanation(SkinLayers layers) {
 
 void facts(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
-  const std::vector<SkinFacts>& all = s.view->skinFacts();
-  if (all.empty() || !ImGui::BeginTable("##skins", 4, ImGuiTableFlags_SizingStretchProp)) return;
-  for (const char* title : {"skin", "volume", "section", "farthest"}) ImGui::TableSetupColumn(title);
-  ImGui::TableHeadersRow();
-  for (const SkinFacts& skin : all) {
+  const float width = ImGui::GetContentRegionAvail().x;
+  ImGui::BeginGroup();
+  for (const SkinFacts& skin : s.view->skinFacts()) {
     const std::string name = toString(skin.choice);
-    const std::array<std::string, 4> cells{name, fmt::format("{:+.1f} %", 100.0 * skin.volume),
-                                           fmt::format("{:.2f}", skin.section),
-                                           fmt::format("{:.1f} mm", 1e3 * skin.farthest)};
-    for (const std::string& cell : cells) {
-      ImGui::TableNextColumn();
-      ImGui::TextUnformatted(cell.c_str());
-    }
+    ImGui::TextColored(s.colours().textDim, "%s", name.c_str());
+    ImGui::TextUnformatted(fmt::format("volume {:+.1f} %", 100.0 * skin.volume).c_str());
+    ImGui::SameLine(0.38f * width);
+    ImGui::TextUnformatted(fmt::format("section {:.2f}", skin.section).c_str());
+    ImGui::SameLine(0.7f * width);
+    ImGui::TextUnformatted(fmt::format("{:.1f} mm off", 1e3 * skin.farthest).c_str());
     sandbox.label(skin.above, name,
                   {s.colours().textDim.x, s.colours().textDim.y, s.colours().textDim.z, 1.0f});
   }
-  ImGui::EndTable();
+  ImGui::EndGroup();
   tooltip(
       "Change of the body's volume since rest; smallest section across a limb's bone, of rest's; largest "
-      "distance "
-      "of a vertex from the body's own skin. The colours: distance, up to 20 mm.");
+      "distance of a vertex from the body's own skin. The colours: distance, up to 20 mm.");
 }
 
 }  // namespace
