@@ -140,6 +140,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
       options.model.starts_with("lecture:");  // an example of the lecture opens its own model
   const bool isSurface =
       options.files == Companions{} && isMesh(fileKind(options.model));  // is offered a skeleton
+  if (isSurface) readMesh(options.model);  // what cannot be read is refused before a window opens
   const ModelReference reference{.nameOrFile = isLecture   ? "planar"
                                                : isSurface ? "figure"
                                                            : options.model,
