@@ -86,7 +86,7 @@ def stub_of(root):
     return found
 
 
-made_by_the_module = {"Picture", "Blend", "Skin", "Result", "BatchResult", "Problem", "Model", "Contract", "Comparison", "View"}
+made_by_the_module = {"Picture", "Page", "Blend", "Skin", "Result", "BatchResult", "Problem", "Model", "Contract", "Comparison", "View"}
 
 
 def test_the_stub_has_the_modules_signatures(root):
@@ -95,7 +95,7 @@ def test_the_stub_has_the_modules_signatures(root):
         assert name in stub, name
         if not (name in made_by_the_module or isinstance(thing, property) or (isinstance(thing, type) and issubclass(thing, Exception))):
             assert stub[name] == of_module(thing), name
-    set_by_init = {"View": "model on_change", "Contract": "solver problems solved unsupported faults", "Comparison": "columns checksums",
+    set_by_init = {"View": "model on_change", "Page": "address", "Contract": "solver problems solved unsupported faults", "Comparison": "columns checksums",
                    "ParseError": "file line expected found"}
     members = {f"{kind}.{member}" for kind, words in set_by_init.items() for member in words.split()}
     assert set(stub) - {name for name, _ in public(gelenk)} == members

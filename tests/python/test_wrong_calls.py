@@ -37,7 +37,7 @@ def calls():
     drag = gelenk.DragSolver(panda)
 
     for v in wrong_vectors(7):
-        for f in (panda.fk, panda.jacobian, panda.violation, panda.project, panda.coupled,
+        for f in (panda.fk, panda.jacobian, panda.violation, panda.project, panda.coupled, panda.centre_of_mass, panda.mirror,
                   lambda v: panda.integrate(v, q), lambda v: panda.integrate(q, v), lambda v: panda.difference(v, q),
                   lambda v: panda.difference(q, v), lambda v: panda.interpolate(v, q, 0.5), lambda v: gelenk.judge(panda, target, v),
                   lambda v: gelenk.evaluate(panda, target, v), lambda v: gelenk.Clip(panda, v, 30),
@@ -72,6 +72,7 @@ def calls():
                   lambda v: v in (None, inf) or gelenk.solve(panda, target, max_seconds=v), lambda v: gelenk.solve(panda, target, seed=v),
                   lambda v: v is None or panda.random(v), lambda v: v is None or panda.random(1, v), lambda v: clip.resampled(v), lambda v: clip.low_passed(v),
                   lambda v: gelenk.Clip(figure, figure.rest[None], v), lambda v: gelenk.Goal("position", joint=0, target=target, weight=v),
+                  lambda v: v == -1 or panda.interpolate(q, q, v), lambda v: panda.interpolate([q, q], [q, q, q], v),
                   lambda v: gelenk.compare(panda, ["dls"], problems=v), lambda v: gelenk.two_link(v, 1, (1, 1)),
                   lambda v: gelenk.Muscles(figure, activation=v), lambda v: table.transform(v, 0.0),
                   lambda v: v == inf or gelenk.step_rule("wrong", largest_step=v)(lambda J, r, q: q), lambda v: gelenk.check("dls", problems=v)):
