@@ -72,7 +72,7 @@ def calls():
                   lambda v: v in (None, inf) or gelenk.solve(panda, target, max_seconds=v), lambda v: gelenk.solve(panda, target, seed=v),
                   lambda v: v is None or panda.random(v), lambda v: v is None or panda.random(1, v), lambda v: clip.resampled(v), lambda v: clip.low_passed(v),
                   lambda v: gelenk.Clip(figure, figure.rest[None], v), lambda v: gelenk.Goal("position", joint=0, target=target, weight=v),
-                  lambda v: v == -1 or panda.interpolate(q, q, v), lambda v: panda.interpolate([q, q], [q, q, q], v),
+                  lambda v: v in (-1, []) or panda.interpolate(q, q, v), lambda v: panda.interpolate([q, q], [q, q, q], v),
                   lambda v: gelenk.compare(panda, ["dls"], problems=v), lambda v: gelenk.two_link(v, 1, (1, 1)),
                   lambda v: gelenk.Muscles(figure, activation=v), lambda v: table.transform(v, 0.0),
                   lambda v: v == inf or gelenk.step_rule("wrong", largest_step=v)(lambda J, r, q: q), lambda v: gelenk.check("dls", problems=v)):
