@@ -42,7 +42,7 @@ R
 shot mathematics lecture:pseudo-inverse 12 <<'R'
 0 key f5
 R
-shot map planar 90 <<'R'
+shot map planar 120 <<'R'
 0 drag end-effector {-30} {-40} 12
 20 show convergence on
 20 show velocity_ellipsoid on
@@ -59,10 +59,10 @@ shot files figure 14 <<'R'
 1 key o
 2 keyup ctrl
 R
-shot hands figure 44 <<'R'
+shot hands figure 110 <<'R'
 0 drag hand_r {-60} {-170} 8
 R
-shot solvers figure 40 <<'R'
+shot solvers figure 110 <<'R'
 0 drag hand_r {-80} {-60} 12
 14 move {1060} {77}
 15 press left
@@ -74,7 +74,7 @@ shot layout figure 16 <<'R'
 2 keyup ctrl
 4 text lecture newton
 R
-shot look figure 60 <<'R'
+shot look figure 110 <<'R'
 0 drag hand_l {90} {-160} 8
 12 show handles off
 13 select head
