@@ -77,7 +77,7 @@ class MusclePanel final : public Panel {
         "tri-cubic Bezier "
         "volumes; a limb acts as one bone in the skinning sum: x' = Σ w T x + W F(u, v, w).");
     if (!settings_.enabled) {
-      ImGui::TextColored(s.colours().textDim, "Off: plain linear blend skinning.");
+      ImGui::TextColored(s.colours().textDim, "Off: the skin as the Skin tab has it.");
       return;
     }
     if (ImGui::Checkbox("Lattice", &settings_.lattice)) look(sandbox);
