@@ -63,6 +63,11 @@ std::optional<Landmark> sole(const TemplateBody& body, int piece, const std::vec
     if (p.y() < ground + thick) low = low.cwiseMin(p), high = high.cwiseMax(p);
   out.place = 0.5 * (low + high);
   out.place.y() = ground;
+  // A foot that lies flat slides along itself: only its height is known.
+  if (std::abs((part.to - part.from).normalized().y()) < 0.7) {
+    out.metric = 0.05 * Vector3d::UnitY() * Vector3d::UnitY().transpose();
+    out.place = {now[out.vertex].x(), ground, now[out.vertex].z()};
+  }
   if ((out.place - now[out.vertex]).norm() > 0.2) return {};
   return out;
 }

@@ -133,7 +133,7 @@ std::vector<Placement> placeBody(const TemplateBody& body, const SurfaceSamples&
   const auto run = [&](std::size_t keep, FitStage stage) {
     for (Trial& trial : trials) {
       stage.symmetric = symmetric && trial.stance.plane->misfit < symmetricMisfit;
-      trial.misfit = fitPieces(body, *trial.target, trial.maps, stage);
+      trial.misfit = trial.pose->rarity * fitPieces(body, *trial.target, trial.maps, stage);
       if (standsAsAuthored(trial.stance)) trial.misfit *= authoredBonus;
     }
     std::stable_sort(trials.begin(), trials.end(),

@@ -76,7 +76,8 @@ TemplateBody makeHuman() {
                       .to = at(named(row.to)),
                       .stiffness = row.stiffness,
                       .bond = row.bond,
-                      .twists = std::string(row.name) == "hand"};
+                      .twists = std::string(row.name) == "hand",
+                      .stands = std::string(row.name) == "foot"};
       const std::string parent = row.parent;
       for (std::size_t k = 0; k < body.pieces.size(); ++k)
         if (body.pieces[k].name == parent || body.pieces[k].name == parent + side)
@@ -169,7 +170,7 @@ TemplateBody makeHuman() {
     if (name[12] == 'T')
       for (const char* piece : {"clavicle_l", "upperarm_l", "lowerarm_l", "hand_l"})
         aim(body, maps, piece, {1.0, 0.0, 0.0});
-    body.poses.push_back({name, std::move(maps)});
+    body.poses.push_back({.name = name, .maps = std::move(maps), .rarity = 1.08});
   }
   for (const bool left : {true, false}) {  // the leg in front; the other arm is
     PieceMaps maps = restMaps(body);

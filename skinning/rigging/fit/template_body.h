@@ -47,6 +47,8 @@ struct TemplatePose {
   std::string name;
   PieceMaps maps;
   bool symmetric = true;
+  double rarity =
+      1.0;  ///< factor on its misfit among the others: unusual proportions must fit clearly better
 };
 
 /// A body whose inside is known: surface, the pieces that move it and the joints. Height 1 (four-legged:
