@@ -81,7 +81,9 @@ void skinWithMuscles(const LayeredSkin& layered, const Frames& worldFromJoint,
     if (vertex.limb < 0) continue;
     const auto [x, n] = deformLimbVertex(limbs[vertex.limb], vertex);
     out.positions[v] += vertex.weight * (x - bones.worldFromRest[layered.endJoint[v]] * rest[v]);
-    out.normals[v] = ((1.0 - vertex.weight) * out.normals[v] + vertex.weight * n).normalized();
+    const Eigen::Vector3d carried =
+        bones.worldFromRest[layered.endJoint[v]].linear() * layered.outside.skin.mesh.normals[v];
+    out.normals[v] = (out.normals[v] + vertex.weight * (n - carried)).normalized();
   }
 }
 

@@ -86,8 +86,9 @@ void skinVertex(out vec3 position, out vec3 normal) {
   if (W > 0.0) {
     vec3 limbPosition, limbUnitNormal;
     deformLimb(limbPosition, limbUnitNormal);
-    position += W * (limbPosition - moved(motionOf(int(limbRows.z)), restPosition));
-    normal = normalize(mix(normal, limbUnitNormal, W));
+    Motion end = motionOf(int(limbRows.z));
+    position += W * (limbPosition - moved(end, restPosition));
+    normal = normalize(normal + W * (limbUnitNormal - rotated(end, restNormal)));
   }
 #endif
 }
