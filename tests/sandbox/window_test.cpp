@@ -70,7 +70,7 @@ class RealWindow : public ::testing::Test {
       const timespec pause{0, 2'000'000};
       nanosleep(&pause, nullptr);
     }
-    status.erase("q");
+    if (status.is_object()) status.erase("q");
     throw std::runtime_error("waited in vain in line " + std::to_string(line) + ": " + status.dump());
   }
   json nextFrames(int count) {
