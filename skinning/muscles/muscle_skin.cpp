@@ -182,15 +182,17 @@ Limb makeLimb(const Skeleton& skeleton, const Frames& rest, std::string name, st
   limb.lastLinkFromTipAtRest =
       (rest[limb.joints.rbegin()[1]].linear() * limb.jointFromLink.back()).transpose() *
       rest[limb.joints.back()].linear();
+  for (std::size_t j = 0; j < limb.joints.size(); ++j) {
+    const std::size_t link = std::min(j, lengths.size() - 1);
+    limb.twistCoordinates.push_back(coordinateAbout(
+        skeleton, rest, limb.joints[j], rest[limb.joints[link]].linear() * limb.jointFromLink[link].col(2)));
+  }
   const LimbFrames frames = limbFrames(limb, rest);
   for (std::size_t j = 1; j + 1 < limb.joints.size(); ++j) {
     const JointBend bend = jointBend(frames, static_cast<int>(j));
     limb.bendAtRest.push_back(bend.bend);
     limb.twistAtRest.push_back(bend.twist);
   }
-  for (std::size_t j = 0; j < limb.joints.size(); ++j)
-    limb.twistCoordinates.push_back(coordinateAbout(
-        skeleton, rest, limb.joints[j], frames.rotations[std::min(j, frames.rotations.size() - 1)].col(2)));
   return limb;
 }
 
