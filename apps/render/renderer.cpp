@@ -285,6 +285,7 @@ struct Renderer::State {
   void drawBodies(const RenderScene& scene, bool translucent);
   void drawBody(const RenderScene& scene, std::size_t index, bool translucent);
   void drawBackdrop(const RenderScene& scene);
+  const RenderTarget& singleSampled(GLbitfield part) const;
   void darkenFolds(const Viewport& viewport);
   void copyTo(GLuint framebuffer, const Viewport& viewport);
 };
@@ -492,17 +493,21 @@ void Renderer::State::drawBackdrop(const RenderScene& scene) {
   glDepthMask(GL_TRUE);
 }
 
+/// What was drawn so far, one sample a pixel: the picture itself where it has no more, else a copy of the
+/// named part.
+const RenderTarget& Renderer::State::singleSampled(GLbitfield part) const {
+  if (samples == 0) return large;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, large.framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
+  glBlitFramebuffer(0, 0, large.width(), large.height(), 0, 0, large.width(), large.height(), part,
+                    GL_NEAREST);
+  return resolved;
+}
+
 /// Where parts of bodies come near each other less light gets in: found in the depths of what was drawn so
 /// far, for still pictures.
 void Renderer::State::darkenFolds(const Viewport& viewport) {
-  const RenderTarget* drawn = &large;
-  if (samples > 0) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, large.framebuffer());
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
-    glBlitFramebuffer(0, 0, large.width(), large.height(), 0, 0, large.width(), large.height(),
-                      GL_DEPTH_BUFFER_BIT, GL_NEAREST);
-    drawn = &resolved;
-  }
+  const RenderTarget& drawn = singleSampled(GL_DEPTH_BUFFER_BIT);
   if (opennessSize.width != viewport.width || opennessSize.height != viewport.height) {
     noisyOpenness = mapTexture(GL_RG8, viewport.width, viewport.height, GL_RG, GL_LINEAR);
     openness = mapTexture(GL_RG8, viewport.width, viewport.height, GL_RG, GL_LINEAR);
@@ -522,7 +527,7 @@ void Renderer::State::darkenFolds(const Viewport& viewport) {
   encodeSrgbTargets(false);
   glDisable(GL_DEPTH_TEST);
   glViewport(0, 0, viewport.width, viewport.height);
-  pass(noisyOpennessBuffer, "occlusion", drawn->depthTexture());
+  pass(noisyOpennessBuffer, "occlusion", drawn.depthTexture());
   pass(opennessBuffer, "blur", noisyOpenness);
   encodeSrgbTargets(true);
   glViewport(0, 0, large.width(), large.height());
@@ -535,21 +540,14 @@ void Renderer::State::darkenFolds(const Viewport& viewport) {
 }
 
 void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
-  const RenderTarget* picture = &large;
-  if (samples > 0) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, large.framebuffer());
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
-    glBlitFramebuffer(0, 0, large.width(), large.height(), 0, 0, large.width(), large.height(),
-                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    picture = &resolved;
-  }
+  const RenderTarget& picture = singleSampled(GL_COLOR_BUFFER_BIT);
   encodeSrgbTargets(false);  // average.frag does it, for a target that keeps what is written
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, viewport.width, viewport.height);
   glBindVertexArray(noVertices);
   if (supersampling == 1 && asStored != 0) {  // nothing to average: the bytes as they are
     program("copy", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "copy.frag"}).use();
-    bindTexture(ContactUnit, picture->texture(), asStored);
+    bindTexture(ContactUnit, picture.texture(), asStored);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     bindTexture(ContactUnit, 0);
     return;
@@ -559,7 +557,7 @@ void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
   average.use();
   glUniform1i(average.uniform("large"), ContactUnit);
   glUniform1i(average.uniform("factor"), supersampling);
-  bindTexture(ContactUnit, picture->texture());
+  bindTexture(ContactUnit, picture.texture());
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

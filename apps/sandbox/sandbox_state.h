@@ -209,6 +209,8 @@ void drawShell(Sandbox& sandbox);
 void heading(const Sandbox::State& state, const char* words);
 /// viridis from 0 to 1 over the whole width.
 void colourBar(const Sandbox::State& state);
+/// The same, with what its ends mean below it.
+void colourBar(const Sandbox::State& state, const char* least, const char* most);
 /// A tooltip over the item before it: what a quantity is, its unit and formula.
 void tooltip(const char* words);
 /// The largest errors of the goals: 0.42 mm, and the angle where it can be seen.

@@ -572,6 +572,15 @@ void colourBar(const Sandbox::State& state) {
   ImGui::Dummy({width, height});
 }
 
+void colourBar(const Sandbox::State& state, const char* least, const char* most) {
+  colourBar(state);
+  ImGui::PushFont(state.gui.fonts().small);
+  ImGui::TextColored(state.colours().textDim, "%s", least);
+  ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(most).x);
+  ImGui::TextColored(state.colours().textDim, "%s", most);
+  ImGui::PopFont();
+}
+
 void tooltip(const char* words) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   ImGui::BeginTooltip();

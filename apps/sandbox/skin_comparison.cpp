@@ -81,12 +81,7 @@ void drawSkinComparison(Sandbox& sandbox) {
   }
   tooltip("Drawn beside the body in its pose, coloured by the distance from the body's own skin.");
   if (beside.empty()) return;
-  colourBar(s);
-  ImGui::PushFont(s.gui.fonts().small);
-  ImGui::TextColored(s.colours().textDim, "0");
-  ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize("20 mm").x);
-  ImGui::TextColored(s.colours().textDim, "20 mm");
-  ImGui::PopFont();
+  colourBar(s, "0", "20 mm");
   facts(sandbox);
 }
 

@@ -92,21 +92,12 @@ class SkinPanel final : public Panel {
       choice = s.session->model().skinning;
   }
 
-  static void scaleBar(const Sandbox::State& s) {
-    colourBar(s);
-    ImGui::PushFont(s.gui.fonts().small);
-    ImGui::TextColored(s.colours().textDim, "0");
-    ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize("1").x);
-    ImGui::TextColored(s.colours().textDim, "1");
-    ImGui::PopFont();
-  }
-
   double pending_ = 0.0;  ///< millimetres, while the slider is held
   bool editing_ = false;
 
   static void weights(Sandbox& sandbox, const Skin& skin) {
     Sandbox::State& s = sandbox.state();
-    scaleBar(s);
+    colourBar(s, "0", "1");
     if (!s.selectedJoint()) {
       ImGui::TextColored(s.colours().textDim, "Click the skin to select a joint.");
       return;

@@ -6,14 +6,11 @@
 
 #include "apps/document/muscle_settings.h"
 #include "apps/document/scene_file.h"
-#include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/sandbox/view_picture.h"
 #include "kinematics/io/text_file.h"
-#include "skinning/gpu/offscreen_context.h"
-#include "skinning/gpu/render_target.h"
 #include "skinning/io/pinocchio_weights.h"
 #include "skinning/rigging/weight_paint.h"
+#include "tests/sandbox/stage.h"
 #include "tests/skinning/muscles/resting_arm.h"
 
 namespace gelenk {
@@ -36,25 +33,18 @@ Model armModel() {
   return model;
 }
 
-struct PaintStage {
-  OffscreenContext context;
-  GlDebugLog log;
-  Sandbox sandbox;
-  ViewPicture target;
-  InputQueue queue;
+struct PaintStage : testing::Stage {
   int next = 0;
 
-  PaintStage() : sandbox({.model = "planar", .width = 800, .height = 600}) {
+  PaintStage() : testing::Stage({.model = "planar", .width = 800, .height = 600}) {
     sandbox.openModel(armModel(), {"arm", "", ""});
-    target.resize(800, 600);
   }
   void play(const std::string& script) {
     Replay replay = Replay::parse("test", script);
     const int length = replay.length() + 1;
     for (int i = 0; i < length; ++i, ++next) {
       replay.play(i, sandbox, queue);
-      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = 800, .height = 600, .events = queue.take()}, 1.0 / 60.0);
+      frame();
     }
   }
   const std::vector<Influences>& weights() { return sandbox.session().skin()->influences; }

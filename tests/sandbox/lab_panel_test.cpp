@@ -1,29 +1,20 @@
 #include <gtest/gtest.h>
 
-#include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox.h"
-#include "apps/sandbox/view_picture.h"
-#include "skinning/gpu/offscreen_context.h"
-#include "skinning/gpu/render_target.h"
+#include "tests/sandbox/stage.h"
 
 namespace gelenk {
 namespace {
 
-struct Stage {
-  OffscreenContext context;
-  GlDebugLog log;
-  Sandbox sandbox{{.model = "planar", .width = 640, .height = 480, .solver = "dls"}};
-  ViewPicture target;
-  InputQueue queue;
+struct Stage : testing::Stage {
+  Stage() : testing::Stage({.model = "planar", .width = 640, .height = 480, .solver = "dls"}) {}
 
   /// Plays the script; the ghosts of the last frame.
   std::vector<Ghost> play(const std::string& script, int frames) {
-    target.resize(640, 480);
     Replay replay = Replay::parse("script", script);
     for (int i = 0; i < frames; ++i) {
       replay.play(i, sandbox, queue);
-      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = 640, .height = 480, .events = queue.take()}, 1.0 / 60.0);
+      frame();
     }
     return sandbox.ghosts();
   }

@@ -11,28 +11,18 @@
 #include "apps/lecture/lecture_model.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/sandbox/view_picture.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/planar_chain.h"
 #include "kinematics/notation/robots.h"
-#include "skinning/gpu/offscreen_context.h"
-#include "skinning/gpu/render_target.h"
+#include "tests/sandbox/stage.h"
 
 namespace gelenk {
 namespace {
 
-struct Stage {
-  OffscreenContext context;
-  GlDebugLog log;
-  Sandbox sandbox{{.model = "planar", .width = 640, .height = 480}};
-  ViewPicture target;
-
-  Stage() { target.resize(640, 480); }
+struct Stage : testing::Stage {
+  Stage() : testing::Stage({.model = "planar", .width = 640, .height = 480}) {}
   void frames(int count) {
-    for (int i = 0; i < count; ++i) {
-      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = 640, .height = 480, .events = {}}, 1.0 / 60.0);
-    }
+    for (int i = 0; i < count; ++i) frame();
   }
 };
 

@@ -6,14 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/document/muscle_settings.h"
-#include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/sandbox/view_picture.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
-#include "skinning/gpu/offscreen_context.h"
-#include "skinning/gpu/render_target.h"
 #include "tests/places.h"
+#include "tests/sandbox/stage.h"
 
 namespace gelenk {
 namespace {
@@ -23,25 +20,9 @@ using Eigen::Vector3d;
 
 constexpr int width = 800, height = 600;
 
-struct Stage {
-  OffscreenContext context;
-  GlDebugLog log;
-  Sandbox sandbox;
-  ViewPicture target;
-  InputQueue queue;
-
-  explicit Stage(const std::string& model) : sandbox({.model = model, .width = width, .height = height}) {
-    target.resize(width, height);
-  }
-  void play(const std::string& script, int more = 2) {
-    Replay replay = Replay::parse("test", script);
-    const int length = replay.length() + more;
-    for (int i = 0; i < length; ++i) {
-      replay.play(i, sandbox, queue);
-      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
-    }
-  }
+struct Stage : testing::Stage {
+  explicit Stage(const std::string& model)
+      : testing::Stage({.model = model, .width = gelenk::width, .height = gelenk::height}) {}
   Vector2d pixelOf(const std::string& goal) {
     Session& session = sandbox.session();
     return sandbox.state().toWindow(session.reached(*session.findGoal(goal))).pixel;

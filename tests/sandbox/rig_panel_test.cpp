@@ -5,14 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/sandbox/view_picture.h"
 #include "kinematics/notation/mannequin.h"
 #include "skinning/bodies/mannequin_body.h"
-#include "skinning/gpu/offscreen_context.h"
 #include "skinning/io/gltf.h"
 #include "skinning/io/obj.h"
+#include "tests/sandbox/stage.h"
 
 namespace gelenk {
 namespace {
@@ -20,17 +18,10 @@ namespace {
 using nlohmann::json;
 
 /// A window that a mesh without a skeleton was dropped on, in a folder of its own.
-struct DroppedBody {
-  static constexpr int width = 1000, height = 700;
-  OffscreenContext context;
-  GlDebugLog log;
-  Sandbox sandbox;
-  ViewPicture target;
-  InputQueue queue;
+struct DroppedBody : testing::Stage {
   std::filesystem::path folder = std::filesystem::temp_directory_path() / "dropped";
 
-  DroppedBody() : sandbox({.model = "planar", .width = width, .height = height}) {
-    target.resize(width, height);
+  DroppedBody() : testing::Stage({.model = "planar", .width = 1000, .height = 700}) {
     std::filesystem::create_directories(folder);
     const std::string path = (folder / "body.obj").string();
     writeObj(path, makeMannequinSkin(mannequin()).mesh);
@@ -38,18 +29,7 @@ struct DroppedBody {
   }
   ~DroppedBody() { std::filesystem::remove_all(folder); }
 
-  void play(const std::string& script) {
-    Replay replay = Replay::parse("test", script);
-    const int length = replay.length() + 1;
-    for (int i = 0; i < length; ++i) {
-      replay.play(i, sandbox, queue);
-      frame();
-    }
-  }
-  void frame() {
-    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-    sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
-  }
+  void play(const std::string& script) { testing::Stage::play(script, 1); }
   json status() {
     const json all = json::parse(sandbox.status());
     return all.contains("panels") && all["panels"].contains("Rig") ? all["panels"]["Rig"] : json{};

@@ -7,13 +7,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "apps/sandbox/replay.h"
-#include "apps/sandbox/view_picture.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
-#include "skinning/gpu/offscreen_context.h"
-#include "skinning/gpu/render_target.h"
+#include "tests/sandbox/stage.h"
 
 namespace gelenk {
 namespace {
@@ -30,23 +27,16 @@ Model figure() {
 }
 
 /// A sandbox without a window, with the figure's skeleton, and everything that it needs.
-struct Stage {
-  OffscreenContext context;
-  GlDebugLog log;
-  Sandbox sandbox;
-  ViewPicture target;
-  InputQueue queue;
+struct Stage : testing::Stage {
   int next = 0;
 
-  Stage() : sandbox({.model = "planar", .width = width, .height = height}) {
+  Stage() : testing::Stage({.model = "planar", .width = gelenk::width, .height = gelenk::height}) {
     sandbox.openModel(figure(), {"figure", "", ""});
-    target.resize(width, height);
   }
   void frames(int count, Replay* replay = nullptr) {
     for (int i = 0; i < count; ++i, ++next) {
       if (replay) replay->play(next, sandbox, queue);
-      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
+      frame();
     }
   }
   json goal(const std::string& name) {

@@ -8,15 +8,12 @@
 #include "apps/lecture/example.h"
 #include "apps/sandbox/gizmo.h"
 #include "apps/sandbox/palette.h"
-#include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/sandbox/view_picture.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
-#include "skinning/gpu/offscreen_context.h"
-#include "skinning/gpu/render_target.h"
 #include "tests/places.h"
 #include "tests/sandbox/program.h"
+#include "tests/sandbox/stage.h"
 
 namespace gelenk {
 namespace {
@@ -25,34 +22,20 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 namespace fs = std::filesystem;
 
-struct Stage {
-  OffscreenContext context;
-  GlDebugLog log;
-  fs::path folder;
-  Sandbox sandbox;
-  ViewPicture target;
-  InputQueue queue;
-  int width = 1000, height = 700;
+struct Stage : testing::Stage {
+  fs::path folder = folderOfRun();
 
   explicit Stage(const std::string& model, bool asks = false)
-      : folder(fs::temp_directory_path() / ("gelenk_shell_" + std::to_string(getpid()))),
-        sandbox({.model = model,
-                 .width = 1000,
-                 .height = 700,
-                 .preferences = (folder / "preferences.json").string(),
-                 .asks = asks}) {
+      : testing::Stage({.model = model,
+                        .width = 1000,
+                        .height = 700,
+                        .preferences = (folderOfRun() / "preferences.json").string(),
+                        .asks = asks}) {
     fs::create_directories(folder);
-    target.resize(width, height);
   }
   ~Stage() { fs::remove_all(folder); }
-  void play(const std::string& script, int more = 2) {
-    Replay replay = Replay::parse("test", script);
-    const int length = replay.length() + more;
-    for (int i = 0; i < length; ++i) {
-      replay.play(i, sandbox, queue);
-      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
-    }
+  static fs::path folderOfRun() {
+    return fs::temp_directory_path() / ("gelenk_shell_" + std::to_string(getpid()));
   }
   Sandbox::State& state() { return sandbox.state(); }
 };

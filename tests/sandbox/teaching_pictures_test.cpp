@@ -4,13 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/render/scene_view.h"
-#include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "apps/sandbox/view_picture.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/jacobian.h"
-#include "skinning/gpu/offscreen_context.h"
-#include "skinning/gpu/render_target.h"
+#include "tests/sandbox/stage.h"
 
 namespace gelenk {
 namespace {
@@ -157,25 +154,12 @@ TEST(TeachingPictures, ReachStaysWithinTheArmsLength) {
 
 // ---- taking one of them
 
-struct Stage {
-  OffscreenContext context;
-  GlDebugLog log;
-  Sandbox sandbox;
-  ViewPicture target;
-  InputQueue queue;
-  explicit Stage(const std::string& model) : sandbox({.model = model, .width = 800, .height = 600}) {
-    target.resize(800, 600);
+struct Stage : testing::Stage {
+  explicit Stage(const std::string& model) : testing::Stage({.model = model, .width = 800, .height = 600}) {
     sandbox.session().view().show.solutions = true;
     play("0 move 5 5\n");
   }
-  void play(const std::string& script) {
-    Replay replay = Replay::parse("test", script);
-    for (int i = 0; i <= replay.length(); ++i) {
-      replay.play(i, sandbox, queue);
-      glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = 800, .height = 600, .events = queue.take()}, 1.0 / 60.0);
-    }
-  }
+  void play(const std::string& script) { testing::Stage::play(script, 1); }
   const TeachingPictures& pictures() { return sandbox.state().view->teaching(); }
 };
 
