@@ -93,6 +93,33 @@ TEST(MuscleSkin, AxialTwistOfTheShoulderIsSpreadAndDoesNotCollapseTheUpperArm) {
   }
 }
 
+/// Turned by the wrist alone, the forearm's skin turns the way of the hand: not at the elbow, and more and
+/// more towards the wrist.
+TEST(MuscleSkin, TheForearmTurnsTheWayOfTheHand) {
+  const Skeleton skeleton = arm(0.3);
+  const Frames rest = restFrames(skeleton);
+  const MuscleSkin body = bindMuscles(tube(skeleton), {makeLimb(skeleton, rest, "arm", {1, 2, 3})}, rest);
+  for (const double twist : {2.0, -2.0}) {
+    VectorXd q = skeleton.rest();
+    setBallRotation(skeleton, q, 3, expRotation({0.0, 0.0, twist}));
+    const Frames frames = forwardKinematics(skeleton, q);
+    SkinnedVertices out;
+    skinWithMuscles(body, frames, poseLimbs(body, frames), out);
+    double last = 0.0;
+    for (std::size_t v = 0; v < out.positions.size(); v += 24) {
+      const Vector3d before = rest[2].inverse() * body.skin.mesh.positions[v],
+                     after = rest[2].inverse() * out.positions[v];
+      if (before.z() < 0.05) continue;
+      const double turned = std::atan2(after.y(), after.x()) - std::atan2(before.y(), before.x());
+      const double share = std::remainder(turned, 2.0 * M_PI) / twist;
+      EXPECT_GE(share, last - 1e-9) << before.z();
+      EXPECT_LE(share, 1.0 + 1e-9) << before.z();
+      last = share;
+    }
+    EXPECT_GT(last, 0.9) << twist;
+  }
+}
+
 /// Four joints in a row, the last at the given place seen from the one before.
 Skeleton chain(const Vector3d& last, const Vector3d& hingeAxis) {
   std::vector<Joint> joints{Joint{.name = "root"}, Joint{.name = "hip", .parent = 0},
