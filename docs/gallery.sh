@@ -8,6 +8,7 @@ shift 2
 out=$(realpath "$(dirname "$0")")/pictures/gallery
 mkdir -p "$out"
 work=$(mktemp -d)
+export HOME=$work XDG_CONFIG_HOME=$work/.config  # pictures name no folder of the machine
 cp "$(dirname "$0")"/../assets/scenes/* "$work"
 trap 'rm -rf "$work"' EXIT
 export LIBGL_ALWAYS_SOFTWARE=1 EGL_PLATFORM=surfaceless

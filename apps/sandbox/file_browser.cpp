@@ -17,6 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string home() {
+  const char* folder = std::getenv("HOME");
+  return folder ? folder : "";
+}
+
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -94,7 +99,7 @@ void FileBrowser::places(Sandbox& sandbox, float height, std::optional<std::stri
   const auto place = [&](const char* name, const std::string& folder) {
     if (!folder.empty() && ImGui::Selectable(name, folder == folder_)) enter(folder);
   };
-  place("Home", std::getenv("HOME") ? std::getenv("HOME") : "");
+  place("Home", home());
   place("Here", fs::current_path(error).string());
   if (purpose_ == Purpose::Open) {
     if (!s.preferences.recent.empty()) heading(s, "RECENT");
@@ -142,7 +147,9 @@ std::optional<std::string> FileBrowser::draw(Sandbox& sandbox) {
   std::optional<std::string> chosen;
   const float height = std::min(330 * s.scale, 0.6f * s.layout.view.height);
   ImGui::PushFont(s.gui.fonts().small);
-  ImGui::TextColored(s.colours().textDim, "%s", folder_.c_str());
+  const bool atHome = !home().empty() && (folder_ == home() || folder_.starts_with(home() + "/"));
+  ImGui::TextColored(s.colours().textDim, "%s",
+                     atHome ? ("~" + folder_.substr(home().size())).c_str() : folder_.c_str());
   ImGui::PopFont();
   places(sandbox, height, chosen);
   ImGui::SameLine();
