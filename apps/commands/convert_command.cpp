@@ -39,6 +39,8 @@ void holdStillTranslations(Model& model) {
 
 /// A mesh alone: another unit, another axis up.
 void convertMesh(const Request& request) {
+  if (request.frame > 0)
+    throw std::invalid_argument("'" + request.in + "' is a mesh alone and has no motion; leave --frame away");
   std::vector<Note> notes;
   Mesh mesh = readMesh(request.in, &notes);
   sayNotes(request.in, notes);

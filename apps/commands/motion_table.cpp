@@ -4,6 +4,7 @@
 
 #include "apps/commands/command_line.h"
 #include "apps/commands/model_options.h"
+#include "apps/document/file_format.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
 #include "kinematics/forward_kinematics.h"
@@ -53,16 +54,11 @@ void printMotionTable(const std::string& nameOrFile, const MotionTableRequest& r
   const Imported imported = importFiles(nameOrFile, request.files, options);
   sayNotes(nameOrFile, imported.model.notes);
   const Skeleton& skeleton = imported.model.skeleton;
-  const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;
-  if (request.frame > 0 && !imported.model.clip)
-    throw std::invalid_argument("'" + nameOrFile + "' has no motion: --frame needs one");
-  if (request.frame > count)
-    throw std::invalid_argument(
-        fmt::format("the motion has frames 1 to {}, {} was asked for", count, request.frame));
+  if (request.frame > 0) motionFrame(imported.model, request.frame);
   fmt::print("frame,{},start_x,start_y,start_z,end_x,end_y,end_z\n", imported.asf ? "bone" : "joint");
   if (!imported.model.clip) return printFrame("rest", imported, restFrames(skeleton));
   Frames frames;
-  for (int f = 0; f < count; ++f) {
+  for (int f = 0; f < imported.model.clip->frameCount(); ++f) {
     if (request.frame > 0 && f + 1 != request.frame) continue;
     forwardKinematics(skeleton, imported.model.clip->q.col(f), frames);
     printFrame(std::to_string(f + 1), imported, frames);

@@ -45,6 +45,9 @@ const FileFormat& fileFormat(FileKind kind);
 
 // What the formats share.
 
+/// q of a frame of the model's motion, from 1. Throws std::invalid_argument where there is no motion or no
+/// such frame.
+Eigen::VectorXd motionFrame(const Model& model, int frame);
 /// The pose that formats without motion get: frame 1, 2, ...; 0: a motion's only frame, else the rest pose.
 /// Throws std::invalid_argument for a frame that is not there.
 Eigen::VectorXd poseOf(const Imported& imported, int frame);

@@ -166,15 +166,22 @@ int jointOfNoLength(const Skeleton& skeleton) {
 
 }  // namespace
 
+Eigen::VectorXd motionFrame(const Model& model, int frame) {
+  if (!model.clip)
+    throw std::invalid_argument(
+        fmt::format("'{}' has no motion, of which frame {} was asked for", model.name, frame));
+  if (frame < 1 || frame > model.clip->frameCount())
+    throw std::invalid_argument(
+        fmt::format("the motion has frames 1 to {}, {} was asked for", model.clip->frameCount(), frame));
+  return model.clip->q.col(frame - 1);
+}
+
 Eigen::VectorXd poseOf(const Imported& imported, int frame) {
   if (frame == 0)
     return imported.model.clip && imported.model.clip->frameCount() == 1
                ? Eigen::VectorXd(imported.model.clip->q.col(0))
                : imported.model.skeleton.rest();
-  const int count = imported.model.clip ? imported.model.clip->frameCount() : 0;
-  if (frame > count)
-    throw std::invalid_argument(fmt::format("there are frames 1 to {}, {} was asked for", count, frame));
-  return imported.model.clip->q.col(frame - 1);
+  return motionFrame(imported.model, frame);
 }
 
 void demandLengths(const Skeleton& skeleton) {

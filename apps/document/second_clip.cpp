@@ -74,13 +74,19 @@ std::vector<Note> describe(const Skeleton& target, const RetargetedClip& carried
                              carried.remaining.size())
                : "degrees that are left on average between bones and the motion's: " + listed(left, 100));
   for (const KeptPlace& kept : carried.kept)
-    tellFact(notes, "kept-place",
-             fmt::format("{}: {:.2f} mm from its place on average, {:.2f} at most",
-                         target.joint(kept.joint).name, 1e3 * kept.mean, 1e3 * kept.largest) +
-                 (kept.contactFrames == 0
-                      ? ""
-                      : fmt::format("; standing it slides {:.4f} m/s, the motion's {:.4f}",
-                                    kept.targetSlide * framesPerSecond, kept.sourceSlide * framesPerSecond)));
+    tellFact(
+        notes, "kept-place",
+        fmt::format("{}: {:.2f} mm from its place on average, {:.2f} at most", target.joint(kept.joint).name,
+                    1e3 * kept.mean, 1e3 * kept.largest) +
+            (kept.framesBeyond == 0
+                 ? ""
+                 : fmt::format(": in {} of {} frames the place lies beyond the limb's reach, in the others "
+                               "{:.2f} at most are left",
+                               kept.framesBeyond, carried.clip.frameCount(), 1e3 * kept.largestWithin)) +
+            (kept.contactFrames == 0
+                 ? ""
+                 : fmt::format("; standing it slides {:.4f} m/s, the motion's {:.4f}",
+                               kept.targetSlide * framesPerSecond, kept.sourceSlide * framesPerSecond)));
   return notes;
 }
 

@@ -10,6 +10,7 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/muscle_report.h"
+#include "apps/document/file_format.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
@@ -126,13 +127,7 @@ Eigen::AlignedBox3d around(const Frames& frames, int joint, double size) {
 /// The pose as the arguments ask for it.
 Eigen::VectorXd poseOf(const Request& request, const Model& model, const Eigen::VectorXd& otherwise) {
   Eigen::VectorXd q = otherwise;
-  if (request.frame > 0) {
-    const int count = model.clip ? model.clip->frameCount() : 0;
-    if (request.frame > count)
-      throw std::invalid_argument(
-          fmt::format("--frame: the motion has {} frames, {} was asked for", count, request.frame));
-    q = model.clip->q.col(request.frame - 1);
-  }
+  if (request.frame > 0) q = motionFrame(model, request.frame);
   q = configurationOf(request, model.skeleton, q);
   for (const std::string& turn : request.turns) q = turned(model.skeleton, q, turn);
   return q;

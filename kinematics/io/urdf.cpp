@@ -323,6 +323,25 @@ class Reader {
       tell(robot_.notes, "limits-zero", "joint '" + joint.name + "' has limits 0 to 0: it cannot move");
   }
 
+  /// URDF demands them of revolute and prismatic joints.
+  void readLimits(const JointElement& source, AxisDof& dof) {
+    const TiXmlElement* limit = source.element->FirstChildElement("limit");
+    if (!limit) {
+      tell(robot_.notes, "limits-missing",
+           "joint '" + source.name + "' is " + source.type +
+               " without the <limit> that URDF demands: it moves without limits");
+      return;
+    }
+    dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
+    dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
+    if (dof.lower > dof.upper) {
+      tell(robot_.notes, "limits-exchanged",
+           "joint '" + source.name + "' has a lower limit above its upper one, " + exactNumber(dof.lower) +
+               " and " + exactNumber(dof.upper) + ": exchanged");
+      std::swap(dof.lower, dof.upper);
+    }
+  }
+
   Joint makeJoint(const JointElement& source, const std::string& name, int parent,
                   std::vector<double>& rest) {
     Joint joint{.name = name, .parent = parent};
@@ -353,15 +372,7 @@ class Reader {
     AxisDof dof{.kind = type == "prismatic" ? AxisDof::Kind::Translation : AxisDof::Kind::Rotation,
                 .axis = axis};
     if (type == "revolute" || type == "prismatic") {
-      const TiXmlElement* limit = child(source.element, "limit");
-      dof.lower = limit->Attribute("lower") ? number(limit, "lower") : 0.0;
-      dof.upper = limit->Attribute("upper") ? number(limit, "upper") : 0.0;
-      if (dof.lower > dof.upper) {
-        tell(robot_.notes, "limits-exchanged",
-             "joint '" + source.name + "' has a lower limit above its upper one, " + exactNumber(dof.lower) +
-                 " and " + exactNumber(dof.upper) + ": exchanged");
-        std::swap(dof.lower, dof.upper);
-      }
+      readLimits(source, dof);
     } else if (type != "continuous") {
       fail(source.element, "a joint type revolute, continuous, prismatic, fixed, floating or planar",
            "'" + type + "'");

@@ -282,33 +282,87 @@ MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, st
   return result;
 }
 
+namespace {
+
+/// The dimensions of dq by which the given joints turn.
+std::vector<int> turningDimensions(const Skeleton& skeleton, std::span<const int> joints) {
+  std::vector<int> columns;
+  for (const int j : joints) {
+    const std::vector<AxisDof>& axes = skeleton.joint(j).axes;
+    for (int k = 0; k < skeleton.vCount(j); ++k)
+      if (k >= static_cast<int>(axes.size()) || axes[k].kind == AxisDof::Kind::Rotation)
+        columns.push_back(skeleton.vIndex(j) + k);
+  }
+  return columns;
+}
+
+/// All joints but the limb's root bend a little, into their ranges.
+VectorXd bent(const Skeleton& skeleton, const VectorXd& q, std::span<const int> limb) {
+  constexpr double little = 0.05;
+  const int root = *std::min_element(limb.begin(), limb.end());
+  VectorXd dq = VectorXd::Zero(skeleton.nv());
+  for (const int j : limb)
+    for (const int column : turningDimensions(skeleton, std::array{j})) {
+      if (j == root) continue;
+      const std::size_t k = column - skeleton.vIndex(j);
+      const std::vector<AxisDof>& axes = skeleton.joint(j).axes;
+      const double at = k < axes.size() ? q[skeleton.qIndex(j) + static_cast<int>(k)] : 0.0;
+      dq[column] = k < axes.size() && at - axes[k].lower > axes[k].upper - at ? -little : little;
+    }
+  return integrate(skeleton, q, dq);
+}
+
+}  // namespace
+
 double reachWithLeastChange(const Skeleton& skeleton, VectorXd& q, int joint, const Vector3d& target,
                             std::span<const int> movingJoints) {
-  std::vector<int> columns;
-  for (const int j : movingJoints)
-    for (int k = 0; k < skeleton.vCount(j); ++k) columns.push_back(skeleton.vIndex(j) + k);
+  const std::vector<int> columns = turningDimensions(skeleton, movingJoints);
   const Eigen::Index n = static_cast<Eigen::Index>(columns.size());
   Frames frames = forwardKinematics(skeleton, q);
-  double distance = (target - frames[joint].translation()).norm();
-  for (int iteration = 0; iteration < 30 && distance > 1e-9 && n > 0; ++iteration) {
-    const Eigen::Matrix3Xd J = pointJacobian(skeleton, q, frames, joint, Vector3d::Zero());
-    Eigen::Matrix3Xd own(3, n);
-    for (Eigen::Index k = 0; k < n; ++k) own.col(k) = J.col(columns[k]);
-    const Vector3d error = target - frames[joint].translation();
-    // Damped in proportion to the error: exact in the end, calm at a straight leg.
-    const double damping = 1e-4 * own.squaredNorm() * std::min(1.0, distance);
-    const Eigen::Matrix3d A = own * own.transpose() + damping * Eigen::Matrix3d::Identity();
-    const VectorXd step = own.transpose() * A.ldlt().solve(error);
-    VectorXd dq = VectorXd::Zero(skeleton.nv());
-    for (Eigen::Index k = 0; k < n; ++k) dq[columns[k]] = step[k];
-    const VectorXd next = integrate(skeleton, q, dq);
-    forwardKinematics(skeleton, next, frames);
-    const double after = (target - frames[joint].translation()).norm();
-    if (!(after < distance)) break;
-    q = next;
-    distance = after;
+  Eigen::Matrix3Xd J(3, n);
+  const auto takeColumns = [&] {
+    const Eigen::Matrix3Xd all = pointJacobian(skeleton, q, frames, joint, Vector3d::Zero());
+    for (Eigen::Index k = 0; k < n; ++k) J.col(k) = all.col(columns[k]);
+  };
+  takeColumns();
+  Vector3d error = target - frames[joint].translation();
+  const double before = error.norm();
+  const VectorXd begin = q;
+  // A straight limb and a target on its line: no slope leads there.
+  if (n > 0 && (J.transpose() * error).norm() < 1e-6 * J.norm() * before) {
+    q = bent(skeleton, q, movingJoints);
+    forwardKinematics(skeleton, q, frames);
+    error = target - frames[joint].translation();
+    takeColumns();
   }
-  return distance;
+  constexpr int mostSteps = 200;
+  constexpr double most = 1e9;
+  double caution = 1.0;  // of the damping: more where a step leads away, as at a straight limb
+  Frames there;
+  for (int step = 0; step < mostSteps && error.norm() > 1e-9 && n > 0 && caution < most; ++step) {
+    // Damped in proportion to the error: exact in the end.
+    const double damping = caution * 1e-4 * J.squaredNorm() * std::min(1.0, error.norm());
+    const Eigen::Matrix3d A = J * J.transpose() + damping * Eigen::Matrix3d::Identity();
+    const VectorXd change = J.transpose() * A.ldlt().solve(error);
+    VectorXd dq = VectorXd::Zero(skeleton.nv());
+    for (Eigen::Index k = 0; k < n; ++k) dq[columns[k]] = change[k];
+    const VectorXd next = integrate(skeleton, q, dq);
+    forwardKinematics(skeleton, next, there);
+    const Vector3d after = target - there[joint].translation();
+    if (!(after.norm() < error.norm())) {
+      caution *= 10.0;
+      continue;
+    }
+    const bool settled = error.norm() - after.norm() < 1e-12;
+    q = next;
+    frames.swap(there);
+    error = after;
+    if (settled) break;
+    caution = std::max(1.0, 0.1 * caution);
+    takeColumns();
+  }
+  if (!(error.norm() < before)) q = begin;
+  return std::min(before, error.norm());
 }
 
 Foot footAt(const Skeleton& skeleton, int ball) {

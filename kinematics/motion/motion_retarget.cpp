@@ -452,6 +452,20 @@ std::vector<int> limbAbove(const Skeleton& skeleton, int end, std::string_view f
   return limb;
 }
 
+/// How near and how far from its root a limb's end can be by the lengths of its bones.
+struct LimbReach {
+  double least = 0.0, most = 0.0;  ///< metres
+};
+LimbReach limbReach(const Frames& frames, const std::vector<int>& limb, int end) {
+  double longest = 0.0, sum = 0.0;
+  for (const int joint : limb) {
+    const double bone = (frames[end].translation() - frames[joint].translation()).norm();
+    longest = std::max(longest, bone), sum += bone;
+    end = joint;
+  }
+  return {std::max(0.0, 2.0 * longest - sum), sum};
+}
+
 /// Puts the ends of limbs where the source has them and turns them as before.
 void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& target, const char* end,
                 const char* first, bool onFloor, const Retargeter& retargeter, RetargetedClip& result) {
@@ -460,6 +474,7 @@ void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& 
     const int s = retargeter.sourceOf()[t];
     if (names[t].part != end || names[t].side == Side::Middle || s < 0) continue;
     const std::vector<int> limb = limbAbove(target, t, first);
+    const LimbReach reach = limbReach(restFrames(target), limb, t);
     KeptPlace kept{.joint = t};
     double sourceWay = 0.0, targetWay = 0.0;
     Vector3d lastSource = Vector3d::Zero(), lastTarget = lastSource;
@@ -475,6 +490,13 @@ void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& 
       result.clip.q.col(f) = q;
       kept.mean += left / clip.frameCount();
       kept.largest = std::max(kept.largest, left);
+      const double wanted = limb.empty() ? 0.0 : (scaled - posed[limb.back()].translation()).norm();
+      if (wanted < reach.least || wanted > reach.most) {
+        ++kept.framesBeyond;
+      } else {
+        kept.meanWithin += left;
+        kept.largestWithin = std::max(kept.largestWithin, left);
+      }
       if (f > 0 && onFloor) {  // standing: slower than 0.3 m/s in the target's size
         const double way = (scaled - lastSource).norm();
         if (way * clip.framesPerSecond < 0.3) {
@@ -485,6 +507,7 @@ void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& 
       }
       lastSource = scaled, lastTarget = posed[t].translation();
     }
+    if (kept.framesBeyond < clip.frameCount()) kept.meanWithin /= clip.frameCount() - kept.framesBeyond;
     if (kept.contactFrames > 0)
       kept.sourceSlide = sourceWay / kept.contactFrames, kept.targetSlide = targetWay / kept.contactFrames;
     result.kept.push_back(kept);

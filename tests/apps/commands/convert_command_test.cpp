@@ -59,6 +59,32 @@ TEST_F(ConvertCommand, AMeshAloneChangesItsUnitAndItsAxes) {
   EXPECT_EQ(readObj(out).triangles.size(), 4u);
 }
 
+TEST_F(ConvertCommand, AFrameOfWhatHasNoMotionIsRefusedInThoseWords) {
+  const auto complaint = [&](std::vector<std::string> words) -> std::string {
+    try {
+      convert(std::move(words));
+      return "none";
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  };
+  const std::string out = path("x.obj");
+  EXPECT_EQ(complaint({"figure", out, "--frame", "1"}),
+            "'figure' has no motion, of which frame 1 was asked for");
+  EXPECT_EQ(complaint({"figure", path("x.bvh"), "--frame", "2"}),
+            "'figure' has no motion, of which frame 2 was asked for");
+  const std::string mesh = file("alone.obj", tetrahedron);
+  EXPECT_NE(complaint({mesh, out, "--frame", "1"}).find("mesh alone and has no motion"), std::string::npos);
+  const std::string bvh =
+      file("two.bvh",
+           "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Zrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
+           "MOTION\nFrames: 2\nFrame Time: 0.1\n0\n1\n");
+  EXPECT_EQ(complaint({bvh, path("x.skel"), "--frame", "3"}),
+            "the motion has frames 1 to 2, 3 was asked for");
+  EXPECT_EQ(complaint({bvh, path("x.bvh"), "--frame", "2"}), "none");
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
 TEST_F(ConvertCommand, TheUnitOfABodyHoldsForItsMeshAndForASkeletonWithoutOne) {
   const std::string obj = file("b.obj", tetrahedron),
                     skeleton = file("s.skel", "a 0 0 0 -1\nb 0 1 0 a\nc 0 2 0 b\n"), out = path("b.glb");

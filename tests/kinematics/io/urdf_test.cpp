@@ -146,13 +146,32 @@ TEST(Urdf, BadInputIsRefusedWithItsLine) {
           {"NaN", with(arm, "0 0 2", "0 nan 2"), 6, "'nan'"},
           {"origin with a word", with(arm, "xyz=\"0 0 1\"", "xyz=\"0 0 a\""), 6, "'a'"},
           {"overflow", with(arm, "xyz=\"0 0 1\"", "xyz=\"0 0 1e999\""), 6, "1e999"},
-          {"no limit", with(arm, "<limit upper=\"2\" effort=\"1\" velocity=\"1\"/>", ""), 7, "<limit>"},
           {"limit a word", with(arm, "upper=\"2\"", "upper=\"high\""), 7, "'high'"},
           {"xacro", "<robot>\n<xacro:arm side=\"l\"/></robot>\n", 2, "expected URDF, found <xacro:arm>"},
           {"CRLF keeps line numbers", with(arm, "<robot name=\"arm\">\n", "<robot>\r\n<link/>\r\n"), 3,
            "an attribute name"},
       },
       [](const std::string& text, const std::string& file) { parseUrdf(text, file); });
+}
+
+/// The specification demands <limit> of both; urdfdom and Bullet refuse its absence, others open it.
+TEST(Urdf, JointsThatLackTheirLimitMoveWithoutLimitsAndAreTold) {
+  std::string text = arm;
+  for (const std::string limit : {"<limit lower=\"0.5\" upper=\"1\" effort=\"1\" velocity=\"1\"/>",
+                                  "<limit upper=\"2\" effort=\"1\" velocity=\"1\"/>"})
+    text.erase(text.find(limit), limit.size());
+  const UrdfRobot robot = parseUrdf(text, "arm.urdf");
+  for (const int joint : {1, 2}) {
+    ASSERT_EQ(robot.skeleton.joint(joint).axes.size(), 1u);
+    EXPECT_EQ(robot.skeleton.joint(joint).axes[0].lower, -unlimited);
+    EXPECT_EQ(robot.skeleton.joint(joint).axes[0].upper, unlimited);
+  }
+  EXPECT_EQ(robot.skeleton.rest(), Eigen::VectorXd::Zero(2));
+  ASSERT_EQ(robot.notes.size(), 1u);
+  EXPECT_EQ(robot.notes[0].kind, "limits-missing");
+  EXPECT_EQ(robot.notes[0].count, 2);
+  EXPECT_FALSE(robot.notes[0].fact);
+  EXPECT_NE(robot.notes[0].text.find("'shoulder'"), std::string::npos);
 }
 
 TEST(Urdf, InertialsBecomeTheMassesOfTheJointsThatCarryTheirLinks) {

@@ -345,5 +345,44 @@ TEST(Retarget, KeptFeetStayInTheirScaledPlaces) {
   EXPECT_LT(kept.kept[0].targetSlide, 1e-6);
 }
 
+/// Arms that lie straight, nearly so, or bent, on arms of other lengths; both bodies have the same legs.
+TEST(Retarget, KeptHandsAreReachedByArmsThatAreLongEnough) {
+  const BvhMotion source = readBvh(inputs + "forearm.bvh");
+  MotionClip clip{.framesPerSecond = 30.0, .q = source.clip.q.col(0).replicate(1, 60)};
+  std::mt19937_64 random(12);
+  for (int f = 1; f < 60; ++f)  // frame 0: straight to the last bit
+    for (const char* joint : {"LeftForeArm", "RightForeArm"})
+      clip.q(source.skeleton.qIndex(source.skeleton.jointIndex(joint)) + static_cast<int>(random() % 2), f) +=
+          2.0 * std::pow(10.0, -9.0 * uniform01(random));
+  for (const double longer : {0.8, 1.0, 1.02, 1.3}) {
+    std::vector<Joint> joints = readBvh(inputs + "apose.bvh").skeleton.joints();
+    double arm = 0.0;
+    for (Joint& joint : joints)
+      if (joint.name.ends_with("ForeArm") || joint.name.ends_with("Hand")) {
+        joint.parentFromZero.translation() *= longer;
+        arm += 0.5 * joint.parentFromZero.translation().norm();
+      }
+    const Skeleton target(joints);
+    const RetargetedClip kept = retargeted(source.skeleton, clip, target, {.keepHands = true});
+    ASSERT_EQ(kept.kept.size(), 2u);
+    for (const KeptPlace& hand : kept.kept) {
+      const std::string name = target.joint(hand.joint).name, side = name.substr(name.find(':') + 1);
+      const std::string shoulder = name.substr(0, name.size() - 4) + "Arm";
+      int beyond = 0;
+      for (int f = 0; f < 60; ++f) {
+        const Vector3d wanted = place(source.skeleton, clip, f, side.c_str());
+        const double way = (wanted - place(target, kept.clip, f, shoulder.c_str())).norm(),
+                     left = (wanted - place(target, kept.clip, f, name.c_str())).norm();
+        beyond += way > arm * (1.0 + 1e-12);
+        // at its full length an arm's last tenth of a millimetre takes many steps
+        EXPECT_NEAR(left, std::max(0.0, way - arm), way < 0.9999 * arm ? 1e-6 : 2e-4)
+            << name << " in frame " << f << ", arms of " << longer;
+      }
+      EXPECT_NEAR(hand.framesBeyond, beyond, longer == 1.0 ? 60 : 0);  // rounding decides at equal lengths
+      EXPECT_LT(hand.largestWithin, 2e-4);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gelenk
