@@ -9,6 +9,7 @@
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
+#include "solvers/problem/goal_text.h"
 
 namespace gelenk {
 namespace {
@@ -44,8 +45,9 @@ Vector3d unitVector(const Vector3d& v, const std::string& what) {
   return v.normalized();
 }
 
-/// A direction as Aim sees it: a point so far away that no joint's own way matters (1e-12 rad a metre).
-constexpr double infinitelyFar = 1e12;
+/// A direction as Aim sees it: a point so far away that no joint's own way matters (1e-12 rad a metre). A
+/// power of two, so that the direction is found in it to the last bit.
+constexpr double infinitelyFar = 0x1p40;
 
 }  // namespace
 
@@ -128,7 +130,8 @@ std::vector<TypedGoal> readGoals(const std::string& path, const Skeleton& skelet
 Vector3d parseAxis(const std::string& text) {
   const bool minus = text.starts_with('-');
   const std::string name = minus ? text.substr(1) : text;
-  if (name == "x" || name == "y" || name == "z") return (minus ? -1.0 : 1.0) * Vector3d::Unit(name[0] - 'x');
+  if (name == "x" || name == "y" || name == "z")
+    return (minus ? -1.0 : 1.0) * Vector3d::Unit(name[0] - 'x') + Vector3d::Zero();  // 0 is not told as -0
   const std::vector<double> v = numbersOf(text, "--axis " + text);
   if (v.size() != 3)
     throw std::invalid_argument("--axis wants x, -z or the like, or X,Y,Z, not '" + text + "'");
@@ -162,6 +165,15 @@ std::vector<Goal> goalsOf(const std::vector<TypedGoal>& typed, double orientatio
     goals.push_back(aim);
   }
   return goals;
+}
+
+std::string typedGoalToText(const Goal& goal, const Skeleton& skeleton) {
+  if (goal.kind != GoalKind::Aim) return goalToText(goal, skeleton);
+  Goal told = goal;
+  told.target /= infinitelyFar;
+  std::string text = goalToText(told, skeleton);
+  constexpr std::string_view point = " target=", direction = " direction=";
+  return text.replace(text.find(point), point.size(), direction);
 }
 
 }  // namespace gelenk
