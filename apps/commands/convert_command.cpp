@@ -3,6 +3,7 @@
 #include "apps/commands/baked_skin.h"
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
+#include "apps/document/file_format.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
@@ -95,6 +96,7 @@ void run(const Request& request) {
   ExportOptions options{
       .frame = request.frame, .allMotions = request.companions.clip.empty(), .end = request.end};
   Imported imported = importRequested(request, options.muscles);
+  if (request.frame > 0) motionFrame(imported.model, request.frame);  // also where the format holds no pose
   if (request.upOut == "z") {
     imported.model = rotated(std::move(imported.model),
                              Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())));
