@@ -5,6 +5,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "solvers/solutions/lanes.h"
 #include "solvers/solutions/meeting_pair.h"
 
 namespace gelenk {
@@ -14,19 +15,15 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double turn = 2.0 * M_PI;
-constexpr double exactMisfit = 1e-11;   ///< a class fits: its closed forms need no polishing
-constexpr double nearMisfit = 1e-5;     ///< it fits nearly: they do
+using namespace lanes;
+
+constexpr double exactMisfit = 1e-11;    ///< a class fits: its closed forms need no polishing
+constexpr double nearMisfit = 1e-5;      ///< it fits nearly: they do
+constexpr double polishedError = 1e-13;  ///< above it a solution is polished
+constexpr double familyError = 2e-12;
 constexpr double acceptedError = 1e-9;  ///< of a loop that cannot be polished further (singular)
 constexpr int cutsTried = 3;            ///< of the elimination
 constexpr int pairsTried = 2;           ///< of the search beside two axes that meet
-
-Matrix3d aboutZ(double t) {
-  const double c = std::cos(t), s = std::sin(t);
-  Matrix3d R;
-  R << c, -s, 0, s, c, 0, 0, 0, 1;
-  return R;
-}
 
 /// F_i = Rx(alpha) T(a, 0, d), lengths over `scale`.
 Isometry3d fixedPart(const ChainConstants& C, int i, double scale) {
@@ -34,17 +31,6 @@ Isometry3d fixedPart(const ChainConstants& C, int i, double scale) {
   F.linear() << 1, 0, 0, 0, C.cosAlpha[i], -C.sinAlpha[i], 0, C.sinAlpha[i], C.cosAlpha[i];
   F.translation() = Vector3d(C.a[i], -C.sinAlpha[i] * C.d[i], C.cosAlpha[i] * C.d[i]) / scale;
   return F;
-}
-
-/// Angle by whole turns to the image in [lower, upper] nearest to the reference; false where there is none.
-bool toNearestImage(double& angle, double lower, double upper, double reference) {
-  angle -= turn * std::nearbyint((angle - reference) / turn);
-  double inside = angle;
-  if (inside < lower) inside += turn * std::ceil((lower - inside - 1e-9) / turn);
-  if (inside > upper) inside -= turn * std::ceil((inside - upper - 1e-9) / turn);
-  if (inside < lower - 1e-9 || inside > upper + 1e-9) return false;
-  angle = std::clamp(inside, lower, upper);
-  return true;
 }
 
 Vector6d toCut(const Cut& cut, const Vector6d& u) {
@@ -94,13 +80,24 @@ SixJointArm::SixJointArm(const SerialChain& chain) : chain_(chain) {
     rankPairs();
     return;
   }
-  cutLoop_ = cutAt(fixed_, decomposition_.cut);
+  triple_.emplace(decomposition_.kind, cutAt(fixed_, decomposition_.cut), goalLink(decomposition_.cut));
   const bool shoulderAndElbow = !parallel(fixed_.link[0]) && parallel(fixed_.link[1]);
   named_ = shoulderAndElbow &&
            ((decomposition_.kind == LoopClass::SphericalTriple && decomposition_.firstOfThree == 3) ||
             (decomposition_.kind == LoopClass::ParallelTriple && decomposition_.firstOfThree == 1 &&
              !parallel(fixed_.link[3]) && !parallel(fixed_.link[4])));
+  if (!named_) return;
+  // Where the axes of joints 2 and 3 are parallel, the bend at joint 3 and the one at joint 5 are waves of
+  // their own angles.
+  const Vector3d x2 = fixed_.link[1].translation(), x3 = fixed_.link[2].translation(),
+                 w = fixed_.link[1].linear().transpose() * Vector3d(-x2.y(), x2.x(), 0),
+                 in = fixed_.link[3].linear().row(2).transpose(), out = fixed_.link[4].linear().col(2);
+  elbow_ = Side(w.x() * x3.x() + w.y() * x3.y(), w.y() * x3.x() - w.x() * x3.y());
+  wrist_ = Side(in.x() * out.y() - in.y() * out.x(), in.x() * out.x() + in.y() * out.y());
 }
+
+SixJointArm::Side::Side(double cosine, double sine)
+    : size(std::hypot(cosine, sine)), phase(std::atan2(sine, cosine)) {}
 
 std::string SixJointArm::describe() const {
   const int i = decomposition_.firstOfThree + 1;
@@ -118,23 +115,21 @@ std::string SixJointArm::describe() const {
   return "general: no three neighbouring axes meet in a point or are parallel";
 }
 
-void SixJointArm::place(const Isometry3d& worldFromTip, const Cut& cut, Loop& loop) const {
-  Isometry3d last;  // baseFromLast
+/// Over the arm's length; the frame of the last joint before it turns, as the base sees it.
+Isometry3d SixJointArm::baseFromLast(const Isometry3d& worldFromTip) const {
+  Isometry3d last;
   const Matrix3d left = baseFromWorld_.linear() * worldFromTip.linear();
   last.linear() = left * tipFromLast_.linear();
   last.translation() = (left * tipFromLast_.translation() +
                         baseFromWorld_.linear() * worldFromTip.translation() + baseFromWorld_.translation()) /
                        scale_;
-  for (int j = 0; j < 6; ++j) {
-    const int link = cut.reversed ? (cut.joint(j) + 5) % 6 : cut.joint(j);
-    if (link != 5) continue;
-    if (cut.reversed) {
-      loop.link[j] = last;
-    } else {
-      loop.link[j].linear() = last.linear().transpose();
-      loop.link[j].translation() = -(loop.link[j].linear() * last.translation());
-    }
-  }
+  last.makeAffine();
+  return last;
+}
+
+void SixJointArm::place(const Isometry3d& worldFromTip, const Cut& cut, Loop& loop) const {
+  const Isometry3d last = baseFromLast(worldFromTip);
+  loop.link[goalLink(cut)] = cut.reversed ? last : last.inverse(Eigen::Isometry);
 }
 
 void SixJointArm::insert(const Vector6d& u, double error, unsigned free, const Vector6d& reference,
@@ -147,69 +142,97 @@ void SixJointArm::insert(const Vector6d& u, double error, unsigned free, const V
     s.q[i] = u[i] - chain_.constants.theta[i];
     s.withinLimits &= toNearestImage(s.q[i], chain_.lower[i], chain_.upper[i], reference[i]);
   }
-  for (int k = 0; k < out.count; ++k) {
-    bool same = true;
-    for (int i = 0; i < 6 && same; ++i)
-      same = std::abs(std::remainder(out.list[k].q[i] - s.q[i], turn)) < 1e-7;
-    if (same) return;
-  }
+  if (isThere(out, s.q)) return;
   s.error = error;
   s.free = static_cast<unsigned char>(free);
   ++out.count;
 }
 
-void SixJointArm::solve(const Isometry3d& worldFromTip, const Vector6d& reference, ArmSolutions& out,
-                        const ArmSolveOptions& options) const {
+void SixJointArm::solve(const Isometry3d& worldFromTip, const Vector6d& reference, ArmSolutions& out) const {
   out.count = 0;
   out.complete = true;
   out.noise = out.raw = 0.0;
-  const Eigen::Vector3d wrist = baseFromWorld_ * (worldFromTip * tipFromLast_.translation());
-  if (wrist.norm() > (reach_ + 1e-9) * scale_) return;  // the links are too short, whatever they do
+  const Isometry3d last = baseFromLast(worldFromTip);
+  if (last.translation().norm() > reach_ + 1e-9) return;  // the links are too short, whatever they do
   if (decomposition_.kind == LoopClass::General) return solveGeneral(worldFromTip, out, reference);
   const Cut& cut = decomposition_.cut;
-  Loop loop = cutLoop_;
-  place(worldFromTip, cut, loop);
+  const Isometry3d goal = cut.reversed ? last : last.inverse(Eigen::Isometry);
   Vector6d turned;
-  for (int i = 0; i < 6; ++i) turned[i] = reference[i] + chain_.constants.theta[i];
-  TripleSolutions found;
-  if (decomposition_.kind == LoopClass::SphericalTriple)
-    solveSphericalTriple(loop, toCut(cut, turned), found);
-  else
-    solveParallelTriple(loop, toCut(cut, turned), found);
-  const bool verify = options.verify || decomposition_.misfit > exactMisfit;
-  for (int k = 0; k < found.count; ++k) {
-    double error = 0.0;
-    if (verify) {
-      double before = 0.0;
-      error = loopError(loop, found.u[k]).norm();
-      out.raw = std::max(out.raw, error);
-      if (error > 1e-13 && !polish(loop, found.u[k], acceptedError, error, before)) continue;
-    }
-    insert(fromCut(cut, found.u[k]), error, fromCut(cut, found.free[k]), reference, out);
+  for (int j = 0; j < 6; ++j) {
+    const int i = cut.joint(j);
+    turned[j] = cut.sign() * (reference[i] + chain_.constants.theta[i]);
   }
-  if (options.verify && named_)
-    for (int k = 0; k < out.count; ++k) nameBranch(worldFromTip, out.list[k]);
+  TripleSolutions found;
+  triple_->solve(goal, turned, found);
+  int kept = 0;
+  for (int k = 0; k < found.count; ++k) {
+    out.raw = std::max(out.raw, found.error[k]);
+    // A member of a family that is good enough would only be moved along it.
+    if (found.error[k] > (found.free[k] ? familyError : polishedError)) {
+      Vector6d u = found.at(k);
+      double before = 0.0;
+      found.alike = true;
+      Loop loop = triple_->loop();
+      loop.link[goalLink(cut)] = goal;
+      if (!polish(loop, u, acceptedError, found.error[k], before)) continue;
+      found.set(k, u);
+    }
+    if (kept != k) found.move(k, kept);
+    ++kept;
+  }
+  found.count = kept;
+  toImages(found, last, reference, out);
 }
 
-void SixJointArm::nameBranch(const Isometry3d&, ArmSolution& s) const {
-  Vector3d axis[6], origin[6];
-  Matrix3d R = Matrix3d::Identity();
-  Vector3d p = Vector3d::Zero();
-  for (int i = 0; i < 6; ++i) {
-    axis[i] = R.col(2), origin[i] = p;
-    if (i == 5) break;
-    R = R * aboutZ(s.q[i] + chain_.constants.theta[i]);
-    p += R * fixed_.link[i].translation();
-    R = R * fixed_.link[i].linear();
+bool SixJointArm::isThere(const ArmSolutions& out, const Vector6d& q) {
+  for (int k = 0; k < out.count; ++k) {
+    bool same = true;
+    for (int i = 0; i < 6 && same; ++i) same = std::abs(wrapped(out.list[k].q[i] - q[i])) < 1e-7;
+    if (same) return true;
   }
-  const auto sign = [](double x) { return static_cast<signed char>(x > 1e-9 ? 1 : x < -1e-9 ? -1 : 0); };
-  // The frame of axis 6 stands at the wrist's centre (UR: where axes 5 and 6 meet).
-  s.shoulder = sign(axis[0].cross(axis[1]).dot(origin[5] - origin[0]));
-  const Vector3d forearm = decomposition_.kind == LoopClass::SphericalTriple
-                               ? Vector3d(origin[5] - origin[2])
-                               : Vector3d(origin[3] - origin[2]);
-  s.elbow = sign(axis[1].dot((origin[2] - origin[1]).cross(forearm)));
-  s.wrist = sign(axis[4].dot(axis[3].cross(axis[5])));
+  return false;
+}
+
+/// Angles of the hinges to those of the joints, with limits and names, four solutions at a time.
+GELENK_SIMD_CLONES void SixJointArm::toImages(const TripleSolutions& found, const Isometry3d& last,
+                                              const Vector6d& reference, ArmSolutions& out) const {
+  const Cut& cut = decomposition_.cut;
+  // The wrist's centre (UR: where axes 5 and 6 meet) beside the plane through axis 1 along axis 2.
+  Side shoulder;
+  if (named_) {
+    const Vector3d axis2 = fixed_.link[0].linear().col(2), &p = last.translation();
+    shoulder = Side(axis2.x() * p.y() - axis2.y() * p.x(), -axis2.y() * p.y() - axis2.x() * p.x());
+  }
+  for (int base = 0; base < found.count; base += 4) {
+    double q[6][4], name[3][4] = {};
+    Mask within = ~Mask{};
+    for (int j = 0; j < 6; ++j) {
+      const int i = cut.joint(j);
+      const Lanes u = cut.sign() * load(found.u[j] + base);
+      Lanes angle = u - chain_.constants.theta[i];
+      within &= toNearestImage(angle, chain_.lower[i], chain_.upper[i], reference[i]);
+      store(q[i], angle);
+      if (named_ && i % 2 == 0) {
+        const Side& side = i == 0 ? shoulder : i == 2 ? elbow_ : wrist_;
+        const Lanes above = side.size * (M_PI / 2 - magnitude(wrapped(Lanes(u - side.phase))));
+        store(name[i / 2],
+              choose(above > 1e-9, Lanes{} + 1.0, choose(above < -1e-9, Lanes{} - 1.0, Lanes{})));
+      }
+    }
+    for (int l = 0; l < 4 && base + l < found.count; ++l) {
+      ArmSolution& s = out.list[out.count];
+      for (int i = 0; i < 6; ++i) s.q[i] = q[i][l];
+      if (found.alike && isThere(out, s.q)) continue;
+      s.withinLimits = within[l] != 0;
+      s.error = found.error[base + l];
+      s.free = found.free[base + l];
+      if (s.free != 0) s.free = static_cast<unsigned char>(fromCut(cut, s.free));
+      s.shoulder = static_cast<signed char>(name[0][l]);
+      s.elbow = static_cast<signed char>(name[1][l]);
+      s.wrist = static_cast<signed char>(name[2][l]);
+      ++out.count;
+    }
+  }
 }
 
 /// As many solutions on one side of the singularities as on the other: see loopDeterminant.
@@ -280,9 +303,7 @@ void SixJointArm::rankPairs() {
   for (int c = 0; c < 12; ++c) {
     const Cut cut{c % 6, c >= 6};
     Loop loop = cutAt(fixed_, cut);
-    int goal = 0;
-    while ((cut.reversed ? (cut.joint(goal) + 5) % 6 : cut.joint(goal)) != 5) ++goal;
-    Score score{cut, 0, meetingPairRank(loop, goal, 1e-9)};
+    Score score{cut, 0, meetingPairRank(loop, goalLink(cut), 1e-9)};
     if (score.rank == 0) continue;
     std::mt19937_64 random(2);
     std::uniform_real_distribution<double> angle(-M_PI, M_PI);

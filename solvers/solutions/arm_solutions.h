@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,12 +36,6 @@ struct ArmSolutions {
   std::span<const ArmSolution> all() const { return {list.data(), static_cast<size_t>(count)}; }
 };
 
-struct ArmSolveOptions {
-  bool verify =
-      true;  ///< forward kinematics of every solution: error, polishing where it is over 1e-12, names.
-             ///< false: angles as the closed forms give them (general arms are always polished)
-};
-
 /// Every pose solution of six revolute joints. The class is read off the axes:
 /// three neighbours that meet in a point, three that are parallel, or none of these (general; two that meet
 /// or are parallel need no method of their own: they only make one place to cut the loop better than
@@ -57,17 +52,25 @@ class SixJointArm {
   const SerialChain& chain() const { return chain_; }
 
   /// reference: what joints that are free take, and to which images are near (6).
-  void solve(const Eigen::Isometry3d& worldFromTip, const Vector6d& reference, ArmSolutions& out,
-             const ArmSolveOptions& options = {}) const;
+  void solve(const Eigen::Isometry3d& worldFromTip, const Vector6d& reference, ArmSolutions& out) const;
 
  private:
+  /// A side of an arm: the sign of size cos(angle - phase).
+  struct Side {
+    double size = 0.0, phase = 0.0;
+    Side() = default;
+    Side(double cosine, double sine);
+  };
   void place(const Eigen::Isometry3d& worldFromTip, const Cut& cut, Loop& loop) const;
   void solveGeneral(const Eigen::Isometry3d& worldFromTip, ArmSolutions& out,
                     const Vector6d& reference) const;
   bool balanced(const Eigen::Isometry3d& worldFromTip, const ArmSolutions& found) const;
   void insert(const Vector6d& u, double error, unsigned free, const Vector6d& reference,
               ArmSolutions& out) const;
-  void nameBranch(const Eigen::Isometry3d& worldFromTip, ArmSolution& solution) const;
+  Eigen::Isometry3d baseFromLast(const Eigen::Isometry3d& worldFromTip) const;
+  void toImages(const TripleSolutions& found, const Eigen::Isometry3d& last, const Vector6d& reference,
+                ArmSolutions& out) const;
+  static bool isThere(const ArmSolutions& out, const Vector6d& q);
   void rankCuts();
   void rankPairs();
 
@@ -77,8 +80,9 @@ class SixJointArm {
   double scale_ = 1.0;  ///< metres
   Eigen::Isometry3d baseFromWorld_, tipFromLast_;
   Decomposition decomposition_;
+  std::optional<TripleLoop> triple_;  ///< fixed_ cut for the decomposition
   bool named_ = false;
-  Loop cutLoop_;             ///< fixed_ cut for the decomposition
+  Side elbow_, wrist_;
   std::vector<Cut> ranked_;  ///< cuts for the general elimination, the best first
   std::vector<Loop> rankedLoop_;
   std::vector<Cut> rankedPairs_;  ///< cuts for the search beside two axes that meet

@@ -1,155 +1,324 @@
 #include "solvers/solutions/closed_loop.h"
 
+#include <algorithm>
+
+#include "solvers/solutions/lanes.h"
 #include "solvers/solutions/planar_system.h"
 
 namespace gelenk {
 namespace {
 
 using namespace planar;
+using namespace lanes;
 
-void put(TripleSolutions& out, Turn a, Turn b, Turn c, Turn d, Turn e, Turn f, unsigned free) {
-  if (out.count == TripleSolutions::most) return;
-  out.u[out.count] << a.angle(), b.angle(), c.angle(), d.angle(), e.angle(), f.angle();
-  out.free[out.count++] = static_cast<unsigned char>(free);
+constexpr double inLineSine = 1e-12;  ///< between axes 4 and 6 of a wrist: only their sum is determined
+constexpr double merging = 1e-6;      ///< branches nearer to each other than this may be one
+
+/// Of four branches at once.
+struct Turns {
+  Lanes c, s;
+};
+struct Vectors {
+  Lanes x, y, z;
+};
+
+GELENK_INLINE Lanes dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+GELENK_INLINE Vectors cross(const Vectors& a, const Vectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+GELENK_INLINE Vectors operator-(const Vectors& a, const Vectors& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+GELENK_INLINE Vectors same(const Vector3d& v) { return {Lanes{} + v.x(), Lanes{} + v.y(), Lanes{} + v.z()}; }
+/// Rz(t) v.
+GELENK_INLINE Vectors turned(const Turns& t, const Vectors& v) {
+  return {t.c * v.x - t.s * v.y, t.s * v.x + t.c * v.y, v.z};
+}
+GELENK_INLINE Vectors turnedBack(const Turns& t, const Vectors& v) {
+  return {t.c * v.x + t.s * v.y, t.c * v.y - t.s * v.x, v.z};
+}
+/// R v, R^T v.
+GELENK_INLINE Vectors times(const Isometry3d& X, const Vectors& v) {
+  const auto& R = X.matrix();
+  return {R(0, 0) * v.x + R(0, 1) * v.y + R(0, 2) * v.z, R(1, 0) * v.x + R(1, 1) * v.y + R(1, 2) * v.z,
+          R(2, 0) * v.x + R(2, 1) * v.y + R(2, 2) * v.z};
+}
+GELENK_INLINE Vectors timesBack(const Isometry3d& X, const Vectors& v) {
+  const auto& R = X.matrix();
+  return {R(0, 0) * v.x + R(1, 0) * v.y + R(2, 0) * v.z, R(0, 1) * v.x + R(1, 1) * v.y + R(2, 1) * v.z,
+          R(0, 2) * v.x + R(1, 2) * v.y + R(2, 2) * v.z};
+}
+GELENK_INLINE Vectors moved(const Isometry3d& X, const Vectors& v) {
+  const Vectors r = times(X, v);
+  const auto& M = X.matrix();
+  return {r.x + M(0, 3), r.y + M(1, 3), r.z + M(2, 3)};
+}
+GELENK_INLINE Vectors movedBack(const Isometry3d& X, const Vectors& v) {
+  const auto& M = X.matrix();
+  return timesBack(X, {v.x - M(0, 3), v.y - M(1, 3), v.z - M(2, 3)});
+}
+
+/// The turns about z that take a to b (their planar parts); where one of them is on the axis the reference,
+/// and then `bit` is set in `free`.
+GELENK_INLINE Turns turnsFromTo(const Vectors& a, const Vectors& b, double reference, long bit, Mask& free) {
+  const Lanes c = a.x * b.x + a.y * b.y, s = a.x * b.y - a.y * b.x, r2 = c * c + s * s;
+  const Mask none = (a.x * a.x + a.y * a.y < 1e-18) | (b.x * b.x + b.y * b.y < 1e-18) | (r2 <= 0.0);
+  const Lanes r = 1.0 / root(choose(none, Lanes{} + 1.0, r2));
+  Turns t{c * r, s * r};
+  if (any(none)) {
+    t.c = choose(none, Lanes{} + std::cos(reference), t.c);
+    t.s = choose(none, Lanes{} + std::sin(reference), t.s);
+    free |= none & bit;
+  }
+  return t;
+}
+
+/// The first three hinges of four branches, from what the planar system gives of them.
+struct First {
+  Turns t[3];
+  Mask free;
+};
+
+}  // namespace
+
+Vector6d TripleSolutions::at(int k) const {
+  Vector6d angles;
+  for (int j = 0; j < 6; ++j) angles[j] = u[j][k];
+  return angles;
+}
+void TripleSolutions::set(int k, const Vector6d& angles) {
+  for (int j = 0; j < 6; ++j) u[j][k] = angles[j];
+}
+
+void TripleSolutions::move(int from, int to) {
+  for (int j = 0; j < 6; ++j) u[j][to] = u[j][from];
+  error[to] = error[from], free[to] = free[from];
+}
+
+TripleLoop::TripleLoop(LoopClass kind, const Loop& loop, int goalLink)
+    : kind_(kind), loop_(loop), goalLink_(goalLink) {
+  const Matrix3d R4 = loop.link[3].linear(), R5 = loop.link[4].linear();
+  const Vector3d x4 = loop.link[3].translation(), x5 = loop.link[4].translation();
+  if (kind == LoopClass::SphericalTriple) {
+    // Axis 4 is z through 0, axis 5 is R4 z through x4: they meet at this height of axis 4; axis 6 seen from
+    // behind is R5^T z through -R5^T x5.
+    const auto height = [](const Vector3d& p, const Vector3d& z) {
+      return p.z() - z.z() * (p.x() * z.x() + p.y() * z.y()) / (z.x() * z.x() + z.y() * z.y());
+    };
+    before_ = height(x4, R4.col(2));
+    after_ = height(-R5.transpose() * x5, R5.row(2).transpose());
+    const Vector3d in = R4.row(2).transpose(), out = R5.col(2);
+    const double twist = std::atan2(std::hypot(in.x(), in.y()), in.z()),
+                 next = std::atan2(std::hypot(out.x(), out.y()), out.z());
+    alongGap_ = 2.0 * std::pow(std::sin(0.5 * (twist - next)), 2);
+    againstGap_ = 2.0 * std::pow(std::cos(0.5 * (twist + next)), 2);
+    bendMiddle_ = R4(2, 2) * R5(2, 2);
+    bendCos_ = R4(2, 0) * R5(0, 2) + R4(2, 1) * R5(1, 2);
+    bendSin_ = R4(2, 1) * R5(0, 2) - R4(2, 0) * R5(1, 2);
+  } else {
+    const Vector2d p4 = x4.head<2>(), q5 = x5.head<2>(), q5c = R4.topLeftCorner<2, 2>() * q5,
+                   q5s = R4.topLeftCorner<2, 2>() * Vector2d(-q5.y(), q5.x());
+    bendMiddle_ = p4.squaredNorm() + q5.squaredNorm();
+    bendCos_ = 2.0 * p4.dot(q5c);
+    bendSin_ = 2.0 * p4.dot(q5s);
+  }
+  bendSize_ = std::hypot(bendCos_, bendSin_);
+  if (bendSize_ > 0.0) bendCos_ /= bendSize_, bendSin_ /= bendSize_;
+}
+
+namespace {
+
+/// Where three axes meet, g seen from before hinge 1: v = X2 Rz(u3) c as waves of u3; Rz(u2) v = w must
+/// satisfy |X1 w| = |g| and (X1 w).z = g.z.
+struct SphericalFront {
+  Vector3d fixed, vc, vs, g;
+  PlanarSystem system;
+
+  static constexpr int hinge = 2;  ///< the planar system's angle
+
+  SphericalFront(const Isometry3d& X1, const Isometry3d& X2, const Vector3d& c, const Vector3d& g) : g(g) {
+    const Matrix3d R1 = X1.linear(), R2 = X2.linear();
+    const Vector3d x1 = X1.translation();
+    fixed = X2.translation() + R2.col(2) * c.z();
+    vc = R2.col(0) * c.x() + R2.col(1) * c.y();
+    vs = R2.col(1) * c.x() - R2.col(0) * c.y();
+    const Wave vz{fixed.z(), vc.z(), vs.z()};
+    const Wave vv{fixed.squaredNorm() + vc.squaredNorm(), 2.0 * fixed.dot(vc), 2.0 * fixed.dot(vs)};
+    const Vector3d n = R1.transpose() * x1, m = R1.row(2).transpose();
+    system.n = n.head<2>(), system.m = m.head<2>();
+    system.alpha = Wave{0.5 * (g.squaredNorm() - x1.squaredNorm()), 0, 0} - 0.5 * vv - n.z() * vz;
+    system.beta = Wave{g.z() - x1.z(), 0, 0} - m.z() * vz;
+    system.x = {fixed.x(), vc.x(), vs.x()}, system.y = {fixed.y(), vc.y(), vs.y()};
+  }
+
+  GELENK_INLINE First at(const Isometry3d& X1, const Isometry3d&, const Turns& t3, Lanes zx, Lanes zy,
+                         Mask known, const Vector6d& reference) const {
+    First first{{{}, {}, t3}, known & 4L};
+    const Vectors v{fixed.x() + vc.x() * t3.c + vs.x() * t3.s, fixed.y() + vc.y() * t3.c + vs.y() * t3.s,
+                    fixed.z() + vc.z() * t3.c + vs.z() * t3.s};
+    first.t[1] = turnsFromTo(v, {zx, zy, v.z}, reference[1], 2L, first.free);
+    first.t[0] = turnsFromTo(moved(X1, turned(first.t[1], v)), same(g), reference[0], 1L, first.free);
+    return first;
+  }
+};
+
+/// Where three axes are parallel: the common direction, h0 seen from before hinge 1 and h3 from before
+/// hinge 4, and the height along it must come out right.
+struct ParallelFront {
+  Vector3d h0, h3;
+  PlanarSystem system;
+
+  static constexpr int hinge = 0;
+
+  ParallelFront(const Isometry3d& X1, const Isometry3d& X2, const Vector3d& h0, const Vector3d& h3,
+                double height)
+      : h0(h0), h3(h3) {
+    const auto waveOf = [&](const Vector3d& a) {  // a . Rz(-u1) h0
+      return Wave{a.z() * h0.z(), a.x() * h0.x() + a.y() * h0.y(), a.x() * h0.y() - a.y() * h0.x()};
+    };
+    const Matrix3d R1 = X1.linear(), R2 = X2.linear();
+    const Vector3d x2 = X2.translation(), r2 = R2.col(2);
+    const Wave etaZ = waveOf(R1.col(2));
+    system.n = x2.head<2>(), system.m = r2.head<2>();
+    system.alpha = Wave{height, 0, 0} - waveOf(X1.translation()) - x2.z() * etaZ;
+    system.beta = Wave{h3.z(), 0, 0} - r2.z() * etaZ;
+    system.x = waveOf(R1.col(0)), system.y = waveOf(R1.col(1));
+  }
+
+  GELENK_INLINE First at(const Isometry3d& X1, const Isometry3d& X2, const Turns& t1, Lanes zx, Lanes zy,
+                         Mask known, const Vector6d& reference) const {
+    First first{{t1, {}, {}}, known & 1L};
+    const Vectors eta = timesBack(X1, turnedBack(t1, same(h0)));
+    first.t[1] = turnsFromTo({zx, zy, eta.z}, eta, reference[1], 2L, first.free);
+    first.t[2] =
+        turnsFromTo(same(h3), timesBack(X2, turnedBack(first.t[1], eta)), reference[2], 4L, first.free);
+    return first;
+  }
+};
+
+/// X3^-1 Rz(-u3) X2^-1 Rz(-u2) X1^-1 Rz(-u1) v: of a direction, of a point.
+GELENK_INLINE Vectors directionBehind(const Isometry3d* const X[3], const Turns t[3], Vectors v) {
+  for (int i = 0; i < 3; ++i) v = timesBack(*X[i], turnedBack(t[i], v));
+  return v;
+}
+GELENK_INLINE Vectors pointBehind(const Isometry3d* const X[3], const Turns t[3], Vectors v) {
+  for (int i = 0; i < 3; ++i) v = movedBack(*X[i], turnedBack(t[i], v));
+  return v;
 }
 
 }  // namespace
 
-void solveSphericalTriple(const Loop& loop, const Vector6d& reference, TripleSolutions& out) {
-  // The point where the axes meet, after hinge 3 and before hinge 1.
-  const Isometry3d &X1 = loop.link[0], &X2 = loop.link[1];
-  const Matrix3d &R4 = loop.link[3].linear(), R5 = loop.link[4].linear();
-  // Slide the origins of hinges 4 and 6 to the point: along 4 by what makes axis 5 start there.
-  const Vector3d x4 = loop.link[3].translation(), x5 = loop.link[4].translation();
-  // Axis 4 is z through 0, axis 5 is R4 z through x4: they meet at height h4 of axis 4.
-  const Vector3d z5 = R4.col(2);
-  const double across = z5.x() * z5.x() + z5.y() * z5.y();
-  const double h4 = x4.z() - z5.z() * (x4.x() * z5.x() + x4.y() * z5.y()) / across;
-  // Axis 6 seen from behind: axis 5 is R5^T z through -R5^T x5.
-  const Vector3d back = -R5.transpose() * x5, z5behind = R5.row(2).transpose();
-  const double acrossBehind = z5behind.x() * z5behind.x() + z5behind.y() * z5behind.y();
-  const double h6 =
-      back.z() - z5behind.z() * (back.x() * z5behind.x() + back.y() * z5behind.y()) / acrossBehind;
-  const Vector3d c = loop.link[2] * Vector3d(0, 0, h4);
-  const Matrix3d R6 = loop.link[5].linear();
-  const Vector3d g = R6.transpose() * (Vector3d(0, 0, h6) - loop.link[5].translation());
-
-  // v = X2 Rz(u3) c as waves of u3; Rz(u2) v = w must satisfy |X1 w| = |g| and (X1 w).z = g.z.
-  const Matrix3d R1 = X1.linear(), R2 = X2.linear();
-  const Vector3d x1 = X1.translation(), x2 = X2.translation();
-  const Vector3d fixed = x2 + R2.col(2) * c.z(), vc = R2.col(0) * c.x() + R2.col(1) * c.y(),
-                 vs = R2.col(1) * c.x() - R2.col(0) * c.y();
-  const Wave vz{fixed.z(), vc.z(), vs.z()};
-  const Wave vv{fixed.squaredNorm() + vc.squaredNorm(), 2.0 * fixed.dot(vc), 2.0 * fixed.dot(vs)};
-  const Vector3d n = R1.transpose() * x1, m = R1.row(2).transpose();
-  PlanarSystem system;
-  system.n = n.head<2>(), system.m = m.head<2>();
-  system.alpha = Wave{0.5 * (g.squaredNorm() - x1.squaredNorm()), 0, 0} - 0.5 * vv - n.z() * vz;
-  system.beta = Wave{g.z() - x1.z(), 0, 0} - m.z() * vz;
-  system.square.degree = 2;
-  system.square.a[0] = vv.a, system.square.a[1] = vv.b, system.square.b[1] = vv.c;
-  addProduct(system.square, -1.0, vz, vz);
+template <class Front>
+GELENK_INLINE void TripleLoop::solveBehind(const Front& front, const Isometry3d& goal,
+                                           const Vector6d& reference, TripleSolutions& out) const {
+  constexpr bool spherical = Front::hinge == 2;
+  const Isometry3d* const X[3] = {&link(0, goal), &link(1, goal), &link(2, goal)};
+  const Isometry3d &X4 = loop_.link[3], &X5 = loop_.link[4];
+  const Isometry3d back = link(5, goal).inverse(Eigen::Isometry);
   PlanarSolution planar[8];
-  const int count = solve(system, reference[2], planar);
+  const int count = planar::solve(front.system, reference[Front::hinge], planar);
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < i; ++k)
+      out.alike |=
+          std::abs(planar[i].t.c - planar[k].t.c) + std::abs(planar[i].t.s - planar[k].t.s) < merging &&
+          (planar[i].z - planar[k].z).squaredNorm() < merging * merging;
+  for (int base = 0; base < count; base += 4) {
+    double in[4][4];
+    Mask known{};
+    for (int l = 0; l < 4; ++l) {
+      const PlanarSolution& p = planar[std::min(base + l, count - 1)];
+      in[0][l] = p.t.c, in[1][l] = p.t.s, in[2][l] = p.z.x(), in[3][l] = p.z.y();
+      known[l] = p.free ? -1L : 0L;
+    }
+    const First first =
+        front.at(*X[0], *X[1], {load(in[0]), load(in[1])}, load(in[2]), load(in[3]), known, reference);
+    // What is left for the triple: Rz(u4) R4 Rz(u5) R5 Rz(u6) = (K0, K1, K2), and the place k to which it
+    // leads.
+    const Vectors K0 = directionBehind(X, first.t, same(back.linear().col(0))),
+                  K1 = directionBehind(X, first.t, same(back.linear().col(1))), K2 = cross(K0, K1),
+                  k = pointBehind(X, first.t, same(back.translation()));
+    // cos u = x of the bend, and what is left of 1 - x and 1 + x. Axes 4 and 6 nearly in line: the sine
+    // between them is exact where a cosine near one is not.
+    const Lanes sine2 = K2.x * K2.x + K2.y * K2.y;
+    const Mask inLine = spherical ? sine2 < inLineSine * inLineSine : Mask{};
+    const bool bends = bendSize_ > rounding;  // else every bend will do, or none
+    const double scale = bends ? 1.0 / bendSize_ : 0.0;
+    const Lanes over = (spherical ? K2.z : k.x * k.x + k.y * k.y) - bendMiddle_;
+    Lanes x = over * scale, less = 1.0 - x, more = 1.0 + x;
+    if (spherical) {
+      const Mask ahead = K2.z > 0.0;
+      const Lanes rest = sine2 / (1.0 + magnitude(K2.z));
+      less = (choose(ahead, rest, 1.0 - K2.z) - alongGap_) * scale;
+      more = (choose(ahead, 1.0 + K2.z, rest) - againstGap_) * scale;
+    }
+    const Mask reached = bends ? magnitude(x) <= 1.0 + reachRounding : magnitude(over) < reachRounding;
+    if (!any(reached)) continue;
+    x = choose(x < 0.0, larger(x, Lanes{} - 1.0), -larger(-x, Lanes{} - 1.0));
+    const Lanes y = root(less * more);
+    const Mask second = bends ? reached & (y > 0.0) & ~inLine : Mask{};
+    out.alike |= any(second & (y < merging));
 
-  const double r4 = R4(2, 2) * R5(2, 2);
-  const Wave bend{r4, R4(2, 0) * R5(0, 2) + R4(2, 1) * R5(1, 2), R4(2, 1) * R5(0, 2) - R4(2, 0) * R5(1, 2)};
-  for (int k = 0; k < count; ++k) {
-    const Turn t3 = planar[k].t;
-    unsigned free = planar[k].free ? 1u << 2 : 0u;
-    const Vector3d v = fixed + vc * t3.c + vs * t3.s, w(planar[k].z.x(), planar[k].z.y(), v.z());
-    Turn t2, t1;
-    Vector3d wrist = w;
-    if (!turnFromTo(v, w, t2)) t2 = turnOf(reference[1]), free |= 1u << 1, wrist = aboutZ(t2, v);
-    if (!turnFromTo(X1 * wrist, g, t1)) t1 = turnOf(reference[0]), free |= 1u;
-    const Matrix3d R123 = aboutZ(t1) * R1 * aboutZ(t2) * R2 * aboutZ(t3) * loop.link[2].linear();
-    const Matrix3d M = R123.transpose() * R6.transpose();  // Rz(u4) R4 Rz(u5) R5 Rz(u6)
-    Turn t5[2];
-    // Axes 4 and 6 in line is read off the wanted rotation, whose sine is exact where a cosine near one is
-    // not.
-    const bool inLine = std::hypot(M(0, 2), M(1, 2)) < 1e-9;
-    int bends = zeros(bend - Wave{M(2, 2), 0, 0}, t5);
-    if (inLine) {
-      const double r = std::hypot(bend.b, bend.c), side = M(2, 2) > bend.a ? 1.0 : -1.0;
-      t5[0] = {side * bend.b / r, side * bend.c / r};
-      bends = std::abs(bend.a + side * r - M(2, 2)) < reachRounding ? 1 : 0;
+    double u[2][6][4], error[2][4];
+    Mask valid[2] = {reached, second}, free[2];
+    for (int i = 0; i < 3; ++i) {
+      const Lanes angle = angleOf(first.t[i].s, first.t[i].c);
+      store(u[0][i], angle), store(u[1][i], angle);
     }
-    for (int b = 0; b < bends; ++b) {
-      const Matrix3d N = R4 * aboutZ(t5[b]) * R5;
-      Turn t4, t6;
-      unsigned wristFree = 0;
-      if (inLine) {
-        t4 = turnOf(reference[3]), wristFree = 1u << 3;
-        const Matrix3d last = N.transpose() * aboutZ({t4.c, -t4.s}) * M;
-        t6 = {last(0, 0), last(1, 0)};
-      } else {
-        turnFromTo(N.col(2), M.col(2), t4);
-        turnFromTo(M.row(2).transpose(), N.row(2).transpose(), t6);
+    for (int b = 0; b < 2; ++b) {
+      if (b == 1 && !any(second)) continue;
+      free[b] = first.free;
+      const Lanes side = b == 0 ? y : -y;
+      Turns t5{bendCos_ * x - bendSin_ * side, bendSin_ * x + bendCos_ * side};
+      if (!bends) {
+        t5 = {Lanes{} + std::cos(reference[4]), Lanes{} + std::sin(reference[4])};
+        free[b] |= ~Mask{} & 16L;
       }
-      put(out, t1, t2, t3, t4, t5[b], t6, free | wristFree);
+      const auto behind5 = [&](const Vector3d& v) { return times(X4, turned(t5, same(v))); };
+      Vectors N0 = behind5(X5.linear().col(0)), N1 = behind5(X5.linear().col(1)), N2 = cross(N0, N1);
+      Vectors arm = moved(X4, turned(t5, same(X5.translation())));
+      const Vectors toward{choose(inLine, Lanes{}, K2.x), choose(inLine, Lanes{}, K2.y), K2.z};
+      const Turns t4 = turnsFromTo(spherical ? N2 : arm, spherical ? toward : k, reference[3], 8L, free[b]);
+      N0 = turned(t4, N0), N1 = turned(t4, N1), N2 = turned(t4, N2), arm = turned(t4, arm);
+      Turns t6{dot(N0, K0), dot(N1, K0)};
+      const Lanes unit = 1.0 / root(t6.c * t6.c + t6.s * t6.s + 1e-300);
+      t6.c *= unit, t6.s *= unit;
+      const auto between = [](Lanes p, const Vectors& a, Lanes q, const Vectors& b, const Vectors& c) {
+        const Vectors d{p * a.x + q * b.x - c.x, p * a.y + q * b.y - c.y, p * a.z + q * b.z - c.z};
+        return dot(d, d);
+      };
+      store(error[b], root(between(t6.c, N0, t6.s, N1, K0) * 0.5 + between(t6.c, N1, -t6.s, N0, K1) * 0.5 +
+                           between(Lanes{} + 1.0, N2, Lanes{}, N2, K2) * 0.5 +
+                           between(Lanes{} + 1.0, arm, Lanes{}, arm, k)));
+      store(u[b][3], angleOf(t4.s, t4.c));
+      store(u[b][4], angleOf(t5.s, t5.c));
+      store(u[b][5], angleOf(t6.s, t6.c));
     }
+    for (int l = 0; l < 4 && base + l < count; ++l)
+      for (int b = 0; b < 2 && out.count < TripleSolutions::most; ++b) {
+        if (!valid[b][l]) continue;
+        for (int j = 0; j < 6; ++j) out.u[j][out.count] = u[b][j][l];
+        out.error[out.count] = error[b][l];
+        out.free[out.count++] = static_cast<unsigned char>(free[b][l]);
+      }
   }
 }
 
-void solveParallelTriple(const Loop& loop, const Vector6d& reference, TripleSolutions& out) {
-  const Isometry3d &X1 = loop.link[0], &X2 = loop.link[1], &X3 = loop.link[2], &X4 = loop.link[3],
-                   &X5 = loop.link[4];
-  const double sense5 = X4.linear()(2, 2) > 0.0 ? 1.0 : -1.0;  // axis 5 along or against axis 4
-  const double sense6 = X5.linear()(2, 2) > 0.0 ? sense5 : -sense5;
-  const Isometry3d back = loop.link[5].inverse(Eigen::Isometry);  // frame of hinge 6, turned, before hinge 1
-  const Vector3d h3 = X3.linear().col(2), h0 = sense6 * back.linear().col(2);  // axis 4 from both sides
-  const double along = X4.translation().z() + sense5 * X5.translation().z();
-  const double height = h0.dot(back.translation()) - along - h3.dot(X3.translation());
-
-  // Rz(-u1) h0 as waves of u1.
-  const auto waveOf = [&](const Vector3d& a) {  // a . Rz(-u1) h0
-    return Wave{a.z() * h0.z(), a.x() * h0.x() + a.y() * h0.y(), a.x() * h0.y() - a.y() * h0.x()};
-  };
-  const Matrix3d R1 = X1.linear(), R2 = X2.linear();
-  const Vector3d x1 = X1.translation(), x2 = X2.translation(), r2 = R2.col(2);
-  const Wave etaZ = waveOf(R1.col(2));
-  PlanarSystem system;
-  system.n = x2.head<2>(), system.m = r2.head<2>();
-  system.alpha = Wave{height, 0, 0} - waveOf(x1) - x2.z() * etaZ;
-  system.beta = Wave{h3.z(), 0, 0} - r2.z() * etaZ;
-  system.square.degree = 2;
-  system.square.a[0] = 1.0;
-  addProduct(system.square, -1.0, etaZ, etaZ);
-  PlanarSolution planar[8];
-  const int count = solve(system, reference[0], planar);
-
-  const Vector2d p4 = X4.translation().head<2>();
-  const Matrix3d R4 = X4.linear();
-  const Vector2d x5 = X5.translation().head<2>(), q5c = R4.topLeftCorner<2, 2>() * x5,
-                 q5s = R4.topLeftCorner<2, 2>() * Vector2d(-x5.y(), x5.x());
-  for (int k = 0; k < count; ++k) {
-    const Turn t1 = planar[k].t;
-    unsigned free = planar[k].free ? 1u : 0u;
-    const Vector3d eta = R1.transpose() * aboutZ({t1.c, -t1.s}, h0);
-    Vector3d w(planar[k].z.x(), planar[k].z.y(), eta.z());
-    Turn t2, t3;
-    if (!turnFromTo(w, eta, t2)) t2 = turnOf(reference[1]), free |= 1u << 1, w = aboutZ({t2.c, -t2.s}, eta);
-    if (!turnFromTo(h3, R2.transpose() * w, t3)) t3 = turnOf(reference[2]), free |= 1u << 2;
-    Isometry3d before = Isometry3d::Identity();
-    before.linear() = aboutZ(t1) * R1;
-    before.translation() = aboutZ(t1, x1) + before.linear() * aboutZ(t2, x2);
-    before.linear() = before.linear() * aboutZ(t2) * R2 * aboutZ(t3);
-    before.translation() += before.linear() * X3.translation();
-    before.linear() = before.linear() * X3.linear();
-    const Matrix3d K = before.linear().transpose() * back.linear();
-    const Vector3d k3 = before.linear().transpose() * (back.translation() - before.translation());
-    const Vector2d goal = k3.head<2>();
-    Turn t5[2];
-    const int elbows = zeros(
-        {p4.squaredNorm() + x5.squaredNorm() - goal.squaredNorm(), 2.0 * p4.dot(q5c), 2.0 * p4.dot(q5s)}, t5);
-    for (int b = 0; b < elbows; ++b) {
-      const Vector2d arm = p4 + q5c * t5[b].c + q5s * t5[b].s;
-      Turn t4;
-      unsigned elbowFree = 0;
-      if (!turnFromTo({arm.x(), arm.y(), 0}, k3, t4)) t4 = turnOf(reference[3]), elbowFree = 1u << 3;
-      const Matrix3d last = (aboutZ(t4) * R4 * aboutZ(t5[b]) * X5.linear()).transpose() * K;
-      put(out, t1, t2, t3, t4, t5[b], {last(0, 0), last(1, 0)}, free | elbowFree);
-    }
+GELENK_SIMD_CLONES void TripleLoop::solve(const Isometry3d& goal, const Vector6d& reference,
+                                          TripleSolutions& out) const {
+  out.count = 0;
+  out.alike = false;
+  const Isometry3d &X1 = link(0, goal), &X2 = link(1, goal), &X3 = link(2, goal), &X6 = link(5, goal);
+  if (kind_ == LoopClass::SphericalTriple) {
+    const Vector3d g = X6.linear().transpose() * (Vector3d(0, 0, after_) - X6.translation());
+    solveBehind(SphericalFront(X1, X2, X3 * Vector3d(0, 0, before_), g), goal, reference, out);
+  } else {
+    const Isometry3d &X4 = loop_.link[3], &X5 = loop_.link[4], back = X6.inverse(Eigen::Isometry);
+    const double sense5 = X4.linear()(2, 2) > 0.0 ? 1.0 : -1.0;  // axis 5 along or against axis 4
+    const double sense6 = X5.linear()(2, 2) > 0.0 ? sense5 : -sense5;
+    const Vector3d h3 = X3.linear().col(2), h0 = sense6 * back.linear().col(2);
+    const double along = X4.translation().z() + sense5 * X5.translation().z();
+    const double height = h0.dot(back.translation()) - along - h3.dot(X3.translation());
+    solveBehind(ParallelFront(X1, X2, h0, h3, height), goal, reference, out);
   }
 }
 

@@ -25,15 +25,48 @@ struct Decomposition {
 Decomposition decompose(const Loop& loop, double tolerance);
 
 /// Solutions, at most eight, of a loop cut so that its last three hinges are the triple. Not polished.
-/// `free`: bit j set where hinge j took any value because the others can make up for it (a family: axes in
-/// line); the value taken is reference[j].
 struct TripleSolutions {
   static constexpr int most = 16;
   int count = 0;
-  std::array<Vector6d, most> u;
-  std::array<unsigned char, most> free{};
+  double u[6][most];   ///< radians, [-pi, pi]; of every hinge a row
+  double error[most];  ///< of the closed loop: lengths and radians
+  /// Bit j: hinge j took any value because the others can make up for it (a family: axes in line); the value
+  /// taken is the reference's.
+  unsigned char free[most];
+  bool alike = false;  ///< two of them may be the same: branches merge here
+
+  Vector6d at(int k) const;
+  void set(int k, const Vector6d& angles);
+  void move(int from, int to);
 };
-void solveSphericalTriple(const Loop& loop, const Vector6d& reference, TripleSolutions& solutions);
-void solveParallelTriple(const Loop& loop, const Vector6d& reference, TripleSolutions& solutions);
+
+/// A decomposed loop: what does not change with the goal. The branches are solved side by side, four of the
+/// first three hinges and then both bends of the triple; the same turns close the loop, which is the error.
+class TripleLoop {
+ public:
+  /// goalLink: the link that `solve` puts in (one of 0, 1, 2 and 5; links 3 and 4 lie within the triple).
+  TripleLoop(LoopClass kind, const Loop& loop, int goalLink);
+
+  void solve(const Eigen::Isometry3d& goal, const Vector6d& reference, TripleSolutions& out) const;
+  const Loop& loop() const { return loop_; }
+
+ private:
+  template <class Front>
+  void solveBehind(const Front& front, const Eigen::Isometry3d& goal, const Vector6d& reference,
+                   TripleSolutions& out) const;
+  const Eigen::Isometry3d& link(int j, const Eigen::Isometry3d& goal) const {
+    return j == goalLink_ ? goal : loop_.link[j];
+  }
+
+  LoopClass kind_;
+  Loop loop_;
+  int goalLink_;
+  double before_ = 0.0, after_ = 0.0;  ///< spherical: where the axes meet, on axes 4 and 6
+  /// A known value = middle + size cos(u5 - phase): the cosine between axes 4 and 6, or the square of the
+  /// distance between them.
+  double bendMiddle_ = 0.0, bendSize_ = 0.0, bendCos_ = 1.0, bendSin_ = 0.0;
+  double alongGap_ = 0.0,
+         againstGap_ = 0.0;  ///< spherical: by how much that cosine stays away from 1, from -1
+};
 
 }  // namespace gelenk

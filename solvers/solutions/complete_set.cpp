@@ -86,9 +86,8 @@ std::string CompleteSet::whyNot(const Skeleton& skeleton, int tipJoint, const Co
 CompleteSet::CompleteSet(const Skeleton& skeleton, int tipJoint, const CompleteSetTask& task)
     : task_(task), chain_(chainOf(skeleton, tipJoint, task)), arm_(armOf(skeleton, tipJoint, chain_, task)) {}
 
-void CompleteSet::solve(const Isometry3d& target, const Vector6d& reference, ArmSolutions& out,
-                        const ArmSolveOptions& options) const {
-  arm_.solve(target, reference, out, options);
+void CompleteSet::solve(const Isometry3d& target, const Vector6d& reference, ArmSolutions& out) const {
+  arm_.solve(target, reference, out);
   const int n = chain_.n, bound = conditions(task_.task);
   if (n == 6) return;
   int kept = 0;

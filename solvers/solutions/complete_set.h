@@ -39,8 +39,7 @@ class CompleteSet {
   /// target: frame wanted of the tip's point and axes, world; Position uses the translation alone, Axis the
   /// translation and where the orientation takes axisInTip. q of the solutions: the arm's joints first, then
   /// zeros. Free bits of joints of no weight are dropped. No allocation.
-  void solve(const Eigen::Isometry3d& target, const Vector6d& reference, ArmSolutions& out,
-             const ArmSolveOptions& options = {}) const;
+  void solve(const Eigen::Isometry3d& target, const Vector6d& reference, ArmSolutions& out) const;
 
  private:
   CompleteSetTask task_;

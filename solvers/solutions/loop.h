@@ -34,4 +34,11 @@ inline Loop cutAt(const Loop& loop, const Cut& cut) {
   return out;
 }
 
+/// The link of the cut loop that leads over the goal: X_6 of the arm.
+inline int goalLink(const Cut& cut) {
+  int j = 0;
+  while ((cut.reversed ? (cut.joint(j) + 5) % 6 : cut.joint(j)) != 5) ++j;
+  return j;
+}
+
 }  // namespace gelenk

@@ -53,9 +53,7 @@ class Circuit {
     system_.n = n.head<2>(), system_.m = m.head<2>();
     alpha_ = Wave{-0.5 * x1.squaredNorm(), 0, 0} - 0.5 * vv - n.z() * vz;
     beta_ = Wave{-x1.z(), 0, 0} - m.z() * vz;
-    system_.square.degree = 2;
-    system_.square.a[0] = vv.a, system_.square.a[1] = vv.b, system_.square.b[1] = vv.c;
-    addProduct(system_.square, -1.0, vz, vz);
+    system_.x = {fixed_.x(), vc_.x(), vs_.x()}, system_.y = {fixed_.y(), vc_.y(), vs_.y()};
   }
 
   void run() {

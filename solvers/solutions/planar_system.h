@@ -73,11 +73,12 @@ inline int zeros(const Wave& w, Turn t[2]) {
 }
 
 /// Two equations in the plane and a length, all waves of one angle t:
-///     n . z = alpha,  m . z = beta,  |z|^2 = square
+///     n . z = alpha,  m . z = beta,  |z| = |(x, y)|
+/// The length is given as a vector: as a square it would lose half its digits where it is small.
 struct PlanarSystem {
   Vector2d n, m;
-  Wave alpha, beta;
-  TrigonometricPolynomial square;
+  Wave alpha, beta, x, y;
+  double lengthAt(Turn t) const { return std::sqrt(x.at(t) * x.at(t) + y.at(t) * y.at(t)); }
 };
 struct PlanarSolution {
   Turn t;
@@ -87,8 +88,8 @@ struct PlanarSolution {
 };
 
 /// z from one equation and its length: two points of a circle on a line.
-inline int onCircle(const Vector2d& n, double alpha, double square, Vector2d z[2]) {
-  const double n2 = n.squaredNorm(), r = std::sqrt(std::max(square, 0.0)), length = std::sqrt(n2);
+inline int onCircle(const Vector2d& n, double alpha, double r, Vector2d z[2]) {
+  const double length = n.norm();
   double along = alpha / length;
   if (std::abs(along) > r + reachRounding) return 0;
   along = std::clamp(along, -r, r);
@@ -111,7 +112,8 @@ inline int solve(const PlanarSystem& s, double freeAngle, PlanarSolution out[8])
     addProduct(p, 1.0, zy, zy);
     double size = 0.0;
     for (int k = 0; k <= 2; ++k) size = std::max({size, std::abs(p.a[k]), std::abs(p.b[k])});
-    for (int k = 0; k <= 2; ++k) p.a[k] -= s.square.a[k], p.b[k] -= s.square.b[k];
+    addProduct(p, -1.0, s.x, s.x);
+    addProduct(p, -1.0, s.y, s.y);
     const TrigonometricRoots roots = realRoots(p, 1e-13 * std::max(size, 1.0));
     for (int i = 0; i < roots.count && count < 8; ++i) {
       const Turn t = turnOf(roots.t[i]);
@@ -129,11 +131,8 @@ inline int solve(const PlanarSystem& s, double freeAngle, PlanarSolution out[8])
   if (free) t[0] = turnOf(freeAngle), turns = 1;
   for (int i = 0; i < turns; ++i) {
     Vector2d z[2];
-    const double c2 = t[i].c * t[i].c - t[i].s * t[i].s, s2 = 2.0 * t[i].c * t[i].s;
-    const double square = s.square.a[0] + s.square.a[1] * t[i].c + s.square.b[1] * t[i].s +
-                          s.square.a[2] * c2 + s.square.b[2] * s2;
-    const int points =
-        useM ? onCircle(s.m, s.beta.at(t[i]), square, z) : onCircle(s.n, s.alpha.at(t[i]), square, z);
+    const double r = s.lengthAt(t[i]);
+    const int points = useM ? onCircle(s.m, s.beta.at(t[i]), r, z) : onCircle(s.n, s.alpha.at(t[i]), r, z);
     for (int k = 0; k < points; ++k) out[count++] = {t[i], z[k], free, 2 * i + k};
   }
   return count;

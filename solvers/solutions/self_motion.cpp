@@ -6,6 +6,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "solvers/solutions/lanes.h"
+
 namespace gelenk {
 namespace {
 
@@ -133,14 +135,12 @@ void SevenJointArm::solveLoop(const Loop& loop, const Vector6d& reference, LoopS
     Vector6d ref;
     for (int j = 0; j < 6; ++j) ref[j] = cut.sign() * reference[cut.joint(j)];
     TripleSolutions triple;
-    if (decomposition_.kind == LoopClass::SphericalTriple)
-      solveSphericalTriple(l, ref, triple);
-    else
-      solveParallelTriple(l, ref, triple);
+    TripleLoop(decomposition_.kind, l, 5).solve(l.link[5], ref, triple);
     for (int k = 0; k < triple.count; ++k) {
-      double before, error = loopError(l, triple.u[k]).norm();
-      if (error > 1e-12 && !polish(l, triple.u[k], 1e-9, error, before)) continue;
-      add(found, triple.u[k], error);
+      Vector6d u = triple.at(k);
+      double before, error = triple.error[k];
+      if (error > 1e-12 && !polish(l, u, 1e-9, error, before)) continue;
+      add(found, u, error);
     }
   }
   out.count = found.count;
@@ -150,16 +150,8 @@ void SevenJointArm::solveLoop(const Loop& loop, const Vector6d& reference, LoopS
 
 bool SevenJointArm::toLimits(Vector7d& q, const Vector7d& reference) const {
   bool inside = true;
-  for (int i = 0; i < 7; ++i) {
-    q[i] -= turn * std::nearbyint((q[i] - reference[i]) / turn);
-    double x = q[i];
-    if (x < chain_.lower[i]) x += turn * std::ceil((chain_.lower[i] - x - 1e-9) / turn);
-    if (x > chain_.upper[i]) x -= turn * std::ceil((x - chain_.upper[i] - 1e-9) / turn);
-    if (x < chain_.lower[i] - 1e-9 || x > chain_.upper[i] + 1e-9)
-      inside = false;
-    else
-      q[i] = std::clamp(x, chain_.lower[i], chain_.upper[i]);
-  }
+  for (int i = 0; i < 7; ++i)
+    inside &= lanes::toNearestImage(q[i], chain_.lower[i], chain_.upper[i], reference[i]);
   return inside;
 }
 

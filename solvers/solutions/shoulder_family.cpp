@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/serial/simd.h"
+#include "solvers/solutions/lanes.h"
 #include "solvers/solutions/planar_system.h"
 
 namespace gelenk {
@@ -12,9 +12,9 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using namespace lanes;
 using Shape = ShoulderFamily::Shape;
 
-constexpr double turn = 2.0 * M_PI;
 constexpr double detour = 1.5;    ///< way between neighbours over their chord, at most
 constexpr double inside = 1e-10;  ///< radians beyond a limit that count as within
 constexpr double widened = 1e-6;  ///< radians by which intervals reach over the limits they are cut at
@@ -22,62 +22,6 @@ constexpr int mostNodes = 32;     ///< of an interval
 constexpr int mostIntervals = 24;
 constexpr double straight = 0.8;  ///< cosine between the tangents at its ends: it has no corner
 constexpr double leaf = 0.25;     ///< radians: a chord this short is nearly straight
-
-// ---- one formula for a number and for four
-
-/// Four numbers side by side; in memory neighbours, of any alignment.
-typedef double Lanes __attribute__((vector_size(32)));
-GELENK_INLINE Lanes load(const double* from) {
-  Lanes v;
-  __builtin_memcpy(&v, from, sizeof v);
-  return v;
-}
-GELENK_INLINE void store(double* to, Lanes v) { __builtin_memcpy(to, &v, sizeof v); }
-
-GELENK_INLINE double choose(bool mask, double yes, double no) { return mask ? yes : no; }
-GELENK_INLINE Lanes choose(decltype(Lanes{} < Lanes{}) mask, Lanes yes, Lanes no) { return mask ? yes : no; }
-/// Square root; 0 below 0.
-GELENK_INLINE double root(double x) { return std::sqrt(x > 0.0 ? x : 0.0); }
-GELENK_INLINE Lanes root(Lanes x) {
-  x = x > 0.0 ? x : Lanes{};
-  return Lanes{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
-}
-GELENK_INLINE double angleOf(double y, double x) { return std::atan2(y, x); }
-/// atan2 to 1e-15: reduced to |z| < tan(pi / 8), where a polynomial in z^2 (interpolated at Chebyshev's
-/// points) is good to 1.2e-17.
-GELENK_INLINE Lanes angleOf(Lanes y, Lanes x) {
-  constexpr double c[] = {1,
-                          -0.33333333333328441,
-                          0.19999999998855095,
-                          -0.14285714180973505,
-                          0.11111106180335059,
-                          -0.090907730725334771,
-                          0.076899534744669401,
-                          -0.066402338338738695,
-                          0.056883491886823789,
-                          -0.043480533438954326,
-                          0.021135400583752725};
-  const Lanes ax = x < 0.0 ? -x : x, ay = y < 0.0 ? -y : y;
-  const auto steep = ay > ax;
-  const Lanes big = steep ? ay : ax, small = steep ? ax : ay;
-  const auto tilted = small > big * 0.41421356237309503;
-  const Lanes below = tilted ? big + small : big, z = (tilted ? small - big : small) / (below + 1e-300),
-              z2 = z * z;
-  Lanes p = Lanes{} + c[10];
-  for (int k = 9; k >= 0; --k) p = p * z2 + c[k];
-  Lanes angle = z * p + (tilted ? Lanes{} + M_PI / 4 : Lanes{});
-  angle = steep ? M_PI / 2 - angle : angle;
-  angle = x < 0.0 ? M_PI - angle : angle;
-  return y < 0.0 ? -angle : angle;
-}
-GELENK_INLINE double larger(double a, double b) { return a > b ? a : b; }
-GELENK_INLINE Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
-/// By whole turns to [-pi, pi].
-template <class V>
-GELENK_INLINE V wrapped(V x) {
-  constexpr double magic = 6755399441055744.0;  // 1.5 2^52: what is added loses its fraction
-  return x - turn * ((x * (1.0 / turn) + magic) - magic);
-}
 
 /// The wanted pose as the arm sees it.
 struct Goal {

@@ -330,6 +330,67 @@ TEST(SixJointArm, BranchesOfThePumaHaveEightDifferentNames) {
   }
 }
 
+/// Shoulder, elbow and wrist by their meaning: frames one after the other, axes and centres in the world.
+TEST(SixJointArm, NamesOfBranchesAreTheSidesOnWhichTheLinksLie) {
+  for (const char* name : {"puma560", "ur5"}) {
+    const SixJointArm arm(chainOf(robotTable(name)));
+    const ChainConstants& C = arm.chain().constants;
+    std::mt19937_64 random(40);
+    ArmSolutions found;
+    for (int t = 0; t < 50; ++t) {
+      arm.solve(tipFrame(arm.chain(), randomAngles(random)), Vector6d::Zero(), found);
+      for (const ArmSolution& s : found.all()) {
+        Vector3d axis[6], origin[6];
+        Isometry3d frame = Isometry3d::Identity();
+        for (int i = 0; i < 6; ++i) {
+          frame = frame * Eigen::AngleAxisd(std::atan2(C.sinAlpha[i], C.cosAlpha[i]), Vector3d::UnitX()) *
+                  Eigen::Translation3d(C.a[i], 0, C.d[i]) *
+                  Eigen::AngleAxisd(C.theta[i] + s.q[i], Vector3d::UnitZ());
+          axis[i] = frame.linear().col(2), origin[i] = frame.translation();
+        }
+        const auto sign = [](double x) { return x > 1e-9 ? 1 : x < -1e-9 ? -1 : 0; };
+        EXPECT_EQ(s.shoulder, sign(axis[0].cross(axis[1]).dot(origin[5] - origin[0])));
+        EXPECT_EQ(s.elbow, sign(axis[1].dot((origin[2] - origin[1]).cross(origin[3] - origin[2]))));
+        EXPECT_EQ(s.wrist, sign(axis[4].dot(axis[3].cross(axis[5]))));
+      }
+    }
+  }
+}
+
+/// Straight elbows, wrists in line, points on axis 1: no solution twice, the error told is that of forward
+/// kinematics, and the pose that made the target is among them.
+TEST(SixJointArm, WhereBranchesMergeNoSolutionIsToldTwice) {
+  for (const char* name : {"puma560", "ur5"}) {
+    SCOPED_TRACE(name);
+    const SixJointArm arm(chainOf(robotTable(name)));
+    std::mt19937_64 random(41);
+    int merged = 0;
+    for (int t = 0; t < 400; ++t) {
+      Vector6d q = randomAngles(random);
+      // Joint 3 at the stretched arm, joint 5 at the wrist in line, exactly or nearly.
+      const double beside = t % 4 < 2 ? 0.0 : std::pow(10.0, -3.0 - t % 9);
+      const bool puma = arm.kind() == LoopClass::SphericalTriple;
+      const Vector3d forearm = Vector3d(arm.chain().constants.a[3], arm.chain().constants.d[3], 0);
+      if (t % 2 == 0) q[2] = beside + (puma ? std::atan2(forearm.x(), forearm.y()) : 0.0);
+      if (t % 3 == 0 && (t % 2 == 1 || beside == 0.0)) q[4] = beside;
+      const Isometry3d pose = tipFrame(arm.chain(), q);
+      ArmSolutions found;
+      arm.solve(pose, q, found);
+      double nearest = INFINITY;
+      for (int i = 0; i < found.count; ++i) {
+        const ArmSolution& s = found.list[i];
+        nearest = std::min(nearest, apart(s.q, q));
+        EXPECT_LT(poseError(arm.chain(), s.q, pose), 1e-8);
+        EXPECT_LT(poseError(arm.chain(), s.q, pose), 10.0 * s.error + 1e-12);
+        for (int k = 0; k < i; ++k) EXPECT_GT(apart(found.list[k].q, s.q), 1e-8);
+      }
+      EXPECT_LT(nearest, 1e-4) << t << " " << q.transpose();
+      merged += found.count < 8;
+    }
+    EXPECT_GT(merged, 50);
+  }
+}
+
 TEST(SixJointArm, OutOfReachHasNoSolution) {
   for (const char* name : {"puma560", "ur5", "crx10ia"}) {
     const std::string which = name;
