@@ -279,7 +279,14 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
     if (k < tries) {
       Loop loop = rankedLoop_[k];
       place(worldFromTip, ranked_[k], loop);
-      const LoopSolutions found = solveGeneralLoop(loop);
+      LoopSolutions known;
+      for (const ArmSolution& s : out.all()) {
+        Vector6d u = s.q;
+        for (int i = 0; i < 6; ++i) u[i] += chain_.constants.theta[i];
+        known.u[known.count] = toCut(ranked_[k], u);
+        known.error[known.count++] = s.error;
+      }
+      const LoopSolutions found = solveGeneralLoop(loop, known);
       out.noise = std::min(out.noise, found.noise);
       take(ranked_[k], found);
       // Roots come in pairs; an odd number, a root that led nowhere, or a noisy polynomial asks for another

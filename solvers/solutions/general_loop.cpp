@@ -412,18 +412,65 @@ double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 }  // namespace
 
-Vector6d loopError(const Loop& loop, const Vector6d& u) {
-  Matrix3d R = Matrix3d::Identity();
-  Vector3d p = Vector3d::Zero();
-  for (int i = 0; i < 6; ++i) {
-    R = R * aboutZ(u[i]);
-    p += R * loop.link[i].translation();
-    R = R * loop.link[i].linear();
+namespace {
+
+/// Walks along a loop: the frame reached, as seen from before hinge 1.
+struct Walk {
+  Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ(), p = Vector3d::Zero();
+
+  void past(double angle, const Isometry3d& link) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    const Vector3d ahead = c * x + s * y, side = c * y - s * x, up = z;
+    const auto& M = link.matrix();
+    p += M(0, 3) * ahead + M(1, 3) * side + M(2, 3) * up;
+    x = M(0, 0) * ahead + M(1, 0) * side + M(2, 0) * up;
+    y = M(0, 1) * ahead + M(1, 1) * side + M(2, 1) * up;
+    z = M(0, 2) * ahead + M(1, 2) * side + M(2, 2) * up;
   }
-  Vector6d e;
-  e << p, 0.5 * Vector3d(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-  if (R.trace() < 1.0) {  // over a right angle: the sine alone would lie
-    const double angle = std::acos(std::clamp(0.5 * (R.trace() - 1.0), -1.0, 1.0));
+
+  double trace() const { return x.x() + y.y() + z.z(); }
+  Vector6d error() const {
+    Vector6d e;
+    e << p, 0.5 * (y.z() - z.y()), 0.5 * (z.x() - x.z()), 0.5 * (x.y() - y.x());
+    return e;
+  }
+};
+
+/// Solves J x = e by elimination with column pivots, in e; returns the determinant.
+double solve(Matrix6d& J, Vector6d& e) {
+  double determinant = 1.0;
+  for (int k = 0; k < 6; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < 6; ++i)
+      if (std::abs(J(i, k)) > std::abs(J(pivot, k))) pivot = i;
+    if (pivot != k) {
+      for (int j = k; j < 6; ++j) std::swap(J(k, j), J(pivot, j));
+      std::swap(e[k], e[pivot]);
+      determinant = -determinant;
+    }
+    determinant *= J(k, k);
+    const double inverse = 1.0 / J(k, k);
+    double factor[6];
+    for (int i = k + 1; i < 6; ++i) factor[i] = J(i, k) * inverse;
+    for (int j = k + 1; j < 6; ++j)
+      for (int i = k + 1; i < 6; ++i) J(i, j) -= factor[i] * J(k, j);
+    for (int i = k + 1; i < 6; ++i) e[i] -= factor[i] * e[k];
+  }
+  for (int k = 5; k >= 0; --k) {
+    e[k] /= J(k, k);
+    for (int i = 0; i < k; ++i) e[i] -= J(i, k) * e[k];
+  }
+  return determinant;
+}
+
+}  // namespace
+
+Vector6d loopError(const Loop& loop, const Vector6d& u) {
+  Walk walk;
+  for (int i = 0; i < 6; ++i) walk.past(u[i], loop.link[i]);
+  Vector6d e = walk.error();
+  if (walk.trace() < 1.0) {  // over a right angle: the sine alone would lie
+    const double angle = std::acos(std::clamp(0.5 * (walk.trace() - 1.0), -1.0, 1.0));
     e.tail<3>() =
         e.tail<3>().norm() > 1e-9 ? Vector3d(e.tail<3>().normalized() * angle) : Vector3d(angle, 0, 0);
   }
@@ -432,35 +479,28 @@ Vector6d loopError(const Loop& loop, const Vector6d& u) {
 
 double loopDeterminant(const Loop& loop, const Vector6d& u) {
   Matrix6d J;
-  Matrix3d R = Matrix3d::Identity();
-  Vector3d p = Vector3d::Zero();
+  Walk walk;
   for (int i = 0; i < 6; ++i) {
-    J.col(i) << R.col(2).cross(-p), R.col(2);  // of the frame before hinge 1, where the loop ends
-    R = R * aboutZ(u[i]);
-    p += R * loop.link[i].translation();
-    R = R * loop.link[i].linear();
+    J.col(i) << walk.p.cross(walk.z), walk.z;  // of the frame before hinge 1, where the loop ends
+    walk.past(u[i], loop.link[i]);
   }
-  return J.determinant();
+  Vector6d unused = Vector6d::Zero();
+  return solve(J, unused);
 }
 
 bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, double& before) {
   error = INFINITY;
   Vector6d best = u;
   for (int iteration = 0; iteration < 10; ++iteration) {
-    Matrix6d J;
     Vector3d axis[6], origin[6];
-    Matrix3d R = Matrix3d::Identity();
-    Vector3d p = Vector3d::Zero();
+    Walk walk;
     for (int i = 0; i < 6; ++i) {
-      axis[i] = R.col(2), origin[i] = p;
-      R = R * aboutZ(u[i]);
-      p += R * loop.link[i].translation();
-      R = R * loop.link[i].linear();
+      axis[i] = walk.z, origin[i] = walk.p;
+      walk.past(u[i], loop.link[i]);
     }
-    Vector6d e;
-    e << p, 0.5 * Vector3d(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+    Vector6d e = walk.error();
     double now = e.norm();
-    if (R.trace() < 1.0) now += 2.0;
+    if (walk.trace() < 1.0) now += 2.0;
     if (iteration == 0) before = now;
     if (!(now < 0.5 * error)) {  // no longer worth a step
       if (now < error) error = now, best = u;
@@ -468,10 +508,11 @@ bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, doubl
     }
     error = now, best = u;
     if (now < 2e-15) break;
-    for (int i = 0; i < 6; ++i) J.col(i) << axis[i].cross(p - origin[i]), axis[i];
-    const Vector6d step = J.partialPivLu().solve(e);
-    if (!step.allFinite() || step.norm() > 2.0) break;
-    u -= step;
+    Matrix6d J;
+    for (int i = 0; i < 6; ++i) J.col(i) << axis[i].cross(walk.p - origin[i]), axis[i];
+    solve(J, e);
+    if (!e.allFinite() || e.norm() > 2.0) break;
+    u -= e;
   }
   u = best;
   return error < accepted;
@@ -507,8 +548,10 @@ double refinement(const Resultant& resultant, const Kernel& kernel, double c, do
 
 }  // namespace
 
-LoopSolutions solveGeneralLoop(const Loop& loop) {
+LoopSolutions solveGeneralLoop(const Loop& loop, const LoopSolutions& known) {
+  constexpr double sameRoot = 1e-6;
   LoopSolutions solutions;
+  bool taken[LoopSolutions::most] = {};
   const Equations e(loop);
   const Elimination elimination(e);
   const Resultant resultant(e, elimination);
@@ -517,6 +560,12 @@ LoopSolutions solveGeneralLoop(const Loop& loop) {
   if (solutions.noise > 1e-4) return solutions;
   const TrigonometricRoots roots = realRoots(polynomial, 100.0 * solutions.noise);
   const auto follow = [&](double root, bool proven) {
+    for (int k = 0; k < known.count; ++k)
+      if (!taken[k] && std::abs(wrapped(known.u[k][2] - root)) < sameRoot) {
+        taken[k] = true;
+        add(solutions, known.u[k], known.error[k]);
+        return;
+      }
     double u3 = root, u4[4], u5[4];
     int dimension = 1;
     for (int pass = 0; pass < 4; ++pass) {

@@ -40,6 +40,8 @@ bool add(LoopSolutions& solutions, const Vector6d& u, double error);
 /// infinity in any variable, which is what the tangents of half angles cannot say. Its coefficients come from
 /// samples round the circle (an orthogonal transform, so nothing is lost); what is left in the harmonics 9 to
 /// 12, which must vanish, is its noise. Lengths should be about one. No allocation.
-LoopSolutions solveGeneralLoop(const Loop& loop);
+/// known: solutions that are known already, for which nothing is solved again where the determinant has a
+/// root of theirs; the others are not among the solutions returned.
+LoopSolutions solveGeneralLoop(const Loop& loop, const LoopSolutions& known = {});
 
 }  // namespace gelenk

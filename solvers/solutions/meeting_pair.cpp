@@ -1,11 +1,13 @@
 #include "solvers/solutions/meeting_pair.h"
 
+#include "solvers/solutions/lane_vectors.h"
 #include "solvers/solutions/planar_system.h"
 
 namespace gelenk {
 namespace {
 
 using namespace planar;
+using namespace lanes;
 
 constexpr int cells = 64;
 constexpr int deepest = 9;         ///< halvings of a cell
@@ -25,8 +27,6 @@ struct Sample {
   int count = 0;
   Branch branch[8];
 };
-
-double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 class Circuit {
  public:
@@ -74,41 +74,7 @@ class Circuit {
   }
 
  private:
-  void at(double u6, Sample& sample) const {
-    sample.u6 = u6;
-    sample.count = 0;
-    const Turn back{std::cos(u6), -std::sin(u6)};
-    const Vector3d g = back6_ * aboutZ(back, point_), d = back6_.linear() * aboutZ(back, axis_);
-    PlanarSystem system = system_;
-    system.alpha = alpha_, system.beta = beta_;
-    system.alpha.a += 0.5 * g.squaredNorm(), system.beta.a += g.z();
-    PlanarSolution planar[8];
-    const int count = solve(system, 0.0, planar);
-    const Vector3d axis6 = back6_.linear().col(2), arm = g - back6_.translation();
-    const Vector3d pointMoves = -axis6.cross(arm), axisTurns = -axis6.cross(d);
-    for (int k = 0; k < count; ++k) {
-      Branch& b = sample.branch[sample.count];
-      b.t3 = planar[k].t, b.number = planar[k].branch;
-      const Vector3d v = fixed_ + vc_ * b.t3.c + vs_ * b.t3.s, w(planar[k].z.x(), planar[k].z.y(), v.z());
-      if (planar[k].free || !turnFromTo(v, w, b.t2) || !turnFromTo(loop_.link[0] * w, g, b.t1)) continue;
-      const Matrix3d A = aboutZ(b.t1) * loop_.link[0].linear(), B = A * aboutZ(b.t2) * loop_.link[1].linear();
-      const Vector3d p2 = aboutZ(b.t1, loop_.link[0].translation()),
-                     p3 = p2 + A * aboutZ(b.t2, loop_.link[1].translation());
-      const Vector3d axis2 = A.col(2), axis3 = B.col(2),
-                     axis4 = B * aboutZ(b.t3, loop_.link[2].linear().col(2));
-      b.e = axis4.dot(d) - wanted_;
-      // How fast hinges 1 to 3 turn to keep up with the point.
-      const Vector3d J1(-g.y(), g.x(), 0), J2 = axis2.cross(g - p2), J3 = axis3.cross(g - p3);
-      const Vector3d J23 = J2.cross(J3), J31 = J3.cross(J1), J12 = J1.cross(J2);
-      const double det = J1.dot(J23);
-      const Vector3d spin = (J23.dot(pointMoves) * Vector3d::UnitZ() + J31.dot(pointMoves) * axis2 +
-                             J12.dot(pointMoves) * axis3) /
-                            det;
-      b.slope = spin.cross(axis4).dot(d) + axis4.dot(axisTurns);
-      if (!std::isfinite(b.slope)) continue;
-      ++sample.count;
-    }
-  }
+  void at(double u6, Sample& sample) const;
 
   static double apart(const Branch& a, const Branch& b) {
     return 3.0 - (a.t1.c * b.t1.c + a.t1.s * b.t1.s) - (a.t2.c * b.t2.c + a.t2.s * b.t2.s) -
@@ -189,9 +155,25 @@ class Circuit {
         if (std::abs(s->branch[i].e) < 0.1) take(s->u6, s->branch[i]);
   }
 
+  /// Root in [0, 1] of the cubic with these values and slopes at its ends, from that of the chord.
+  static double cubicRoot(double left, double leftSlope, double right, double rightSlope) {
+    const double c2 = 3.0 * (right - left) - 2.0 * leftSlope - rightSlope,
+                 c3 = leftSlope + rightSlope - 2.0 * (right - left);
+    double x = left / (left - right);
+    for (int i = 0; i < 4; ++i) {
+      const double step =
+          (left + x * (leftSlope + x * (c2 + x * c3))) / (leftSlope + x * (2.0 * c2 + 3.0 * x * c3));
+      if (!(x - step > 0.0 && x - step < 1.0)) break;
+      x -= step;
+    }
+    return x;
+  }
+
   void bracketed(Sample l, int i, Sample r, int k, int depth) {
     const Branch &a = l.branch[i], &b = r.branch[k];
-    const double share = std::clamp(a.e / (a.e - b.e), 0.02, 0.98), u6 = l.u6 + share * (r.u6 - l.u6);
+    const double share = std::clamp(cubicRoot(a.e, a.slope * (r.u6 - l.u6), b.e, b.slope * (r.u6 - l.u6)),
+                                    0.02, 0.98),
+                 u6 = l.u6 + share * (r.u6 - l.u6);
     Sample m;
     at(u6, m);
     int toMiddle[8];
@@ -239,6 +221,60 @@ class Circuit {
   Wave alpha_, beta_;
   PlanarSystem system_;
 };
+
+/// Every way to place the point, four at a time.
+GELENK_SIMD_CLONES void Circuit::at(double u6, Sample& sample) const {
+  sample.u6 = u6;
+  sample.count = 0;
+  const Turn back{std::cos(u6), -std::sin(u6)};
+  const Vector3d g = back6_ * aboutZ(back, point_), d = back6_.linear() * aboutZ(back, axis_);
+  PlanarSystem system = system_;
+  system.alpha = alpha_, system.beta = beta_;
+  system.alpha.a += 0.5 * g.squaredNorm(), system.beta.a += g.z();
+  PlanarSolution planar[8];
+  const int count = planar::solve(system, 0.0, planar);
+  const Vector3d axis6 = back6_.linear().col(2), arm = g - back6_.translation();
+  const Vector3d pointMoves = -axis6.cross(arm), axisTurns = -axis6.cross(d);
+  const Isometry3d &X1 = loop_.link[0], &X2 = loop_.link[1], &X3 = loop_.link[2];
+  for (int base = 0; base < count; base += 4) {
+    double in[4][4];
+    for (int l = 0; l < 4; ++l) {
+      const PlanarSolution& p = planar[std::min(base + l, count - 1)];
+      in[0][l] = p.t.c, in[1][l] = p.t.s, in[2][l] = p.z.x(), in[3][l] = p.z.y();
+    }
+    const Turns t3{load(in[0]), load(in[1])};
+    Mask undefined{};
+    const Vectors v{fixed_.x() + vc_.x() * t3.c + vs_.x() * t3.s,
+                    fixed_.y() + vc_.y() * t3.c + vs_.y() * t3.s,
+                    fixed_.z() + vc_.z() * t3.c + vs_.z() * t3.s};
+    const Turns t2 = turnsFromTo(v, {load(in[2]), load(in[3]), v.z}, 0.0, 1L, undefined);
+    const Turns t1 = turnsFromTo(moved(X1, turned(t2, v)), same(g), 0.0, 1L, undefined);
+    const auto before2 = [&](const Vectors& a) { return turned(t1, times(X1, a)); };
+    const auto before3 = [&](const Vectors& a) { return before2(turned(t2, times(X2, a))); };
+    const Vectors p2 = turned(t1, same(X1.translation())),
+                  p3 = p2 + before2(turned(t2, same(X2.translation())));
+    const Vectors axis2 = turned(t1, same(X1.linear().col(2))),
+                  axis3 = before2(turned(t2, same(X2.linear().col(2)))),
+                  axis4 = before3(turned(t3, same(X3.linear().col(2))));
+    // How fast hinges 1 to 3 turn to keep up with the point.
+    const Vectors J1 = same({-g.y(), g.x(), 0}), J2 = cross(axis2, same(g) - p2),
+                  J3 = cross(axis3, same(g) - p3);
+    const Vectors J23 = cross(J2, J3), moves = same(pointMoves), turn4 = cross(axis4, same(d));
+    const Lanes det = dot(J1, J23), rate1 = dot(J23, moves), rate2 = dot(cross(J3, J1), moves),
+                rate3 = dot(cross(J1, J2), moves);
+    // (spin x axis4) . d = spin . (axis4 x d)
+    const Lanes spun = rate1 * turn4.z + rate2 * dot(axis2, turn4) + rate3 * dot(axis3, turn4);
+    double e[4], slope[4], c1[4], s1[4], c2[4], s2[4];
+    store(e, dot(axis4, same(d)) - wanted_);
+    store(slope, spun / det + dot(axis4, same(axisTurns)));
+    store(c1, t1.c), store(s1, t1.s), store(c2, t2.c), store(s2, t2.s);
+    for (int l = 0; l < 4 && base + l < count; ++l) {
+      const PlanarSolution& p = planar[base + l];
+      if (p.free || undefined[l] || !std::isfinite(slope[l])) continue;
+      sample.branch[sample.count++] = {{c1[l], s1[l]}, {c2[l], s2[l]}, p.t, e[l], slope[l], p.branch};
+    }
+  }
+}
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 #include "kinematics/notation/robots.h"
 #include "solvers/problem/ik_solver.h"
 #include "solvers/problem/judge.h"
-#include "tests/solvers/solutions/example_arms.h"
+#include "tests/solvers/solutions/recall.h"
 
 namespace gelenk {
 namespace {
@@ -20,37 +20,10 @@ using Eigen::VectorXd;
 using testing::apart;
 using testing::chainOf;
 using testing::generalArm;
+using testing::poseError;
 using testing::randomAngles;
-
-/// Largest entry of the difference of the pose reached from the pose wanted.
-double poseError(const SerialChain& chain, const Vector6d& q, const Isometry3d& pose) {
-  return (tipFrame(chain, q).matrix() - pose.matrix()).cwiseAbs().maxCoeff();
-}
-
-struct Recall {
-  int missed = 0, missedSingular = 0, incomplete = 0;
-  double worst = 0.0;  ///< pose error of any solution
-};
-
-/// The configuration that made the target must be in the set.
-Recall recall(const SixJointArm& arm, int targets, std::uint64_t seed) {
-  Recall r;
-  std::mt19937_64 random(seed);
-  ArmSolutions found;
-  for (int t = 0; t < targets; ++t) {
-    const Vector6d q = randomAngles(random);
-    const Isometry3d pose = tipFrame(arm.chain(), q);
-    arm.solve(pose, Vector6d::Zero(), found);
-    r.incomplete += !found.complete;
-    bool hit = false;
-    for (const ArmSolution& s : found.all()) {
-      r.worst = std::max(r.worst, poseError(arm.chain(), s.q, pose));
-      hit |= apart(s.q, q) < 1e-5;
-    }
-    if (!hit) (singularity(arm.chain(), q).sigmaMin > 1e-4 ? r.missed : r.missedSingular) += 1;
-  }
-  return r;
-}
+using testing::Recall;
+using testing::recall;
 
 TEST(SixJointArm, TheClassIsReadOffTheAxes) {
   EXPECT_EQ(SixJointArm(chainOf(robotTable("puma560"))).describe(),
