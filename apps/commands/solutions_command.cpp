@@ -45,14 +45,6 @@ struct Told {
   unsigned free;
 };
 
-std::string branchName(const ArmSolution& s) {
-  std::vector<std::string> parts;
-  if (s.shoulder) parts.push_back(s.shoulder > 0 ? "shoulder +" : "shoulder -");
-  if (s.elbow) parts.push_back(s.elbow > 0 ? "elbow +" : "elbow -");
-  if (s.wrist) parts.push_back(s.wrist > 0 ? "wrist +" : "wrist -");
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
-
 /// "joints 4 and 6 turn together: dq = (0, 0, 0, 0.71, 0, -0.71)"
 std::string familyText(const Told& t) {
   std::vector<int> joints;
@@ -81,7 +73,9 @@ std::vector<Told> tell(const CompleteSet& set, const ArmSolutions& found, const 
     t.distance = (t.q - near).norm();
     t.singularity = singularity(set.chain(), t.q);
     t.images = 1;
-    for (int i = 0; i < n; ++i) t.images *= imageCount(t.q[i], set.chain().lower[i], set.chain().upper[i]);
+    for (int i = 0; i < n; ++i)
+      if (set.chain().constants.revolute[i] > 0.5)
+        t.images *= imageCount(t.q[i], set.chain().lower[i], set.chain().upper[i]);
     list.push_back(t);
   }
   std::stable_sort(list.begin(), list.end(),

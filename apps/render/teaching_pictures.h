@@ -55,12 +55,14 @@ class TeachingPictures {
   /// Whether the map is still being computed.
   bool isWorking() const { return working_; }
 
- private:
+  /// The point that is meant.
   struct Effector {
     int joint = 0;
     Eigen::Vector3d pointInJoint = Eigen::Vector3d::Zero();
   };
   static std::optional<Effector> effectorOf(const Session& session, std::optional<GoalId> selected);
+
+ private:
   void ellipsoids(const Session& session, const Frames& frames, const Effector& at, const Look& look,
                   Overlay& overlay) const;
   void reach(const Session& session, const Effector& at, const Look& look, Overlay& overlay);

@@ -16,6 +16,7 @@
   ROW(Plots)    /* bottom strip: residual, error, joint angles */     \
   ROW(Motion)   /* plays a clip: timeline, trails, contacts, keys */  \
   ROW(Pictures) /* ellipsoids, reach, other solutions, convergence */ \
+  ROW(Path)     /* a path drawn by mouse, followed without jumps */   \
   ROW(Lab)      /* up to four solvers as ghosts; reproductions */     \
   ROW(Lecture)  /* the lecture's examples as scenes */
 

@@ -424,7 +424,7 @@ class ProblemMaker {
       return meetable(one, nearSingular(model_, 0.0, random), random);
     }
     if (kind < 8) {
-      constexpr int draws = 60;
+      constexpr int draws = 400;  // sixteen are rare
       const int wanted = 2 * (kind + 1);
       VectorXd best;
       for (int i = 0; i < draws && one.level != wanted; ++i) {

@@ -22,7 +22,7 @@ constexpr double nearMisfit = 1e-5;      ///< it fits nearly: they do
 constexpr double polishedError = 1e-13;  ///< above it a solution is polished
 constexpr double familyError = 2e-12;
 constexpr double acceptedError = 1e-9;  ///< of a loop that cannot be polished further (singular)
-constexpr int cutsTried = 3;            ///< of the elimination
+constexpr int cutsTried = 6;            ///< of the elimination
 constexpr int pairsTried = 2;           ///< of the search beside two axes that meet
 
 /// F_i = Rx(alpha) T(a, 0, d), lengths over `scale`.
@@ -64,25 +64,38 @@ bool parallel(const Isometry3d& link) { return link.linear().col(2).head<2>().no
 }  // namespace
 
 SixJointArm::SixJointArm(const SerialChain& chain) : chain_(chain) {
-  if (chain.n != 6 || chain.hasPrismatic)
-    throw std::invalid_argument("complete sets need six revolute joints; this chain has " +
-                                std::to_string(chain.n) +
-                                (chain.hasPrismatic ? ", not all of them revolute" : ""));
+  if (chain.n != 6)
+    throw std::invalid_argument("complete sets need six joints; this chain has " + std::to_string(chain.n));
   scale_ = chain.length / 3.0;
-  for (int i = 0; i < 5; ++i) fixed_.link[i] = fixedPart(chain.constants, i + 1, scale_);
-  fixed_.link[5] = Isometry3d::Identity();
-  for (int i = 0; i < 5; ++i) reach_ += fixed_.link[i].translation().norm();
   baseFromWorld_ = chain.worldFromBase.inverse(Eigen::Isometry);
   tipFromLast_ = chain.lastFromTip.inverse(Eigen::Isometry);
+  for (int i = 0; i < 5; ++i) fixed_.link[i] = fixedPart(chain.constants, i + 1, scale_);
+  fixed_.link[5] = Isometry3d::Identity();
+  // The angle of a joint that slides is constant: it belongs to the link behind.
+  for (int i = 0; i < 6; ++i) {
+    if (chain.constants.revolute[i] > 0.5) continue;
+    fixed_.slides |= 1u << i;
+    const Isometry3d spin(Eigen::AngleAxisd(chain.constants.theta[i], Vector3d::UnitZ()));
+    if (i < 5)
+      fixed_.link[i] = spin * fixed_.link[i];
+    else
+      tipFromLast_ = tipFromLast_ * spin.inverse(Eigen::Isometry);
+  }
+  for (int i = 0; i < 5; ++i) reach_ += fixed_.link[i].translation().norm();
+  if (fixed_.slides) reach_ = INFINITY;
   decomposition_ = decompose(fixed_, nearMisfit);
   if (decomposition_.kind == LoopClass::General) {
+    if (fixed_.slides) throw std::invalid_argument(slidingNeedsAWrist);
     rankCuts();
     rankPairs();
     return;
   }
   triple_.emplace(decomposition_.kind, cutAt(fixed_, decomposition_.cut), goalLink(decomposition_.cut));
+  if (fixed_.slides && !hasFiniteSets())
+    throw std::invalid_argument(
+        "the joints that slide leave families of solutions, or none, wherever the arm stands");
   const bool shoulderAndElbow = !parallel(fixed_.link[0]) && parallel(fixed_.link[1]);
-  named_ = shoulderAndElbow &&
+  named_ = shoulderAndElbow && !fixed_.slides &&
            ((decomposition_.kind == LoopClass::SphericalTriple && decomposition_.firstOfThree == 3) ||
             (decomposition_.kind == LoopClass::ParallelTriple && decomposition_.firstOfThree == 1 &&
              !parallel(fixed_.link[3]) && !parallel(fixed_.link[4])));
@@ -94,6 +107,20 @@ SixJointArm::SixJointArm(const SerialChain& chain) : chain_(chain) {
                  in = fixed_.link[3].linear().row(2).transpose(), out = fixed_.link[4].linear().col(2);
   elbow_ = Side(w.x() * x3.x() + w.y() * x3.y(), w.y() * x3.x() - w.x() * x3.y());
   wrist_ = Side(in.x() * out.y() - in.y() * out.x(), in.x() * out.x() + in.y() * out.y());
+}
+
+/// Of some random poses one at least is among the solutions of where it puts the tip.
+bool SixJointArm::hasFiniteSets() const {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  for (int t = 0; t < 6; ++t) {
+    Vector6d q;
+    for (int i = 0; i < 6; ++i) q[i] = share(random) * (fixed_.slidesAt(i) ? scale_ : M_PI);
+    ArmSolutions found;
+    solve(tipFrame(chain_, Eigen::VectorXd(q)), Vector6d::Zero(), found);
+    if (isThere(found, q, 1e-6)) return true;
+  }
+  return false;
 }
 
 SixJointArm::Side::Side(double cosine, double sine)
@@ -160,7 +187,8 @@ void SixJointArm::solve(const Isometry3d& worldFromTip, const Vector6d& referenc
   Vector6d turned;
   for (int j = 0; j < 6; ++j) {
     const int i = cut.joint(j);
-    turned[j] = cut.sign() * (reference[i] + chain_.constants.theta[i]);
+    turned[j] =
+        cut.sign() * (fixed_.slidesAt(i) ? reference[i] / scale_ : reference[i] + chain_.constants.theta[i]);
   }
   TripleSolutions found;
   triple_->solve(goal, turned, found);
@@ -184,10 +212,13 @@ void SixJointArm::solve(const Isometry3d& worldFromTip, const Vector6d& referenc
   toImages(found, last, reference, out);
 }
 
-bool SixJointArm::isThere(const ArmSolutions& out, const Vector6d& q) {
+bool SixJointArm::isThere(const ArmSolutions& out, const Vector6d& q, double tolerance) const {
   for (int k = 0; k < out.count; ++k) {
     bool same = true;
-    for (int i = 0; i < 6 && same; ++i) same = std::abs(wrapped(out.list[k].q[i] - q[i])) < 1e-7;
+    for (int i = 0; i < 6 && same; ++i) {
+      const double d = out.list[k].q[i] - q[i];
+      same = std::abs(fixed_.slidesAt(i) ? d : wrapped(d)) < tolerance;
+    }
     if (same) return true;
   }
   return false;
@@ -209,6 +240,14 @@ GELENK_SIMD_CLONES void SixJointArm::toImages(const TripleSolutions& found, cons
     for (int j = 0; j < 6; ++j) {
       const int i = cut.joint(j);
       const Lanes u = cut.sign() * load(found.u[j] + base);
+      if (fixed_.slidesAt(i)) {
+        constexpr double inside = 1e-9;  // metres
+        const double lower = chain_.lower[i], upper = chain_.upper[i];
+        Lanes length = scale_ * u;
+        within &= (length >= lower - inside) & (length <= upper + inside);
+        store(q[i], length);
+        continue;
+      }
       Lanes angle = u - chain_.constants.theta[i];
       within &= toNearestImage(angle, chain_.lower[i], chain_.upper[i], reference[i]);
       store(q[i], angle);
@@ -253,20 +292,26 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
                                const Vector6d& reference) const {
   out.complete = false;
   out.noise = 1.0;
-  // Two ways that each find the whole set, or one elimination that shows nothing suspicious where there is no
-  // other way: then it is complete.
-  int counts[cutsTried + pairsTried], ways = 0, roots = 0;
-  bool clean = false;
+  // Two ways that each find the whole set, an elimination that shows nothing suspicious being one of them, or
+  // such an elimination alone where there is no other way: then it is complete.
+  struct Way {
+    int count;
+    bool clean;
+  } ways[cutsTried + pairsTried];
+  int asked = 0, roots = 0;
   const auto agreed = [&] {
-    int whole = 0;
-    for (int k = 0; k < ways; ++k) whole += counts[k] == out.count;
-    return whole >= (rankedPairs_.empty() ? 1 : 2) && clean && out.count >= roots &&
+    int whole = 0, clean = 0;
+    for (int k = 0; k < asked; ++k) {
+      if (ways[k].count != out.count) continue;
+      ++whole, clean += ways[k].clean;
+    }
+    return whole >= (rankedPairs_.empty() ? 1 : 2) && clean > 0 && out.count >= roots &&
            balanced(worldFromTip, out);
   };
-  const auto take = [&](const Cut& cut, const LoopSolutions& found) {
+  const auto take = [&](const Cut& cut, const LoopSolutions& found, bool clean) {
     out.raw = std::max(out.raw, found.raw);
     for (int i = 0; i < found.count; ++i) insert(fromCut(cut, found.u[i]), found.error[i], 0, reference, out);
-    counts[ways++] = found.count;
+    ways[asked++] = {found.count, clean};
   };
   const size_t pairs = std::min<size_t>(pairsTried, rankedPairs_.size()),
                tries = std::min<size_t>(cutsTried, ranked_.size());
@@ -274,7 +319,7 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
     if (k < pairs) {
       Loop loop = cutAt(fixed_, rankedPairs_[k]);
       place(worldFromTip, rankedPairs_[k], loop);
-      take(rankedPairs_[k], solveMeetingPair(loop));
+      take(rankedPairs_[k], solveMeetingPair(loop), false);
     }
     if (k < tries) {
       Loop loop = rankedLoop_[k];
@@ -288,12 +333,9 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
       }
       const LoopSolutions found = solveGeneralLoop(loop, known);
       out.noise = std::min(out.noise, found.noise);
-      take(ranked_[k], found);
-      // Roots come in pairs; an odd number, a root that led nowhere, or a noisy polynomial asks for another
-      // cut.
-      roots = std::max(roots, found.roots);
       // A start far from its solution may have ended at another's.
-      clean |= found.noise < 1e-9 && found.suspects == 0 && found.raw < 1e-2;
+      take(ranked_[k], found, found.noise < 1e-9 && found.suspects == 0 && found.raw < 1e-2);
+      roots = std::max(roots, found.roots);
     }
     if (agreed()) break;
   }
@@ -369,6 +411,15 @@ void SixJointArm::rankCuts() {
     ranked_.push_back(s.cut);
     rankedLoop_.push_back(cutAt(fixed_, s.cut));
   }
+}
+
+std::string branchName(const ArmSolution& s) {
+  std::string name;
+  const auto add = [&](const char* part, int side) {
+    if (side != 0) name += std::string(name.empty() ? "" : ", ") + part + (side > 0 ? " +" : " -");
+  };
+  add("shoulder", s.shoulder), add("elbow", s.elbow), add("wrist", s.wrist);
+  return name;
 }
 
 int imageCount(double q, double lower, double upper) {

@@ -12,8 +12,8 @@ namespace gelenk {
 
 /// One solution of a pose.
 struct ArmSolution {
-  Vector6d q;  ///< radians; of the images q + 2 pi k the one within limits and nearest to the reference,
-               ///< where there is none within limits the nearest
+  Vector6d q;  ///< radians (metres where a joint slides); of the images q + 2 pi k the one within limits and
+               ///< nearest to the reference, where there is none within limits the nearest
   bool withinLimits = false;
   double error = 0.0;        ///< of the closed loop: metres over the arm's length, and radians
   unsigned char free = 0;    ///< bit i: joint i could take any value (a family of solutions); it took the
@@ -22,6 +22,9 @@ struct ArmSolution {
   signed char elbow = 0;     ///< +1, -1: sense of the bend at joint 3 about axis 2
   signed char wrist = 0;  ///< +1, -1: sign of sin of the bend at joint 5; all 0 where the class has no names
 };
+
+/// "shoulder +, elbow -, wrist +"; empty where the class has no names.
+std::string branchName(const ArmSolution& solution);
 
 /// All of them: at most sixteen.
 struct ArmSolutions {
@@ -36,14 +39,21 @@ struct ArmSolutions {
   std::span<const ArmSolution> all() const { return {list.data(), static_cast<size_t>(count)}; }
 };
 
-/// Every pose solution of six revolute joints. The class is read off the axes:
+/// Why some arms with joints that slide have no complete set here.
+inline constexpr char slidingNeedsAWrist[] =
+    "with a joint that slides, complete sets need three neighbouring turning joints whose axes meet in a "
+    "point";
+
+/// Every pose solution of six joints. The class is read off the axes:
 /// three neighbours that meet in a point, three that are parallel, or none of these (general; two that meet
 /// or are parallel need no method of their own: they only make one place to cut the loop better than
-/// another). Axes that miss a class by up to 1e-5 of the arm's length (radians) are solved as if they did not
-/// and polished on the true arm. Const methods may be called from several threads; they do not allocate.
+/// another). Joints that slide are solved where three that turn meet in a point; their q is in metres. Axes
+/// that miss a class by up to 1e-5 of the arm's length (radians) are solved as if they did not and polished
+/// on the true arm. Const methods may be called from several threads; they do not allocate.
 class SixJointArm {
  public:
-  /// Throws std::invalid_argument for a chain of other than six revolute joints.
+  /// Throws std::invalid_argument for a chain of other than six joints, and where one slides that does not
+  /// fit.
   explicit SixJointArm(const SerialChain& chain);
 
   LoopClass kind() const { return decomposition_.kind; }
@@ -70,7 +80,8 @@ class SixJointArm {
   Eigen::Isometry3d baseFromLast(const Eigen::Isometry3d& worldFromTip) const;
   void toImages(const TripleSolutions& found, const Eigen::Isometry3d& last, const Vector6d& reference,
                 ArmSolutions& out) const;
-  static bool isThere(const ArmSolutions& out, const Vector6d& q);
+  bool isThere(const ArmSolutions& out, const Vector6d& q, double tolerance = 1e-7) const;
+  bool hasFiniteSets() const;
   void rankCuts();
   void rankPairs();
 

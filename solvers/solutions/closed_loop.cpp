@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "solvers/solutions/lane_vectors.h"
+#include "solvers/solutions/placing.h"
 #include "solvers/solutions/planar_system.h"
 
 namespace gelenk {
@@ -14,10 +15,36 @@ using namespace lanes;
 constexpr double inLineSine = 1e-12;  ///< between axes 4 and 6 of a wrist: only their sum is determined
 constexpr double merging = 1e-6;      ///< branches nearer to each other than this may be one
 
-/// The first three hinges of four branches, from what the planar system gives of them.
+/// The first three hinges of four branches; of those that slide the length, and no turn.
 struct First {
   Turns t[3];
   Mask free;
+  Lanes length[3] = {};
+};
+
+/// The ways that a planar system leaves, and four of them.
+struct PlanarWays {
+  PlanarSystem system;
+  int count = 0;
+  bool alike = false;
+  PlanarSolution list[8];
+
+  void solve(double freeAngle) {
+    count = planar::solve(system, freeAngle, list);
+    for (int i = 0; i < count; ++i)
+      for (int k = 0; k < i; ++k)
+        alike |= std::abs(list[i].t.c - list[k].t.c) + std::abs(list[i].t.s - list[k].t.s) < merging &&
+                 (list[i].z - list[k].z).squaredNorm() < merging * merging;
+  }
+  GELENK_INLINE void four(int base, Turns& t, Lanes& zx, Lanes& zy, Mask& free) const {
+    double in[4][4];
+    for (int l = 0; l < 4; ++l) {
+      const PlanarSolution& p = list[std::min(base + l, count - 1)];
+      in[0][l] = p.t.c, in[1][l] = p.t.s, in[2][l] = p.z.x(), in[3][l] = p.z.y();
+      free[l] = p.free ? -1L : 0L;
+    }
+    t = {load(in[0]), load(in[1])}, zx = load(in[2]), zy = load(in[3]);
+  }
 };
 
 }  // namespace
@@ -71,13 +98,13 @@ namespace {
 
 /// Where three axes meet, g seen from before hinge 1: v = X2 Rz(u3) c as waves of u3; Rz(u2) v = w must
 /// satisfy |X1 w| = |g| and (X1 w).z = g.z.
-struct SphericalFront {
+struct SphericalFront : PlanarWays {
+  static constexpr bool spherical = true;
   Vector3d fixed, vc, vs, g;
-  PlanarSystem system;
 
-  static constexpr int hinge = 2;  ///< the planar system's angle
-
-  SphericalFront(const Isometry3d& X1, const Isometry3d& X2, const Vector3d& c, const Vector3d& g) : g(g) {
+  SphericalFront(const Isometry3d& X1, const Isometry3d& X2, const Vector3d& c, const Vector3d& g,
+                 const Vector6d& reference)
+      : g(g) {
     const Matrix3d R1 = X1.linear(), R2 = X2.linear();
     const Vector3d x1 = X1.translation();
     fixed = X2.translation() + R2.col(2) * c.z();
@@ -90,11 +117,15 @@ struct SphericalFront {
     system.alpha = Wave{0.5 * (g.squaredNorm() - x1.squaredNorm()), 0, 0} - 0.5 * vv - n.z() * vz;
     system.beta = Wave{g.z() - x1.z(), 0, 0} - m.z() * vz;
     system.x = {fixed.x(), vc.x(), vs.x()}, system.y = {fixed.y(), vc.y(), vs.y()};
+    solve(reference[2]);
   }
 
-  GELENK_INLINE First at(const Isometry3d& X1, const Isometry3d&, const Turns& t3, Lanes zx, Lanes zy,
-                         Mask known, const Vector6d& reference) const {
-    First first{{{}, {}, t3}, known & 4L};
+  GELENK_INLINE First at(int base, const Isometry3d& X1, const Isometry3d&, const Vector6d& reference) const {
+    First first{};
+    Turns& t3 = first.t[2];
+    Lanes zx, zy;
+    four(base, t3, zx, zy, first.free);
+    first.free &= 4L;
     const Vectors v{fixed.x() + vc.x() * t3.c + vs.x() * t3.s, fixed.y() + vc.y() * t3.c + vs.y() * t3.s,
                     fixed.z() + vc.z() * t3.c + vs.z() * t3.s};
     first.t[1] = turnsFromTo(v, {zx, zy, v.z}, reference[1], 2L, first.free);
@@ -105,14 +136,12 @@ struct SphericalFront {
 
 /// Where three axes are parallel: the common direction, h0 seen from before hinge 1 and h3 from before
 /// hinge 4, and the height along it must come out right.
-struct ParallelFront {
+struct ParallelFront : PlanarWays {
+  static constexpr bool spherical = false;
   Vector3d h0, h3;
-  PlanarSystem system;
-
-  static constexpr int hinge = 0;
 
   ParallelFront(const Isometry3d& X1, const Isometry3d& X2, const Vector3d& h0, const Vector3d& h3,
-                double height)
+                double height, const Vector6d& reference)
       : h0(h0), h3(h3) {
     const auto waveOf = [&](const Vector3d& a) {  // a . Rz(-u1) h0
       return Wave{a.z() * h0.z(), a.x() * h0.x() + a.y() * h0.y(), a.x() * h0.y() - a.y() * h0.x()};
@@ -124,11 +153,16 @@ struct ParallelFront {
     system.alpha = Wave{height, 0, 0} - waveOf(X1.translation()) - x2.z() * etaZ;
     system.beta = Wave{h3.z(), 0, 0} - r2.z() * etaZ;
     system.x = waveOf(R1.col(0)), system.y = waveOf(R1.col(1));
+    solve(reference[0]);
   }
 
-  GELENK_INLINE First at(const Isometry3d& X1, const Isometry3d& X2, const Turns& t1, Lanes zx, Lanes zy,
-                         Mask known, const Vector6d& reference) const {
-    First first{{t1, {}, {}}, known & 1L};
+  GELENK_INLINE First at(int base, const Isometry3d& X1, const Isometry3d& X2,
+                         const Vector6d& reference) const {
+    First first{};
+    Turns& t1 = first.t[0];
+    Lanes zx, zy;
+    four(base, t1, zx, zy, first.free);
+    first.free &= 1L;
     const Vectors eta = timesBack(X1, turnedBack(t1, same(h0)));
     first.t[1] = turnsFromTo({zx, zy, eta.z}, eta, reference[1], 2L, first.free);
     first.t[2] =
@@ -137,13 +171,38 @@ struct ParallelFront {
   }
 };
 
-/// X3^-1 Rz(-u3) X2^-1 Rz(-u2) X1^-1 Rz(-u1) v: of a direction, of a point.
-GELENK_INLINE Vectors directionBehind(const Isometry3d* const X[3], const Turns t[3], Vectors v) {
-  for (int i = 0; i < 3; ++i) v = timesBack(*X[i], turnedBack(t[i], v));
+/// Three axes that meet behind hinges of which some slide.
+struct SlidingFront {
+  static constexpr bool spherical = true;
+  int count = 0;
+  bool alike = true;
+  Placed list[8];
+
+  SlidingFront(const Placing& placing, const Vector6d& reference)
+      : count(place(placing, reference.data(), list)) {}
+
+  GELENK_INLINE First at(int base, const Isometry3d&, const Isometry3d&, const Vector6d&) const {
+    First first{};
+    for (int l = 0; l < 4; ++l) {
+      const Placed& p = list[std::min(base + l, count - 1)];
+      for (int i = 0; i < 3; ++i)
+        first.t[i].c[l] = p.t[i].c, first.t[i].s[l] = p.t[i].s, first.length[i][l] = p.length[i];
+      first.free[l] = p.free;
+    }
+    return first;
+  }
+};
+
+/// X3^-1 H3^-1 X2^-1 H2^-1 X1^-1 H1^-1 v: of a direction, of a point.
+GELENK_INLINE Vectors directionBehind(const Isometry3d* const X[3], const First& first, Vectors v) {
+  for (int i = 0; i < 3; ++i) v = timesBack(*X[i], turnedBack(first.t[i], v));
   return v;
 }
-GELENK_INLINE Vectors pointBehind(const Isometry3d* const X[3], const Turns t[3], Vectors v) {
-  for (int i = 0; i < 3; ++i) v = movedBack(*X[i], turnedBack(t[i], v));
+GELENK_INLINE Vectors pointBehind(const Isometry3d* const X[3], const First& first, Vectors v) {
+  for (int i = 0; i < 3; ++i) {
+    v.z -= first.length[i];
+    v = movedBack(*X[i], turnedBack(first.t[i], v));
+  }
   return v;
 }
 
@@ -152,32 +211,18 @@ GELENK_INLINE Vectors pointBehind(const Isometry3d* const X[3], const Turns t[3]
 template <class Front>
 GELENK_INLINE void TripleLoop::solveBehind(const Front& front, const Isometry3d& goal,
                                            const Vector6d& reference, TripleSolutions& out) const {
-  constexpr bool spherical = Front::hinge == 2;
+  constexpr bool spherical = Front::spherical;
   const Isometry3d* const X[3] = {&link(0, goal), &link(1, goal), &link(2, goal)};
   const Isometry3d &X4 = loop_.link[3], &X5 = loop_.link[4];
   const Isometry3d back = link(5, goal).inverse(Eigen::Isometry);
-  PlanarSolution planar[8];
-  const int count = planar::solve(front.system, reference[Front::hinge], planar);
-  for (int i = 0; i < count; ++i)
-    for (int k = 0; k < i; ++k)
-      out.alike |=
-          std::abs(planar[i].t.c - planar[k].t.c) + std::abs(planar[i].t.s - planar[k].t.s) < merging &&
-          (planar[i].z - planar[k].z).squaredNorm() < merging * merging;
-  for (int base = 0; base < count; base += 4) {
-    double in[4][4];
-    Mask known{};
-    for (int l = 0; l < 4; ++l) {
-      const PlanarSolution& p = planar[std::min(base + l, count - 1)];
-      in[0][l] = p.t.c, in[1][l] = p.t.s, in[2][l] = p.z.x(), in[3][l] = p.z.y();
-      known[l] = p.free ? -1L : 0L;
-    }
-    const First first =
-        front.at(*X[0], *X[1], {load(in[0]), load(in[1])}, load(in[2]), load(in[3]), known, reference);
+  out.alike |= front.alike;
+  for (int base = 0; base < front.count; base += 4) {
+    const First first = front.at(base, *X[0], *X[1], reference);
     // What is left for the triple: Rz(u4) R4 Rz(u5) R5 Rz(u6) = (K0, K1, K2), and the place k to which it
     // leads.
-    const Vectors K0 = directionBehind(X, first.t, same(back.linear().col(0))),
-                  K1 = directionBehind(X, first.t, same(back.linear().col(1))), K2 = cross(K0, K1),
-                  k = pointBehind(X, first.t, same(back.translation()));
+    const Vectors K0 = directionBehind(X, first, same(back.linear().col(0))),
+                  K1 = directionBehind(X, first, same(back.linear().col(1))), K2 = cross(K0, K1),
+                  k = pointBehind(X, first, same(back.translation()));
     // cos u = x of the bend, and what is left of 1 - x and 1 + x. Axes 4 and 6 nearly in line: the sine
     // between them is exact where a cosine near one is not.
     const Lanes sine2 = K2.x * K2.x + K2.y * K2.y;
@@ -202,7 +247,7 @@ GELENK_INLINE void TripleLoop::solveBehind(const Front& front, const Isometry3d&
     double u[2][6][4], error[2][4];
     Mask valid[2] = {reached, second}, free[2];
     for (int i = 0; i < 3; ++i) {
-      const Lanes angle = angleOf(first.t[i].s, first.t[i].c);
+      const Lanes angle = angleOf(first.t[i].s, first.t[i].c) + first.length[i];
       store(u[0][i], angle), store(u[1][i], angle);
     }
     for (int b = 0; b < 2; ++b) {
@@ -234,7 +279,7 @@ GELENK_INLINE void TripleLoop::solveBehind(const Front& front, const Isometry3d&
       store(u[b][4], angleOf(t5.s, t5.c));
       store(u[b][5], angleOf(t6.s, t6.c));
     }
-    for (int l = 0; l < 4 && base + l < count; ++l)
+    for (int l = 0; l < 4 && base + l < front.count; ++l)
       for (int b = 0; b < 2 && out.count < TripleSolutions::most; ++b) {
         if (!valid[b][l]) continue;
         for (int j = 0; j < 6; ++j) out.u[j][out.count] = u[b][j][l];
@@ -251,7 +296,11 @@ GELENK_SIMD_CLONES void TripleLoop::solve(const Isometry3d& goal, const Vector6d
   const Isometry3d &X1 = link(0, goal), &X2 = link(1, goal), &X3 = link(2, goal), &X6 = link(5, goal);
   if (kind_ == LoopClass::SphericalTriple) {
     const Vector3d g = X6.linear().transpose() * (Vector3d(0, 0, after_) - X6.translation());
-    solveBehind(SphericalFront(X1, X2, X3 * Vector3d(0, 0, before_), g), goal, reference, out);
+    const Vector3d c = X3 * Vector3d(0, 0, before_);
+    if (loop_.slides)
+      solveBehind(SlidingFront({&X1, &X2, c, g, loop_.slides}, reference), goal, reference, out);
+    else
+      solveBehind(SphericalFront(X1, X2, c, g, reference), goal, reference, out);
   } else {
     const Isometry3d &X4 = loop_.link[3], &X5 = loop_.link[4], back = X6.inverse(Eigen::Isometry);
     const double sense5 = X4.linear()(2, 2) > 0.0 ? 1.0 : -1.0;  // axis 5 along or against axis 4
@@ -259,7 +308,7 @@ GELENK_SIMD_CLONES void TripleLoop::solve(const Isometry3d& goal, const Vector6d
     const Vector3d h3 = X3.linear().col(2), h0 = sense6 * back.linear().col(2);
     const double along = X4.translation().z() + sense5 * X5.translation().z();
     const double height = h0.dot(back.translation()) - along - h3.dot(X3.translation());
-    solveBehind(ParallelFront(X1, X2, h0, h3, height), goal, reference, out);
+    solveBehind(ParallelFront(X1, X2, h0, h3, height, reference), goal, reference, out);
   }
 }
 
@@ -269,8 +318,11 @@ Decomposition decompose(const Loop& loop, double tolerance) {
   for (int i = 0; i + 2 < 6; ++i) {
     const Isometry3d &A = loop.link[i], &B = loop.link[i + 1];
     const double sineA = A.linear().col(2).head<2>().norm(), sineB = B.linear().col(2).head<2>().norm();
+    const unsigned three = 7u << i;
     const auto candidate = [&](LoopClass kind, double misfit) {
       if (misfit > tolerance) return;
+      // Hinges that slide are solved where three that turn meet behind them.
+      if (kind == LoopClass::SphericalTriple ? loop.slides & three : loop.slides) return;
       for (const bool reversed : {false, true}) {
         // The triple comes last: hinge 1 of the cut follows it.
         const Cut cut{reversed ? (i + 5) % 6 : (i + 3) % 6, reversed};

@@ -16,8 +16,10 @@ using Eigen::VectorXd;
 int conditions(TipTask task) { return task == TipTask::Pose ? 6 : task == TipTask::Axis ? 5 : 3; }
 
 /// The arm with joints of no weight at the tip: first those that must end at zero, askew and off centre so
-/// that they are in general position, then those that the task leaves free.
-Skeleton padded(const Skeleton& skeleton, int tipJoint, int joints, const CompleteSetTask& task) {
+/// that they are in general position (where a joint slides, through a point of the last axis, so that they
+/// make a wrist), then those that the task leaves free.
+Skeleton padded(const Skeleton& skeleton, int tipJoint, const SerialChain& chain,
+                const CompleteSetTask& task) {
   std::vector<Joint> all;
   for (int j = 0; j < skeleton.jointCount(); ++j) all.push_back(skeleton.joint(j));
   double reach = 0.0;
@@ -41,9 +43,11 @@ Skeleton padded(const Skeleton& skeleton, int tipJoint, int joints, const Comple
                               {-0.37, -0.31, 0.13},
                               {0.17, -0.43, -0.29}};
   Isometry3d frame = Isometry3d::Identity();
-  for (int i = joints; i < conditions(task.task); ++i) {
-    frame.translation() = task.pointInTip + reach * places[i - joints];
-    append(frame, askew[i - joints].normalized());
+  for (int i = chain.n; i < conditions(task.task); ++i) {
+    frame.translation() = chain.hasPrismatic
+                              ? Vector3d(chain.lastFromTip.inverse(Eigen::Isometry).translation())
+                              : Vector3d(task.pointInTip + reach * places[i - chain.n]);
+    append(frame, askew[i - chain.n].normalized());
   }
   frame.translation() = task.pointInTip;
   if (task.task == TipTask::Axis) append(frame, task.axisInTip);
@@ -63,7 +67,7 @@ SerialChain chainOf(const Skeleton& skeleton, int tipJoint, const CompleteSetTas
 
 SixJointArm armOf(const Skeleton& skeleton, int tipJoint, const SerialChain& chain,
                   const CompleteSetTask& task) {
-  const Skeleton longer = padded(skeleton, tipJoint, chain.n, task);
+  const Skeleton longer = padded(skeleton, tipJoint, chain, task);
   const SerialChainResult result = extractSerialChain(longer, longer.jointCount() - 1);
   if (!result.whyNot.empty()) throw std::invalid_argument(result.whyNot);
   return SixJointArm(result.chain);
@@ -78,8 +82,11 @@ std::string CompleteSet::whyNot(const Skeleton& skeleton, int tipJoint, const Co
   if (n > most)
     return "the chain has " + std::to_string(n) + " joints for " + std::to_string(most) +
            " conditions: its solutions are families, not a finite set";
-  if (result.chain.hasPrismatic)
-    return "complete sets are for revolute joints; this chain has one that slides";
+  if (result.chain.hasPrismatic) try {
+      armOf(skeleton, tipJoint, result.chain, task);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
   return "";
 }
 
@@ -101,7 +108,9 @@ void CompleteSet::solve(const Isometry3d& target, const Vector6d& reference, Arm
     for (int i = 0; i < kept && own; ++i) {  // the same arm with another turn of what is free
       double apart = 0.0;
       for (int j = 0; j < n; ++j)
-        apart = std::max(apart, std::abs(std::remainder(out.list[i].q[j] - s.q[j], 2.0 * M_PI)));
+        apart = std::max(apart, chain_.constants.revolute[j] > 0.5
+                                    ? std::abs(std::remainder(out.list[i].q[j] - s.q[j], 2.0 * M_PI))
+                                    : std::abs(out.list[i].q[j] - s.q[j]));
       own = apart > 1e-7;
     }
     if (own) out.list[kept++] = s;

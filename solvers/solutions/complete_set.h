@@ -18,14 +18,16 @@ struct CompleteSetTask {
   Eigen::Vector3d axisInTip = Eigen::Vector3d::UnitZ();  ///< unit; Axis only
 };
 
-/// Complete sets for arms of one to six revolute joints, wherever the set is finite: arms with fewer joints
-/// get the missing ones as joints of no weight at the tip. Those that the task leaves free (the roll about an
-/// axis, the orientation) turn about the point and may end anywhere; those beyond that stand askew and must
-/// end at zero, or the target is none of the arm's.
+/// Complete sets for arms of one to six joints, wherever the set is finite (with joints that slide, where
+/// three that turn meet in a point, joints of no weight included): arms with fewer joints get the missing
+/// ones as joints of no weight at the tip. Those that the task leaves free (the roll about an axis, the
+/// orientation) turn about the point and may end anywhere; those beyond that stand askew and must end at
+/// zero, or the target is none of the arm's.
 class CompleteSet {
  public:
-  /// The reason why there is no finite complete set (more joints than conditions, joints that slide), in
-  /// words for a person; empty where there is one. Throws std::invalid_argument where tipJoint is no joint.
+  /// The reason why there is no finite complete set (more joints than conditions, joints that slide and do
+  /// not fit), in words for a person; empty where there is one. Throws std::invalid_argument where tipJoint
+  /// is no joint.
   static std::string whyNot(const Skeleton& skeleton, int tipJoint, const CompleteSetTask& task = {});
 
   /// Throws std::invalid_argument with that reason.

@@ -418,10 +418,12 @@ namespace {
 struct Walk {
   Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ(), p = Vector3d::Zero();
 
-  void past(double angle, const Isometry3d& link) {
-    const double c = std::cos(angle), s = std::sin(angle);
+  void past(const Loop& loop, int i, double u) {
+    const bool slides = loop.slidesAt(i);
+    if (slides) p += u * z;
+    const double c = slides ? 1.0 : std::cos(u), s = slides ? 0.0 : std::sin(u);
     const Vector3d ahead = c * x + s * y, side = c * y - s * x, up = z;
-    const auto& M = link.matrix();
+    const auto& M = loop.link[i].matrix();
     p += M(0, 3) * ahead + M(1, 3) * side + M(2, 3) * up;
     x = M(0, 0) * ahead + M(1, 0) * side + M(2, 0) * up;
     y = M(0, 1) * ahead + M(1, 1) * side + M(2, 1) * up;
@@ -467,7 +469,7 @@ double solve(Matrix6d& J, Vector6d& e) {
 
 Vector6d loopError(const Loop& loop, const Vector6d& u) {
   Walk walk;
-  for (int i = 0; i < 6; ++i) walk.past(u[i], loop.link[i]);
+  for (int i = 0; i < 6; ++i) walk.past(loop, i, u[i]);
   Vector6d e = walk.error();
   if (walk.trace() < 1.0) {  // over a right angle: the sine alone would lie
     const double angle = std::acos(std::clamp(0.5 * (walk.trace() - 1.0), -1.0, 1.0));
@@ -482,7 +484,7 @@ double loopDeterminant(const Loop& loop, const Vector6d& u) {
   Walk walk;
   for (int i = 0; i < 6; ++i) {
     J.col(i) << walk.p.cross(walk.z), walk.z;  // of the frame before hinge 1, where the loop ends
-    walk.past(u[i], loop.link[i]);
+    walk.past(loop, i, u[i]);
   }
   Vector6d unused = Vector6d::Zero();
   return solve(J, unused);
@@ -496,7 +498,7 @@ bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, doubl
     Walk walk;
     for (int i = 0; i < 6; ++i) {
       axis[i] = walk.z, origin[i] = walk.p;
-      walk.past(u[i], loop.link[i]);
+      walk.past(loop, i, u[i]);
     }
     Vector6d e = walk.error();
     double now = e.norm();
@@ -509,7 +511,11 @@ bool polish(const Loop& loop, Vector6d& u, double accepted, double& error, doubl
     error = now, best = u;
     if (now < 2e-15) break;
     Matrix6d J;
-    for (int i = 0; i < 6; ++i) J.col(i) << axis[i].cross(walk.p - origin[i]), axis[i];
+    for (int i = 0; i < 6; ++i)
+      if (loop.slidesAt(i))
+        J.col(i) << axis[i], Vector3d::Zero();
+      else
+        J.col(i) << axis[i].cross(walk.p - origin[i]), axis[i];
     solve(J, e);
     if (!e.allFinite() || e.norm() > 2.0) break;
     u -= e;
@@ -640,7 +646,7 @@ LoopSolutions solveGeneralLoop(const Loop& loop, const LoopSolutions& known) {
     }
   }
   solutions.roots = roots.count - roots.grazing;
-  solutions.suspects = std::max(0, roots.count - solutions.count);
+  solutions.suspects = std::max(0, roots.count - solutions.count) + roots.drowned;
   return solutions;
 }
 

@@ -12,7 +12,8 @@ struct LoopSolutions {
   std::array<double, most> error;  ///< of the closed loop after polishing: lengths and radians
   double raw = 0.0;                ///< the largest such error before polishing
   double noise = 0.0;              ///< of the resultant, of its largest value: 1e-15 is perfect, 1 useless
-  int suspects = 0;  ///< roots that led to no solution of their own: another cut should be asked
+  int suspects = 0;  ///< roots that led to no solution of their own, and places where roots may hide below
+                     ///< the noise: another cut should be asked
   int roots = 0;     ///< proven real roots of the resultant
   int multiple = 0;  ///< roots that several solutions share
 };

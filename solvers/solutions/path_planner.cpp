@@ -25,32 +25,41 @@ struct Cost {
   bool operator<(const Cost& o) const { return jumps != o.jumps ? jumps < o.jumps : motion < o.motion; }
 };
 
-/// The best way to every candidate of a pose. A candidate is reached by a neighbour that is near enough, or
-/// by a jump from whichever is best; for a jump from the best of them only the few cheapest need be looked
-/// at.
+/// The best way to every candidate of a pose: from a neighbour that is near enough, found among those whose
+/// first joint is, or, where that is no way with the fewest jumps, by a jump from one that is.
 void advance(const MatrixXd& before, const std::vector<Cost>& costBefore, const MatrixXd& now, double jump,
              std::vector<Cost>& cost, std::vector<int>& from) {
   const Eigen::Index n = now.rows();
   int fewest = std::numeric_limits<int>::max();
   for (const Cost& c : costBefore) fewest = std::min(fewest, c.jumps);
+  std::vector<std::pair<double, int>> byFirst;
+  for (Eigen::Index i = 0; i < before.cols(); ++i) byFirst.emplace_back(before(0, i), static_cast<int>(i));
+  std::sort(byFirst.begin(), byFirst.end());
   cost.assign(now.cols(), {});
   from.assign(now.cols(), -1);
+  const auto consider = [&](Eigen::Index j, int i, const Cost& c) {
+    if (c < cost[j]) cost[j] = c, from[j] = i;
+  };
   for (Eigen::Index j = 0; j < now.cols(); ++j) {
     const double* b = now.col(j).data();
-    for (Eigen::Index i = 0; i < before.cols(); ++i) {
-      const double* a = before.col(i).data();
+    for (auto it = std::lower_bound(byFirst.begin(), byFirst.end(), std::pair(b[0] - jump, -1));
+         it != byFirst.end() && it->first <= b[0] + jump; ++it) {
+      const double* a = before.col(it->second).data();
       double square = 0.0;
       bool near = true;
-      for (Eigen::Index k = 0; k < n; ++k) {
+      for (Eigen::Index k = 0; k < n && near; ++k) {
         const double d = b[k] - a[k];
-        near &= std::abs(d) <= jump;
-        if (!near && costBefore[i].jumps > fewest) break;  // a jump starts from a way with the fewest
+        near = std::abs(d) <= jump;
         square += d * d;
       }
-      if (!near && costBefore[i].jumps > fewest) continue;
-      const Cost c{costBefore[i].jumps + (near ? 0 : 1), costBefore[i].motion + std::sqrt(square)};
-      if (c < cost[j]) cost[j] = c, from[j] = static_cast<int>(i);
+      const Cost& c = costBefore[it->second];
+      if (near) consider(j, it->second, {c.jumps, c.motion + std::sqrt(square)});
     }
+    if (cost[j].jumps <= fewest) continue;
+    for (Eigen::Index i = 0; i < before.cols(); ++i)
+      if (costBefore[i].jumps == fewest)
+        consider(j, static_cast<int>(i),
+                 {fewest + 1, costBefore[i].motion + (now.col(j) - before.col(i)).norm()});
   }
 }
 
@@ -59,6 +68,10 @@ void addImages(const SerialChain& chain, const VectorXd& q, int joint, VectorXd&
   if (joint == chain.n) {
     out.push_back(image);
     return;
+  }
+  if (chain.constants.revolute[joint] < 0.5) {
+    image[joint] = q[joint];
+    return addImages(chain, q, joint + 1, image, out);
   }
   const double lower = std::isfinite(chain.lower[joint]) ? chain.lower[joint] : -M_PI,
                upper = std::isfinite(chain.upper[joint]) ? chain.upper[joint] : M_PI;
@@ -110,6 +123,18 @@ MatrixXd PathPlanner::candidates(const Isometry3d& pose, const PathOptions& opti
   MatrixXd all(c.n, static_cast<Eigen::Index>(list.size()));
   for (size_t i = 0; i < list.size(); ++i) all.col(static_cast<Eigen::Index>(i)) = list[i];
   return all;
+}
+
+std::string PathPlanner::branchOf(const Isometry3d& pose, const VectorXd& q) const {
+  if (seven_) return "";
+  ArmSolutions found;
+  Vector6d reference = Vector6d::Zero();
+  reference.head(q.size()) = q;
+  finite_->solve(pose, reference, found);
+  const ArmSolution* best = nullptr;
+  for (const ArmSolution& s : found.all())
+    if (!best || (s.q - reference).norm() < (best->q - reference).norm()) best = &s;
+  return best ? branchName(*best) : "";
 }
 
 PathPlan PathPlanner::plan(std::span<const Isometry3d> poses, const PathOptions& options,
@@ -255,7 +280,8 @@ std::string PathPlanner::whyItEnds(const Isometry3d& from, const Isometry3d& to,
       VectorXd next = q;
       for (const ArmSolution& x : found.all()) {
         VectorXd d = x.q.head(c.n) - q;
-        for (double& e : d) e = std::remainder(e, turn);
+        for (int i = 0; i < c.n; ++i)
+          if (c.constants.revolute[i] > 0.5) d[i] = std::remainder(d[i], turn);
         if (d.norm() < best) best = d.norm(), next = q + d;
       }
       if (!(best < 0.3)) return "the solution ends at a singularity";

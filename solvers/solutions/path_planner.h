@@ -48,6 +48,9 @@ class PathPlanner {
   PathPlan plan(std::span<const Eigen::Isometry3d> worldFromTip, const PathOptions& options = {},
                 const Eigen::VectorXd* start = nullptr) const;
 
+  /// The name of the branch that q is on (branchName); empty where it has none.
+  std::string branchOf(const Eigen::Isometry3d& worldFromTip, const Eigen::VectorXd& q) const;
+
   /// Every solution within limits that the planner looks at for a pose; n x count.
   Eigen::MatrixXd candidates(const Eigen::Isometry3d& worldFromTip, const PathOptions& options = {}) const;
 

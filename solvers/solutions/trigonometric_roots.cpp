@@ -58,6 +58,7 @@ class RootFinder {
     const int n = p_.degree, grid = 16 * n;
     double value[maxGrid + 1], slope[maxGrid + 1], bend[maxGrid + 1];
     onGrid(p_, grid, value, slope, bend);
+    for (int j = 0; j < grid; ++j) roots_.drowned += std::abs(value[j]) < noise_;
     for (int k = 1; k <= n; ++k) {
       const double k4 = k * k * k * k, size = k4 * std::sqrt(p_.a[k] * p_.a[k] + p_.b[k] * p_.b[k]);
       fourth_ += size;

@@ -22,6 +22,7 @@ struct TrigonometricRoots {
   int count = 0;
   int grazing = 0;  ///< how many of them, at the end of the list, are no proven roots: extrema that come
                     ///< within the noise of zero, where two roots merge
+  int drowned = 0;  ///< points of the grid at which p is below the noise: roots may hide there
   std::array<double, most> t;
 };
 

@@ -18,7 +18,9 @@
 #include "solvers/methods/step_rules.h"
 #include "solvers/problem/goal_text.h"
 #include "solvers/problem/judge.h"
+#include "solvers/solutions/complete_set.h"
 #include "tests/kinematics/random_skeleton.h"
+#include "tests/solvers/solutions/example_arms.h"
 
 namespace gelenk {
 namespace {
@@ -241,6 +243,31 @@ TEST(ProblemSets, D8HasAsManySolutionsAsItsLevelSays) {
     EXPECT_EQ(static_cast<double>(found.size()), one.level) << one.index;
   }
   EXPECT_GE(levels.size(), 3u);  // 0, 1 and the PUMA's own
+}
+
+TEST(ProblemSets, D8OfAGeneralArmGoesUpToSixteenSolutions) {
+  const Skeleton crx = toSkeleton(testing::generalArm("crx10ia"));
+  const LabModel model = labModel("crx10ia", crx);
+  const CompleteSet set(crx, crx.jointCount() - 1);
+  std::set<double> levels;
+  for (const LabProblem& one : makeProblems(problemSet("D8"), model, 30, 7, 1e-6)) {
+    levels.insert(one.level);
+    if (one.level < 2.0) continue;
+    const Goal& goal = one.problem.goals[0];
+    ArmSolutions found;
+    set.solve(Eigen::Translation3d(goal.target) * goal.orientation, Vector6d::Zero(), found);
+    int reached = 0;
+    IkProblem problem = one.problem;
+    std::vector<Joint> joints = crx.joints();
+    for (Joint& joint : joints)
+      for (AxisDof& dof : joint.axes) dof.lower = -10.0, dof.upper = 10.0;
+    const Skeleton free(joints);
+    problem.skeleton = &free;
+    for (const ArmSolution& s : found.all()) reached += judge(problem, VectorXd(s.q)).solved;
+    EXPECT_EQ(reached, one.level);
+  }
+  EXPECT_TRUE(levels.contains(16.0));
+  EXPECT_GE(levels.size(), 7u);
 }
 
 TEST(Truth, KnowsTheNearestSolutionAndWhatHasNone) {

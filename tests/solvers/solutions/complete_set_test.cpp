@@ -377,6 +377,35 @@ TEST(SixJointArm, OutOfReachHasNoSolution) {
   }
 }
 
+/// Levenberg-Marquardt on the tip's pose, with a Jacobian of difference quotients.
+bool reachedByNewton(const SerialChain& chain, const Isometry3d& pose, Vector6d& q) {
+  const auto errorAt = [&](const Vector6d& x) {
+    const Isometry3d miss = pose.inverse() * tipFrame(chain, x);
+    Vector6d e;
+    e << miss.translation(), miss(2, 1) - miss(1, 2), miss(0, 2) - miss(2, 0), miss(1, 0) - miss(0, 1);
+    return e;
+  };
+  double mu = 1e-2;
+  Vector6d e = errorAt(q);
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    if (e.norm() < 1e-10) return poseError(chain, q, pose) < 1e-9;
+    Matrix6d J;
+    for (int i = 0; i < 6; ++i) {
+      Vector6d moved = q;
+      moved[i] += 1e-7;
+      J.col(i) = (errorAt(moved) - e) / 1e-7;
+    }
+    const Vector6d next = q - (J.transpose() * J + mu * Matrix6d::Identity()).llt().solve(J.transpose() * e);
+    const Vector6d after = errorAt(next);
+    if (after.norm() < e.norm()) {
+      q = next, e = after, mu = std::max(0.2 * mu, 1e-14);
+    } else if ((mu *= 4.0) > 1e6) {
+      return false;
+    }
+  }
+  return false;
+}
+
 TEST(CompleteSet, TheLecturesTwoLinksHaveTwoElbows) {
   PlanarChain chain;
   chain.lengths = {1.0, 0.8};
@@ -445,7 +474,117 @@ TEST(CompleteSet, FewerJointsThanSixAreExactWhereTheSetIsFinite) {
 TEST(CompleteSet, FamiliesAndSlidingJointsAreRefusedWithAReason) {
   const Skeleton panda = toSkeleton(robotTable("panda")), scara = toSkeleton(robotTable("scara"));
   EXPECT_NE(CompleteSet::whyNot(panda, panda.jointCount() - 1).find("families"), std::string::npos);
-  EXPECT_NE(CompleteSet::whyNot(scara, scara.jointCount() - 1).find("slides"), std::string::npos);
+  DhTable bare = robotTable("scara");
+  bare.rows[0].kind = DhJoint::Prismatic, bare.rows[2].kind = DhJoint::Revolute;
+  bare.rest = {};
+  bare.rows.push_back(DhRow{.kind = DhJoint::Prismatic, .alpha = 1.0});  // behind it no wrist can be
+  const Skeleton other = toSkeleton(bare);
+  EXPECT_EQ(CompleteSet::whyNot(scara, scara.jointCount() - 1), "");
+  EXPECT_NE(CompleteSet::whyNot(other, other.jointCount() - 1).find("slides"), std::string::npos);
+}
+
+/// Slides where `slides` says so among the first three joints; a wrist behind them.
+DhTable slidingArm(std::mt19937_64& random, unsigned slides) {
+  const auto symmetric = [&] { return 2.0 * uniform01(random) - 1.0; };
+  DhTable table{.name = "slides", .convention = DhConvention::Standard};
+  for (int i = 0; i < 6; ++i) {
+    const bool wrist = i >= 3, bare = i == 3 || i == 4;
+    const double sign = uniform01(random) < 0.5 ? -1.0 : 1.0, alpha = sign * (0.6 + uniform01(random));
+    table.rows.push_back(DhRow{.kind = slides >> i & 1u ? DhJoint::Prismatic : DhJoint::Revolute,
+                               .a = wrist ? 0.0 : symmetric(),
+                               .alpha = alpha,
+                               .d = bare && i == 4 ? 0.0 : symmetric(),
+                               .phi = symmetric()});
+  }
+  return table;
+}
+
+/// Stanford arms, gantries and all between, each also with a slide that is at right angles to its neighbours:
+/// the pose that made the target is in the set, every solution reaches it, and Newton's method from many
+/// starts finds no other.
+TEST(SlidingJoints, BehindThemAWristHasItsWholeSet) {
+  std::mt19937_64 random(45);
+  for (unsigned slides = 1; slides < 8; ++slides)
+    for (const bool square : {false, true}) {
+      if (square && slides == 5) continue;  // both slides at right angles to axis 2: see below
+      SCOPED_TRACE(slides);
+      int counted = 0, foundByNewton = 0;
+      for (int a = 0; a < 4; ++a) {
+        DhTable table = slidingArm(random, slides);
+        if (square)
+          for (int i = 0; i < 3; ++i) table.rows[i].alpha = M_PI / 2, table.rows[i].a *= i % 2;
+        const SerialChain chain = chainOf(table);
+        const SixJointArm arm(chain);
+        for (int t = 0; t < 25; ++t) {
+          Vector6d q = randomAngles(random);
+          for (int i = 0; i < 3; ++i)
+            if (slides >> i & 1u) q[i] *= 0.5;
+          const Isometry3d pose = tipFrame(chain, q);
+          ArmSolutions found;
+          arm.solve(pose, Vector6d::Zero(), found);
+          double nearest = INFINITY;
+          const auto difference = [&](const Vector6d& a, const Vector6d& b) {
+            double most = 0.0;
+            for (int i = 0; i < 6; ++i)
+              most = std::max(
+                  most, std::abs(slides >> i & 1u ? a[i] - b[i] : std::remainder(a[i] - b[i], 2 * M_PI)));
+            return most;
+          };
+          for (const ArmSolution& s : found.all()) {
+            EXPECT_LT(poseError(chain, s.q, pose), 1e-11);
+            EXPECT_EQ(s.free, 0);
+            nearest = std::min(nearest, difference(s.q, q));
+          }
+          EXPECT_LT(nearest, 1e-5) << q.transpose();
+          if (t > 2) continue;
+          std::vector<Vector6d> newton;
+          for (int start = 0; start < 120; ++start) {
+            Vector6d x = randomAngles(random);
+            if (!reachedByNewton(chain, pose, x)) continue;
+            bool known = false;
+            for (const Vector6d& y : newton) known |= difference(x, y) < 1e-5;
+            if (!known) newton.push_back(x);
+          }
+          for (const Vector6d& x : newton) {
+            double own = INFINITY;
+            for (const ArmSolution& s : found.all()) own = std::min(own, difference(s.q, x));
+            EXPECT_LT(own, 1e-5) << x.transpose();
+          }
+          counted += found.count, foundByNewton += static_cast<int>(newton.size());
+        }
+      }
+      EXPECT_LE(foundByNewton, counted);
+      EXPECT_GE(foundByNewton, 6 * counted / 10) << counted;  // or the test would say nothing
+    }
+}
+
+TEST(SlidingJoints, ArmsThatHaveOnlyFamiliesAreRefused) {
+  std::mt19937_64 random(47);
+  DhTable table = slidingArm(random, 5);
+  for (int i = 0; i < 3; ++i) table.rows[i].alpha = M_PI / 2;  // the wrist's centre stays in a plane
+  EXPECT_THROW(SixJointArm{chainOf(table)}, std::invalid_argument);
+}
+
+TEST(SlidingJoints, FewerThanSixJointsHaveTheirSetsToo) {
+  const Skeleton scara = toSkeleton(robotTable("scara"));
+  const int tip = scara.jointCount() - 1;
+  const CompleteSet set(scara, tip);
+  std::mt19937_64 random(46);
+  for (int t = 0; t < 50; ++t) {
+    const VectorXd q = randomWithinLimits(scara, random);
+    const Isometry3d pose = forwardKinematics(scara, q)[tip];
+    ArmSolutions found;
+    set.solve(pose, Vector6d::Zero(), found);
+    EXPECT_EQ(found.count, 2);  // two elbows
+    double nearest = INFINITY;
+    for (const ArmSolution& s : found.all()) {
+      VectorXd all = q;
+      for (int i = 0; i < set.joints(); ++i) all[set.chain().qIndex[i]] = s.q[i];
+      EXPECT_LT((forwardKinematics(scara, all)[tip].matrix() - pose.matrix()).norm(), 1e-10);
+      nearest = std::min(nearest, apart(all, q));
+    }
+    EXPECT_LT(nearest, 1e-6);
+  }
 }
 
 TEST(ClosedForm, TheNearestSolutionWithinLimitsIsTaken) {

@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/sandbox/sandbox_state.h"
+#include "tests/sandbox/stage.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector2d;
+using testing::Stage;
+
+nlohmann::json pathOf(Sandbox& sandbox) {
+  return nlohmann::json::parse(sandbox.status()).at("panels").value("Path", nlohmann::json());
+}
+
+/// The mouse draws, the tool follows: in every frame its point lies on the line that was drawn, and its
+/// orientation is that of the beginning.
+TEST(PathPanel, TheToolFollowsTheLineThatTheMouseDrew) {
+  for (const char* model : {"ur5", "panda"}) {
+    SCOPED_TRACE(model);
+    Stage stage({.model = model, .width = 900, .height = 640});
+    stage.frame();
+    Sandbox& sandbox = stage.sandbox;
+    const Goal& goal = sandbox.session().goals().front().goal;
+    const int tool = goal.joint;
+    const Eigen::Vector3d point = goal.pointInJoint;
+    const Eigen::Matrix3d before = sandbox.session().frames()[tool].linear();
+    stage.play("0 tab Path\n1 do Path draw on", 3);
+    const Vector2d from = sandbox.state().toWindow(sandbox.session().frames()[tool] * point).pixel;
+    // Two strokes of one line, with a corner.
+    stage.play(
+        fmt::format(
+            "0 move {:.1f} {:.1f}\n1 press left\n2 shift-by -30 24 12\n16 shift-by 26 20 12\n30 release left",
+            from.x(), from.y()),
+        0);
+    const auto corner = [&](const Vector2d& p) {
+      const Vector2d a = from, b = from + Vector2d(-30, 24), c = from + Vector2d(-4, 44);
+      const auto away = [&](const Vector2d& s, const Vector2d& t) {
+        const double share = std::clamp((p - s).dot(t - s) / (t - s).squaredNorm(), 0.0, 1.0);
+        return (s + share * (t - s) - p).norm();
+      };
+      return std::min(away(a, b), away(b, c));
+    };
+    int moved = 0;
+    Eigen::VectorXd q = sandbox.session().q();
+    for (int frame = 0; frame < 300; ++frame) {
+      stage.frame();
+      const Eigen::Isometry3d now = sandbox.session().frames()[tool];
+      EXPECT_LT(corner(sandbox.state().toWindow(now * point).pixel),
+                2.5);  // pixels: a spline round the corner
+      EXPECT_LT((now.linear() - before).norm(), 1e-6);
+      EXPECT_LT((sandbox.session().q() - q).cwiseAbs().maxCoeff(), 0.5);
+      moved += (sandbox.session().q() - q).norm() > 1e-6;
+      q = sandbox.session().q();
+    }
+    EXPECT_GT(moved, 20);
+    const auto path = pathOf(sandbox);
+    EXPECT_EQ(path.at("reason"), "");
+    EXPECT_EQ(path.at("jumps"), 0);
+    EXPECT_EQ(path.at("pose").get<int>(), path.at("poses").get<int>() - 1);
+    EXPECT_EQ(path.at("branch").get<std::string>().empty(), std::string(model) == "panda");
+    EXPECT_LT(
+        (sandbox.state().toWindow(sandbox.session().frames()[tool] * point).pixel - (from + Vector2d(-4, 44)))
+            .norm(),
+        2.0);
+  }
+}
+
+TEST(PathPanel, WhatCannotBeFollowedIsSaid) {
+  Stage stage({.model = "ur5", .width = 900, .height = 640});
+  stage.frame();
+  Sandbox& sandbox = stage.sandbox;
+  const Goal& goal = sandbox.session().goals().front().goal;
+  stage.play("0 tab Path\n1 do Path draw on", 3);
+  const Vector2d from =
+      sandbox.state().toWindow(sandbox.session().frames()[goal.joint] * goal.pointInJoint).pixel;
+  const Eigen::VectorXd q = sandbox.session().q();
+  stage.play(fmt::format("0 move {:.1f} {:.1f}\n1 press left\n2 shift-by 0 -2000 20\n24 release left",
+                         from.x(), from.y()),
+             10);
+  EXPECT_NE(pathOf(sandbox).at("reason").get<std::string>().find("no joint angles"), std::string::npos);
+  EXPECT_EQ((sandbox.session().q() - q).norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace gelenk
