@@ -10,7 +10,7 @@
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
-#include "kinematics/forward_kinematics.h"
+#include "kinematics/io/text_file.h"
 #include "solvers/solutions/path_planner.h"
 
 namespace gelenk {
@@ -52,7 +52,10 @@ class PathPanel final : public Panel {
                              .c_str());
     int at = pose();
     if (ImGui::SliderInt("##pose", &at, 0, last(), "pose %d")) goTo(sandbox, at);
-    if (ImGui::IsItemActivated()) sandbox.session().remember();
+    if (ImGui::IsItemActivated()) {
+      following_ = false;
+      sandbox.session().remember();
+    }
     if (ImGui::Button(following_ ? "Stop" : "Follow again")) follow(sandbox, !following_);
     ImGui::SameLine();
     if (ImGui::Button("Write as .glb")) write(sandbox, nextFileName(".glb"));
@@ -148,6 +151,7 @@ class PathPanel final : public Panel {
         throw std::invalid_argument(
             fmt::format("expected a pose from 0 to {}, found '{}'", last(), words[1]));
       sandbox.session().remember();
+      following_ = false;
       goTo(sandbox, *n);
     } else if (words.size() == 1 && words[0] == "follow" && !plan_.q.empty()) {
       follow(sandbox, true);

