@@ -35,5 +35,8 @@ float linearFromSrgb(float value) {
 Eigen::Vector3f linearFromSrgb(const Eigen::Vector3f& rgb) {
   return {linearFromSrgb(rgb.x()), linearFromSrgb(rgb.y()), linearFromSrgb(rgb.z())};
 }
+float srgbFromLinear(float value) {
+  return value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1.0f / 2.4f) - 0.055f;
+}
 
 }  // namespace gelenk

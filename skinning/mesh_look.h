@@ -12,6 +12,7 @@ namespace gelenk {
 struct Texture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
+  std::string file = {};  ///< that it was read from; empty: none of its own
 };
 
 /// How a part of a surface looks. Colours are linear light, 0 to 1.
@@ -47,5 +48,7 @@ void validate(const MeshLook& look, int vertexCount, int triangleCount);
 /// Linear light of an sRGB value, 0 to 1.
 float linearFromSrgb(float value);
 Eigen::Vector3f linearFromSrgb(const Eigen::Vector3f& rgb);
+/// Its inverse.
+float srgbFromLinear(float value);
 
 }  // namespace gelenk

@@ -44,6 +44,10 @@ void convertMesh(const Request& request) {
     throw std::invalid_argument("'" + request.in + "' is a mesh alone and has no motion; leave --frame away");
   std::vector<Note> notes;
   Mesh mesh = readMesh(request.in, &notes);
+  std::optional<ObjLook> look;
+  if (fileKind(request.in) == FileKind::ObjMesh) look = readObjLook(request.in, mesh, &notes);
+  if (look) cutSurface(*look, mesh);
+  if (!look || look->normals.empty()) mesh.normals.clear();
   sayNotes(request.in, notes);
   const auto unit = [](const std::string& text) { return text.empty() ? 1.0 : metresPerUnit(text); };
   const double quarterTurns = (request.upOut == "z") - (request.upIn == "z");
@@ -51,7 +55,11 @@ void convertMesh(const Request& request) {
       unit(request.unitIn) / unit(request.unitOut) *
       Eigen::AngleAxisd(quarterTurns * M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
   for (auto& p : mesh.positions) p = newFromOld * p;
-  writeObj(request.out, mesh);
+  for (auto& n : mesh.normals) n = (newFromOld * n).normalized();
+  if (look && !look->look.materials.empty())
+    writeObjWithLook(request.out, mesh, look->look);
+  else
+    writeObj(request.out, mesh);
   fmt::print("{}: {}, {} vertices\n", request.out, describe(FileKind::ObjMesh), mesh.positions.size());
 }
 

@@ -16,7 +16,7 @@ struct Image {
   }
 };
 
-/// Writes a PNG without alpha, through a temporary file. Throws std::runtime_error with the system's reason.
-void writePng(const std::string& path, const Image& image);
+/// Writes a PNG, through a temporary file. Throws std::runtime_error with the system's reason.
+void writePng(const std::string& path, const Image& image, bool withAlpha = false);
 
 }  // namespace gelenk

@@ -42,6 +42,9 @@ bool isMesh(std::optional<FileKind> kind);
 /// The triangles of an OBJ or of a NURBS surface (12 cells a knot span, 8 to 400 in each direction). Throws
 /// ParseError.
 Mesh readMesh(const std::string& path, std::vector<Note>* notes = nullptr);
+/// An OBJ with its .mtl beside it. Textures keep the files that they were read from; the others become PNGs
+/// there.
+void writeObjWithLook(const std::string& path, const Mesh& mesh, const MeshLook& look);
 /// "Pinocchio skeleton" and the like, for messages and `gelenk info`.
 std::string describe(FileKind kind);
 /// The extensions that are known, for messages.

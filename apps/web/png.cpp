@@ -8,12 +8,13 @@
 
 namespace gelenk {
 
-void writePng(const std::string& path, const Image& image) {
-  std::vector<std::uint8_t> rgb;
-  rgb.reserve(image.pixels.size() / 4 * 3);
+void writePng(const std::string& path, const Image& image, bool withAlpha) {
+  const int bytes = withAlpha ? 4 : 3;
+  std::vector<std::uint8_t> values;
+  values.reserve(image.pixels.size());
   for (std::size_t i = 0; i < image.pixels.size(); i += 4)
-    rgb.insert(rgb.end(), image.pixels.begin() + i, image.pixels.begin() + i + 3);
-  if (!stbi_write_png(path.c_str(), image.width, image.height, 3, rgb.data(), 3 * image.width))
+    values.insert(values.end(), image.pixels.begin() + i, image.pixels.begin() + i + bytes);
+  if (!stbi_write_png(path.c_str(), image.width, image.height, bytes, values.data(), bytes * image.width))
     throw std::runtime_error("cannot write " + path);
 }
 

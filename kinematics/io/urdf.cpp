@@ -394,17 +394,20 @@ class Reader {
     masses_.centre.back() = origin(link.inertial).translation();
   }
 
-  /// The colour of a material, written here or once for the whole robot. What is no colour is passed over:
-  /// it changes nothing but the picture.
-  std::optional<Eigen::Vector4d> colourOf(const TiXmlElement* visual) {
+  /// A material, written here or once for the whole robot; null: none.
+  const TiXmlElement* materialOf(const TiXmlElement* visual) const {
     const TiXmlElement* material = visual->FirstChildElement("material");
-    if (!material) return std::nullopt;
-    const char* name = material->Attribute("name");
-    if (!material->FirstChildElement("color") && name)
+    const char* name = material ? material->Attribute("name") : nullptr;
+    if (name && !material->FirstChildElement("color") && !material->FirstChildElement("texture"))
       for (const TiXmlElement* e = document_.RootElement()->FirstChildElement("material"); e;
            e = e->NextSiblingElement("material"))
         if (e->Attribute("name") && std::string_view(e->Attribute("name")) == name) material = e;
-    const TiXmlElement* colour = material->FirstChildElement("color");
+    return material;
+  }
+
+  /// What is no colour is passed over: it changes nothing but the picture.
+  std::optional<Eigen::Vector4d> colourOf(const TiXmlElement* material) {
+    const TiXmlElement* colour = material ? material->FirstChildElement("color") : nullptr;
     if (!colour) return std::nullopt;
     const char* text = colour->Attribute("rgba");
     const auto words = splitWords(text ? text : "");
@@ -428,7 +431,10 @@ class Reader {
                         .jointFromVisual = origin(visual),
                         .collision = visual->ValueStr() == "collision",
                         .line = visual->Row()};
-      result.colour = colourOf(visual);
+      const TiXmlElement* material = materialOf(visual);
+      result.colour = colourOf(material);
+      if (const TiXmlElement* texture = material ? material->FirstChildElement("texture") : nullptr)
+        if (const char* name = texture->Attribute("filename")) result.texture = name;
       const TiXmlElement* geometry = child(visual, "geometry");
       if (const TiXmlElement* mesh = geometry->FirstChildElement("mesh")) {
         result.fileName = attribute(mesh, "filename");

@@ -21,6 +21,7 @@ struct UrdfVisual {
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< Mesh: scale; Box: edges; Cylinder: (radius, radius,
                                                    ///< length along z); Sphere: radius thrice
   std::optional<Eigen::Vector4d> colour = {};      ///< red, green, blue, alpha, 0 to 1 as written (sRGB)
+  std::string texture = {};                        ///< file of the picture that lies on it; empty: none
   int line = 0;
 };
 

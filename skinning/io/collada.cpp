@@ -23,7 +23,7 @@ namespace gelenk {
 namespace {
 
 void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldFromParent,
-             const std::string& path, Mesh& mesh, MeshLook* look) {
+             const std::string& path, Mesh& mesh, MeshLook* look, bool& mapped) {
   const aiMatrix4x4 worldFromNode = worldFromParent * node.mTransformation;
   const bool mirrored = worldFromNode.Determinant() < 0.0f;
   const aiMatrix3x3 normalFromNode = aiMatrix3x3(worldFromNode).Inverse().Transpose();
@@ -39,6 +39,7 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldF
       mesh.normals.push_back(Eigen::Vector3d(n.x, n.y, n.z).stableNormalized());
       const aiVector3D at = part.HasTextureCoords(0) ? part.mTextureCoords[0][v] : aiVector3D(0, 1, 0);
       if (look) look->coordinates.emplace_back(at.x, 1.0f - at.y);
+      mapped = mapped || part.HasTextureCoords(0);
     }
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
@@ -55,7 +56,7 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldF
                              .material = static_cast<int>(part.mMaterialIndex)});
   }
   for (unsigned k = 0; k < node.mNumChildren; ++k)
-    addNode(scene, *node.mChildren[k], worldFromNode, path, mesh, look);
+    addNode(scene, *node.mChildren[k], worldFromNode, path, mesh, look, mapped);
 }
 
 /// A picture within the file, or beside it; null where it cannot be read.
@@ -108,11 +109,12 @@ Mesh readCollada(const std::string& path, MeshLook* look, std::vector<Note>* not
   if (look)
     for (unsigned m = 0; m < scene->mNumMaterials; ++m)
       look->materials.push_back(materialOf(*scene, *scene->mMaterials[m], path, *look, notes));
-  addNode(*scene, *scene->mRootNode, aiMatrix4x4(), path, mesh, look);
+  bool mapped = false;
+  addNode(*scene, *scene->mRootNode, aiMatrix4x4(), path, mesh, look, mapped);
   if (mesh.triangles.empty()) throw ParseError(path, 0, "at least one triangle", "none");
   if (std::ranges::any_of(mesh.normals, [](const auto& n) { return !(n.norm() > 0.5); }))
     mesh.normals.clear();
-  if (look && look->textures.empty()) look->coordinates.clear();
+  if (look && !mapped) look->coordinates.clear();
   return mesh;
 }
 

@@ -741,6 +741,8 @@ class Reader {
         texture.rgba[4 * p + k] =
             opaque ? 255 : image.image[(p * image.component + from) * bytes + (bytes - 1)];
       }
+    if (!image.uri.empty() && !image.uri.starts_with("data:"))
+      texture.file = (std::filesystem::path(file_).parent_path() / image.uri).string();
     known = static_cast<int>(look_.textures.size());
     look_.textures.push_back(std::make_shared<const Texture>(std::move(texture)));
     return known;

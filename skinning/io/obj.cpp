@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -40,13 +42,12 @@ Eigen::Vector3d parseVertex(const Words& words, const std::string& file, int lin
 }
 
 struct Corner {
-  int vertex, coordinate;  ///< from zero; coordinate: -1 for none
+  int vertex, coordinate, normal;  ///< from zero; the last two: -1 for none
 };
 
-/// A corner "i", "i/t", "i//n", "i/t/n". Positive indices may point further down the file and are not checked
-/// here.
-Corner parseCorner(std::string_view word, int verticesSoFar, int coordinatesSoFar, const std::string& file,
-                   int line) {
+/// A corner "i", "i/t", "i//n", "i/t/n". soFar: how many of each stand above the line. Positive indices may
+/// point further down the file and are not checked here.
+Corner parseCorner(std::string_view word, const Corner& soFar, const std::string& file, int line) {
   const auto fail = [&](const std::string& expected) {
     throw ParseError(file, line, expected, "'" + std::string(word) + "'");
   };
@@ -62,11 +63,13 @@ Corner parseCorner(std::string_view word, int verticesSoFar, int coordinatesSoFa
       index[part] = *value;
     }
     if (slash == std::string_view::npos) {
-      const auto [vertex, coordinate, normal] = index;
-      if (vertex < -verticesSoFar)
-        fail("an index that counts back at most " + std::to_string(verticesSoFar) + " vertices");
-      return {vertex > 0 ? vertex - 1 : verticesSoFar + vertex,
-              coordinate >= 0 ? coordinate - 1 : std::max(-1, coordinatesSoFar + coordinate)};
+      if (index[0] < -soFar.vertex)
+        fail("an index that counts back at most " + std::to_string(soFar.vertex) + " vertices");
+      const auto fromZero = [](int value, int count) {
+        return value >= 0 ? value - 1 : std::max(-1, count + value);
+      };
+      return {fromZero(index[0], soFar.vertex), fromZero(index[1], soFar.coordinate),
+              fromZero(index[2], soFar.normal)};
     }
     rest.remove_prefix(slash + 1);
   }
@@ -115,7 +118,7 @@ Mesh parseObj(std::string_view text, const std::string& file, std::vector<Note>*
       faces.push_back({lineNumber, corners.size(), words.size() - 1});
       for (std::size_t k = 1; k < words.size(); ++k)
         corners.push_back(
-            parseCorner(words[k], static_cast<int>(mesh.positions.size()), 0, file, lineNumber).vertex);
+            parseCorner(words[k], {static_cast<int>(mesh.positions.size()), 0, 0}, file, lineNumber).vertex);
     } else if (std::find(passedOver.begin(), passedOver.end(), words[0]) == passedOver.end()) {
       throw ParseError(file, lineNumber, "an OBJ keyword such as v or f", "'" + std::string(words[0]) + "'");
     }
@@ -155,7 +158,7 @@ namespace {
 /// The file of `map_Kd [options] name with blanks.png`, beside the .mtl; empty: it is not there.
 std::string pictureOf(std::string_view line, const std::filesystem::path& folder) {
   std::string name(line.substr(line.find("map_Kd") + 6));
-  std::replace(name.begin(), name.end(), '\\', '/');  // written on Windows
+  std::ranges::replace(name, '\\', '/');  // written on Windows
   std::error_code error;
   // Options come first, and each has its own number of words: the longest rest that is a file's name is it.
   for (std::size_t at = name.find_first_not_of(" \t"); at != name.npos;
@@ -209,47 +212,65 @@ Eigen::Vector2f parseCoordinate(const Words& words) {
   return {number(1), 1.0f - number(2)};
 }
 
-/// The coordinates a vertex, with a copy of it for each further pair that a corner asks for. corners: three a
-/// triangle, by number into coordinates.
-void layCoordinates(const std::vector<Eigen::Vector2f>& coordinates,
-                    const std::vector<std::array<int, 3>>& corners, int vertices, ObjLook& out) {
-  std::vector<int> first(vertices, -2);  // number of the coordinates of each vertex; -2: none yet
-  std::map<std::pair<int, int>, int> further;
-  out.look.coordinates.assign(vertices, Eigen::Vector2f::Zero());
-  const auto at = [&](int number) {
-    return number >= 0 && number < static_cast<int>(coordinates.size()) ? coordinates[number]
-                                                                        : Eigen::Vector2f::Zero();
-  };
+/// Unit; zero where the line says none.
+Eigen::Vector3d parseNormal(const Words& words) {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  if (words.size() == 4)
+    for (int k = 0; k < 3; ++k) normal[k] = parseNumber(words[k + 1]).value_or(0.0);
+  return normal.stableNormalized();
+}
+
+/// What a corner carries beyond its vertex: numbers of texture coordinates and of a normal, -1 for none.
+using Extra = std::array<int, 2>;
+
+/// One of them a vertex, with a copy of it for each further one that a corner asks for. corners: three a
+/// triangle. Returns those of all vertices, the added ones behind.
+std::vector<Extra> layCorners(const std::vector<std::array<Extra, 3>>& corners, int vertices, ObjLook& out) {
+  std::vector<Extra> ofVertex(vertices, Extra{-1, -1});
+  std::vector<char> known(vertices, false);
+  std::map<std::pair<int, Extra>, int> further;
   for (std::size_t t = 0; t < corners.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       int& vertex = out.triangles[t][k];
-      const int number = corners[t][k];
-      if (first[vertex] == -2) {
-        first[vertex] = number;
-        out.look.coordinates[vertex] = at(number);
-      }
-      if (first[vertex] == number) continue;
-      const auto [known, isNew] =
-          further.try_emplace({vertex, number}, vertices + static_cast<int>(out.copyOf.size()));
+      const Extra& extra = corners[t][k];
+      if (!known[vertex]) ofVertex[vertex] = extra;
+      known[vertex] = true;
+      if (ofVertex[vertex] == extra) continue;
+      const auto [at, isNew] = further.try_emplace({vertex, extra}, static_cast<int>(ofVertex.size()));
       if (isNew) {
         out.copyOf.push_back(vertex);
-        out.look.coordinates.push_back(at(number));
+        ofVertex.push_back(extra);
       }
-      vertex = known->second;
+      vertex = at->second;
     }
+  return ofVertex;
+}
+
+/// For each normal the first that is equal, for none that is zero.
+std::vector<int> firstEqual(const std::vector<Eigen::Vector3d>& normals) {
+  std::map<std::array<double, 3>, int> known;
+  std::vector<int> first;
+  for (const Eigen::Vector3d& n : normals)
+    first.push_back(
+        n.isZero() ? -1
+                   : known.try_emplace({n.x(), n.y(), n.z()}, static_cast<int>(first.size())).first->second);
+  return first;
 }
 
 }  // namespace
 
-std::optional<ObjLook> readObjLook(const std::string& path, const Mesh& mesh, std::vector<Note>* notes) {
+std::optional<ObjLook> readObjLook(const std::string& path, const Mesh& mesh, std::vector<Note>* notes,
+                                   bool wantsCoordinates) {
   const std::string whole = readFile(path);
   ObjLook out;
   MeshLook& look = out.look;
   look.materials.push_back({.name = "none"});
   bool found = false;
-  int material = 0, first = 0, vertices = 0;
+  int material = 0, first = 0;
+  Corner soFar{0, 0, 0};
   std::vector<Eigen::Vector2f> coordinates;
-  std::vector<std::array<int, 3>> corners;  // numbers of their coordinates
+  std::vector<Eigen::Vector3d> normals;
+  std::vector<std::array<Extra, 3>> corners;
   std::vector<Corner> face;
   std::vector<Eigen::Vector3d> polygon;
   const auto endPart = [&] {
@@ -263,7 +284,8 @@ std::optional<ObjLook> readObjLook(const std::string& path, const Mesh& mesh, st
   };
   const auto addTriangle = [&](int a, int b, int c) {
     out.triangles.push_back({face[a].vertex, face[b].vertex, face[c].vertex});
-    corners.push_back({face[a].coordinate, face[b].coordinate, face[c].coordinate});
+    const auto extra = [&](int k) { return Extra{face[k].coordinate, face[k].normal}; };
+    corners.push_back({extra(a), extra(b), extra(c)});
   };
   const auto lines = splitLines(plainText(whole, path));
   std::string joined;
@@ -281,14 +303,17 @@ std::optional<ObjLook> readObjLook(const std::string& path, const Mesh& mesh, st
       const auto named = std::ranges::find(look.materials, words[1], &Material::name);
       material = named == look.materials.end() ? 0 : static_cast<int>(named - look.materials.begin());
     } else if (words[0] == "v") {
-      ++vertices;
+      ++soFar.vertex;
     } else if (words[0] == "vt") {
+      ++soFar.coordinate;
       coordinates.push_back(parseCoordinate(words));
+    } else if (words[0] == "vn") {
+      ++soFar.normal;
+      normals.push_back(parseNormal(words));
     } else if (words[0] == "f") {
       face.clear();
       for (std::size_t k = 1; k < words.size(); ++k)
-        face.push_back(parseCorner(words[k], vertices, static_cast<int>(coordinates.size()), path,
-                                   static_cast<int>(n) + 1));
+        face.push_back(parseCorner(words[k], soFar, path, static_cast<int>(n) + 1));
       if (face.size() == 3) {
         addTriangle(0, 1, 2);
         continue;
@@ -302,30 +327,130 @@ std::optional<ObjLook> readObjLook(const std::string& path, const Mesh& mesh, st
     }
   }
   endPart();
-  if (!found || out.triangles != mesh.triangles) return std::nullopt;
-  if (!look.textures.empty())
-    layCoordinates(coordinates, corners, static_cast<int>(mesh.positions.size()), out);
+  if (out.triangles != mesh.triangles) return std::nullopt;
+  if (!found) look = {};
+  // What the picture does not need cuts nothing: coordinates without a texture, normals told twice.
+  const bool textured = !coordinates.empty() && (wantsCoordinates || !look.textures.empty());
+  const std::vector<int> equal = firstEqual(normals);
+  bool anyNormal = false;
+  int unreadable = 0;
+  for (auto& triangle : corners)
+    for (auto& [coordinate, normal] : triangle) {
+      if (!textured || coordinate >= static_cast<int>(coordinates.size())) coordinate = -1;
+      const bool asked = normal >= 0;
+      normal = asked && normal < static_cast<int>(equal.size()) ? equal[normal] : -1;
+      anyNormal = anyNormal || normal >= 0;
+      unreadable += asked && normal < 0;
+    }
+  if (unreadable > 0 && notes)
+    tell(*notes, "normals-missing",
+         "normals that a face asks for and that are none or not there: the mean of the vertex's faces is "
+         "taken",
+         unreadable);
+  if (!found && !textured && !anyNormal) return std::nullopt;
+  const std::vector<Extra> ofVertex = layCorners(corners, static_cast<int>(mesh.positions.size()), out);
+  if (textured || !look.textures.empty())
+    for (const auto& [coordinate, normal] : ofVertex)
+      look.coordinates.push_back(coordinate >= 0 ? coordinates[coordinate] : Eigen::Vector2f::Zero());
+  if (!anyNormal) return out;
+  Mesh byFaces{.positions = mesh.positions, .triangles = mesh.triangles, .normals = {}};
+  computeNormals(byFaces);
+  for (std::size_t v = 0; v < ofVertex.size(); ++v) {
+    const std::size_t vertex =
+        v < mesh.positions.size() ? v : static_cast<std::size_t>(out.copyOf[v - mesh.positions.size()]);
+    const int normal = ofVertex[v][1];
+    out.normals.push_back(normal >= 0 ? normals[normal] : byFaces.normals[vertex]);
+  }
   return out;
 }
 
-void cutForTexture(const ObjLook& look, Mesh& mesh) {
-  if (look.copyOf.empty()) return;
+void cutSurface(const ObjLook& look, Mesh& mesh) {
   if (mesh.normals.size() != mesh.positions.size()) computeNormals(mesh);
-  cutForTexture(look, mesh.positions);
-  cutForTexture(look, mesh.normals);
+  cutSurface(look, mesh.positions);
+  cutSurface(look, mesh.normals);
+  if (!look.normals.empty()) mesh.normals = look.normals;
   mesh.triangles = look.triangles;
 }
 
-std::string formatObj(const Mesh& mesh) {
+namespace {
+
+std::string vertexLines(const Mesh& mesh) {
   std::string text;
   text.reserve(64 * mesh.positions.size() + 24 * mesh.triangles.size());
   for (const Eigen::Vector3d& p : mesh.positions)
     text += "v " + exactNumber(p.x()) + ' ' + exactNumber(p.y()) + ' ' + exactNumber(p.z()) + '\n';
-  for (const auto& [a, b, c] : mesh.triangles)
-    text += "f " + std::to_string(a + 1) + ' ' + std::to_string(b + 1) + ' ' + std::to_string(c + 1) + '\n';
+  if (mesh.normals.size() == mesh.positions.size())
+    for (const Eigen::Vector3d& n : mesh.normals)
+      text += "vn " + exactNumber(n.x()) + ' ' + exactNumber(n.y()) + ' ' + exactNumber(n.z()) + '\n';
+  return text;
+}
+
+/// The shortest notation that reads back as the same bits.
+std::string exactFloat(float value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+void addFace(const Mesh& mesh, const std::array<int, 3>& triangle, bool textured, std::string& text) {
+  const bool withNormal = mesh.normals.size() == mesh.positions.size();
+  text += 'f';
+  for (const int vertex : triangle) {
+    const std::string number = std::to_string(vertex + 1);
+    text += ' ' + number;
+    if (textured || withNormal) text += '/' + (textured ? number : std::string());
+    if (withNormal) text += '/' + number;
+  }
+  text += '\n';
+}
+
+/// Names of one word each, all different.
+std::vector<std::string> materialNames(const MeshLook& look) {
+  std::vector<std::string> names;
+  for (const Material& material : look.materials) {
+    std::string name = material.name.empty() ? "material" : material.name;
+    for (char& c : name)
+      if (std::isspace(static_cast<unsigned char>(c)) || c == '#') c = '_';
+    const std::string plain = name;
+    for (int k = 2; std::ranges::count(names, name) > 0; ++k) name = plain + '_' + std::to_string(k);
+    names.push_back(name);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string formatObj(const Mesh& mesh) {
+  std::string text = vertexLines(mesh);
+  for (const auto& triangle : mesh.triangles) addFace(mesh, triangle, false, text);
   return text;
 }
 
 void writeObj(const std::string& path, const Mesh& mesh) { writeFile(path, formatObj(mesh)); }
+
+ObjText formatObj(const Mesh& mesh, const MeshLook& look, const std::string& mtlName,
+                  const std::vector<std::string>& pictures) {
+  ObjText text{.obj = "mtllib " + mtlName + '\n' + vertexLines(mesh), .mtl = {}};
+  const bool textured = look.coordinates.size() == mesh.positions.size();
+  for (std::size_t v = 0; textured && v < look.coordinates.size(); ++v) {
+    const Eigen::Vector2f& at = look.coordinates[v];
+    text.obj += "vt " + exactFloat(at.x()) + ' ' + exactFloat(1.0f - at.y()) + '\n';
+  }
+  const std::vector<std::string> names = materialNames(look);
+  for (const MeshLook::Part& part : look.parts) {
+    if (!part.name.empty()) text.obj += "g " + part.name + '\n';
+    text.obj += "usemtl " + names[part.material] + '\n';
+    for (int t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t)
+      addFace(mesh, mesh.triangles[t], textured, text.obj);
+  }
+  for (std::size_t m = 0; m < look.materials.size(); ++m) {
+    const Material& material = look.materials[m];
+    text.mtl += "newmtl " + names[m] + "\nKd";
+    for (int k = 0; k < 3; ++k) text.mtl += ' ' + exactFloat(srgbFromLinear(material.colour[k]));
+    text.mtl += '\n';
+    if (material.colour.w() < 1.0f) text.mtl += "d " + exactFloat(material.colour.w()) + '\n';
+    if (material.texture >= 0) text.mtl += "map_Kd " + pictures[material.texture] + '\n';
+  }
+  return text;
+}
 
 }  // namespace gelenk

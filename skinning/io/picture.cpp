@@ -19,7 +19,12 @@ namespace gelenk {
 
 std::shared_ptr<const Texture> readPicture(const std::string& path) {
   std::error_code error;
-  return std::filesystem::is_regular_file(path, error) ? decodePicture(readFile(path)) : nullptr;
+  if (!std::filesystem::is_regular_file(path, error)) return nullptr;
+  const auto picture = decodePicture(readFile(path));
+  if (!picture) return nullptr;
+  Texture named = *picture;
+  named.file = path;
+  return std::make_shared<const Texture>(std::move(named));
 }
 
 std::shared_ptr<const Texture> decodePicture([[maybe_unused]] std::string_view bytes) {

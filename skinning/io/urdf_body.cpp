@@ -8,6 +8,7 @@
 #include "skinning/creases.h"
 #include "skinning/io/collada.h"
 #include "skinning/io/obj.h"
+#include "skinning/io/picture.h"
 #include "skinning/io/stl.h"
 
 namespace gelenk {
@@ -125,8 +126,10 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
     return mesh;
   }
   if (name.ends_with(".obj"))
-    if (auto own = readObjLook(*path, mesh, &notes)) {
-      cutForTexture(*own, mesh);
+    if (auto own = readObjLook(*path, mesh, &notes, !visual.texture.empty())) {
+      cutSurface(*own, mesh.positions);
+      mesh.triangles = own->triangles;
+      mesh.normals = own->normals;
       look = std::move(own->look);
     }
   for (Vector3d& p : mesh.positions) p = p.cwiseProduct(visual.size);
@@ -134,6 +137,23 @@ std::optional<Mesh> bodyOf(const UrdfVisual& visual, const std::string& urdfPath
   if (visual.size.prod() < 0.0)  // mirrored: keep the outside outside
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
+}
+
+/// The picture of the URDF's own material; null where there is none or it cannot be laid on the mesh.
+std::shared_ptr<const Texture> textureOf(const UrdfVisual& visual, const MeshLook& mesh,
+                                         const std::string& urdfPath, std::vector<Note>& notes) {
+  if (visual.texture.empty()) return nullptr;
+  const auto file = findFile(urdfPath, visual.texture);
+  auto picture = file ? readPicture(*file) : nullptr;
+  if (!picture)
+    tell(notes, "texture-missing",
+         "textures that could not be read, their surfaces have one colour: " + visual.texture + ", line " +
+             std::to_string(visual.line));
+  if (!picture || !mesh.coordinates.empty()) return picture;
+  tell(notes, "texture-unmapped",
+       "textures on shapes without texture coordinates are passed over: " + visual.texture + ", line " +
+           std::to_string(visual.line));
+  return nullptr;
 }
 
 }  // namespace
@@ -150,12 +170,21 @@ UrdfModel openUrdf(const std::string& path) {
   std::vector<Influences> influences;
   MeshLook look;
   const auto paint = [&](const UrdfVisual& visual, MeshLook own, int first, int count) {
-    if (visual.colour || own.materials.empty()) {
+    const auto texture = textureOf(visual, own, path, model.notes);
+    if (visual.colour || texture || own.materials.empty()) {
       Material material{.name = "link", .gloss = 0.25f};
       const Eigen::Vector4d rgba = visual.colour.value_or(Eigen::Vector4d(0.78, 0.79, 0.80, 1.0));
       material.colour << linearFromSrgb(Eigen::Vector3f(rgba.head<3>().cast<float>())),
           static_cast<float>(rgba.w());
-      own = {.materials = {material}, .parts = {{.triangleCount = count}}};
+      own.materials = {material};
+      own.textures.clear();
+      own.parts = {{.triangleCount = count}};
+      if (texture) {  // in place of the colour, as ROS' programs draw it
+        own.materials[0].colour.setOnes();
+        own.materials[0].texture = 0;
+        own.materials[0].cutOff = blendCutOff;
+        own.textures = {texture};
+      }
     }
     const int materials = static_cast<int>(look.materials.size()),
               textures = static_cast<int>(look.textures.size());
@@ -173,7 +202,15 @@ UrdfModel openUrdf(const std::string& path) {
     }
   };
   const auto add = [&](const UrdfVisual& visual, Mesh body, MeshLook own) {
-    if (body.normals.empty()) body = withCreases(body, 0.6);
+    if (body.normals.empty()) {
+      std::vector<int> from;
+      body = withCreases(body, 0.6, &from);
+      if (!own.coordinates.empty()) {
+        std::vector<Eigen::Vector2f> moved;
+        for (const int v : from) moved.push_back(own.coordinates[v]);
+        own.coordinates = std::move(moved);
+      }
+    }
     paint(visual, std::move(own), static_cast<int>(whole.triangles.size()),
           static_cast<int>(body.triangles.size()));
     const int base = static_cast<int>(whole.positions.size());

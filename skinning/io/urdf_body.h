@@ -21,8 +21,9 @@ struct UrdfModel {
 
 /// Meshes are read from STL, OBJ and Collada (collada.h); where a file is not there or is of another kind,
 /// one of the same name with one of these endings is taken, else the link's collision geometry; what is
-/// missing then is told in the notes. package://NAME/PATH is looked for as NAME/PATH and PATH in the URDF's
-/// folder and all folders above it. Throws ParseError.
+/// missing then is told in the notes. Meshes without normals get them with creases. A texture of the URDF's
+/// own material lies on meshes that have texture coordinates. package://NAME/PATH is looked for as NAME/PATH
+/// and PATH in the URDF's folder and all folders above it. Throws ParseError.
 UrdfModel openUrdf(const std::string& path);
 
 }  // namespace gelenk

@@ -274,7 +274,7 @@ TEST(Looks, AnObjIsCutWhereItsTextureIsAndKeepsItsVerticesNumbers) {
   ASSERT_TRUE(look);
   EXPECT_EQ(look->copyOf, (std::vector<int>{1, 2}));  // the shared edge
   const auto before = mesh.positions;
-  cutForTexture(*look, mesh);
+  cutSurface(*look, mesh);
   EXPECT_NO_THROW(validate(look->look, 8, 4));
   EXPECT_TRUE(std::equal(before.begin(), before.end(), mesh.positions.begin()));
   for (std::size_t t = 0; t < 4; ++t)
@@ -293,6 +293,105 @@ TEST(Looks, AnObjIsCutWhereItsTextureIsAndKeepsItsVerticesNumbers) {
   readObjLook(obj, readMesh(obj), &notes);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_EQ(notes[0].kind, "texture-missing");
+}
+
+const char* texturedSquare =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\nf 1/1 4/4 3/3 "
+    "2/2\n";
+
+/// Its mesh has texture coordinates but no .mtl; the box has none.
+TEST(Looks, AUrdfsOwnTextureLiesOnAMeshWithCoordinates) {
+  const Folder folder;
+  fs::create_directories(folder.path / "robot/textures");
+  writePng((folder.path / "robot/textures/red.png").string(), {1, 1, {255, 0, 0, 255}});
+  folder.write("robot/square.obj", texturedSquare);
+  const std::string urdf = folder.write("robot/r.urdf", R"(<robot name="r">
+  <material name="paint"><texture filename="package://robot/textures/red.png"/></material>
+  <link name="a"><visual><geometry><mesh filename="square.obj"/></geometry><material name="paint"/></visual></link>
+  <link name="b"><visual><geometry><box size="0.1 0.1 0.1"/></geometry><material name="paint"/></visual></link>
+  <link name="c"><visual><geometry><mesh filename="square.obj"/></geometry>
+    <material name="none"><color rgba="0 0 1 1"/><texture filename="gone.png"/></material></visual></link>
+  <joint name="b" type="fixed"><parent link="a"/><child link="b"/></joint>
+  <joint name="c" type="fixed"><parent link="a"/><child link="c"/></joint></robot>)");
+  const Model model = openModelFile(urdf);
+  ASSERT_TRUE(model.look);
+  EXPECT_NO_THROW(validate(*model.look, static_cast<int>(model.skin->mesh.positions.size()),
+                           static_cast<int>(model.skin->mesh.triangles.size())));
+  ASSERT_EQ(model.look->textures.size(), 1u);
+  const auto materialOf = [&](int part) { return model.look->materials[model.look->parts[part].material]; };
+  EXPECT_EQ(materialOf(0).texture, 0);
+  EXPECT_EQ(materialOf(1).texture, -1);
+  EXPECT_EQ(materialOf(2).texture, -1);
+  EXPECT_EQ(materialOf(2).colour.z(), 1.0f);
+  const auto notes = [&](const std::string& kind) {
+    return std::ranges::count(model.notes, kind, &Note::kind);
+  };
+  EXPECT_EQ(notes("texture-unmapped"), 1);
+  EXPECT_EQ(notes("texture-missing"), 1);
+  const Seen red = seen(model, {"b", "c"});
+  EXPECT_GT(red.pixels, 100);
+  EXPECT_GT(red.mean.x(), 2.0f * red.mean.y());
+}
+
+/// A square whose halves have other texture coordinates on their common edge, without normals of its own: the
+/// light knows no seam there.
+TEST(Looks, ACutForATextureIsNoCrease) {
+  const Folder folder;
+  writePng((folder.path / "a.png").string(), {1, 1, {9, 9, 9, 255}});
+  folder.write("a.obj",
+               "v 0 0 0\nv 1 0 0.1\nv 1 1 0.1\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvt 0.2 0.5\nvt 0.8 0.5\n"
+               "f 1/1 2/1 3/1 4/1\nf 2/2 5/2 6/2 3/2\n");
+  const Model model = openModelFile(folder.write(
+      "r.urdf",
+      "<robot name=\"r\"><link name=\"a\"><visual><geometry><mesh filename=\"a.obj\"/></geometry>"
+      "<material name=\"m\"><texture filename=\"a.png\"/></material></visual></link></robot>"));
+  const Mesh& mesh = model.skin->mesh;
+  ASSERT_EQ(mesh.positions.size(), 8u);
+  for (std::size_t a = 0; a < 8; ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (mesh.positions[a] == mesh.positions[b]) {
+        EXPECT_NE(model.look->coordinates[a], model.look->coordinates[b]);
+        EXPECT_EQ(mesh.normals[a], mesh.normals[b]);
+      }
+}
+
+/// Written, moved to another folder, read again: the same colours, the same picture's file or its pixels.
+TEST(Looks, AnObjIsWrittenWithItsMaterials) {
+  const Folder folder;
+  fs::create_directories(folder.path / "other");
+  writePng((folder.path / "red green.png").string(), {2, 1, {255, 0, 0, 255, 0, 255, 0, 255}});
+  folder.write("a.mtl", "newmtl a\nKd 0.25 0.5 0.75\nnewmtl b\nmap_Kd red green.png\n");
+  const std::string obj = folder.write(
+      "a.obj", std::string("mtllib a.mtl\nusemtl b\n") + texturedSquare + "v 0 0 1\nusemtl a\nf 1 2 5\n");
+  Mesh mesh = readMesh(obj);
+  auto look = readObjLook(obj, mesh);
+  ASSERT_TRUE(look);
+  cutSurface(*look, mesh);
+  const Texture clear{.width = 1, .height = 1, .rgba = {1, 2, 3, 4}};
+  look->look.textures.push_back(std::make_shared<const Texture>(clear));
+  look->look.materials.push_back({.name = "a", .texture = 1});  // a name that is taken
+  look->look.parts.push_back({.firstTriangle = 5, .triangleCount = 1, .material = 3});
+  mesh.triangles.push_back({0, 1, 4});
+  const std::string out = (folder.path / "other/b.obj").string();
+  writeObjWithLook(out, mesh, look->look);
+
+  const Mesh again = readMesh(out);
+  EXPECT_EQ(again.positions, mesh.positions);
+  EXPECT_EQ(again.triangles, mesh.triangles);
+  const auto read = readObjLook(out, again);
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->copyOf.empty());
+  EXPECT_EQ(read->normals, mesh.normals);
+  EXPECT_EQ(read->look.coordinates, look->look.coordinates);
+  ASSERT_EQ(read->look.parts.size(), 3u);
+  const auto textureOf = [&](int part) {
+    return read->look.textures[read->look.materials[read->look.parts[part].material].texture];
+  };
+  EXPECT_EQ(fs::canonical(textureOf(0)->file), fs::canonical(folder.path / "red green.png"));
+  const Eigen::Vector4f colour = read->look.materials[read->look.parts[1].material].colour;
+  EXPECT_NEAR(colour.y(), linearFromSrgb(0.5f), 1e-6);
+  EXPECT_EQ(textureOf(2)->rgba, clear.rgba);
+  EXPECT_EQ(textureOf(2)->file, (folder.path / "other/b_2.png").string());
 }
 
 /// The same picture on a Collada mesh, which comes with its own normals.

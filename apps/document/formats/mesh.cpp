@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
+#include "apps/commands/image.h"
 #include "apps/document/chosen_skin.h"
 #include "apps/document/file_format.h"
 #include "apps/document/model_files.h"
@@ -31,14 +33,14 @@ bool saysItsUnit(const std::string& path) {
   return kind && (fileFormat(*kind).saysItsUnit || fileFormat(*kind).alwaysMetres);
 }
 
-/// Colours and textures of an OBJ's .mtl, where there are any.
+/// Colours, textures and normals that an OBJ has.
 void paint(const std::string& path, Model& model) {
   if (fileKind(path) != FileKind::ObjMesh) return;
   auto look = readObjLook(path, model.skin->mesh, &model.notes);
   if (!look) return;
-  cutForTexture(*look, model.skin->mesh);
-  cutForTexture(*look, model.skin->influences);
-  model.look = std::make_shared<const MeshLook>(std::move(look->look));
+  cutSurface(*look, model.skin->mesh);
+  cutSurface(*look, model.skin->influences);
+  if (!look->look.materials.empty()) model.look = std::make_shared<const MeshLook>(std::move(look->look));
 }
 
 void tellWeightLoss(std::vector<Note>& notes, const WeightLoss& loss, std::size_t vertices) {
@@ -49,7 +51,34 @@ void tellWeightLoss(std::vector<Note>& notes, const WeightLoss& loss, std::size_
   loss.verticesOverFour > 0 ? tell(notes, "weights-lost", text) : tellFact(notes, "weights-lost", text);
 }
 
+/// What the .mtl beside `folder` calls a texture's file: the source's own, or a PNG that is written there.
+std::string pictureFor(const Texture& texture, const std::filesystem::path& folder, const std::string& name) {
+  if (!texture.file.empty()) {
+    std::error_code error;
+    const auto near = std::filesystem::relative(texture.file, folder, error);
+    return error || near.empty() ? texture.file : near.generic_string();
+  }
+#ifdef GELENK_GRAPHICS
+  writePng((folder / name).string(), {texture.width, texture.height, texture.rgba}, true);
+  return name;
+#else
+  throw std::invalid_argument("this build writes no PNG, which the texture '" + name + "' needs");
+#endif
+}
+
 }  // namespace
+
+void writeObjWithLook(const std::string& path, const Mesh& mesh, const MeshLook& look) {
+  const std::filesystem::path file(path);
+  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  const std::string name = file.stem().string(), mtl = name + ".mtl";
+  std::vector<std::string> pictures;
+  for (const auto& texture : look.textures)
+    pictures.push_back(pictureFor(*texture, folder, fmt::format("{}_{}.png", name, pictures.size() + 1)));
+  const ObjText text = formatObj(mesh, look, mtl, pictures);
+  writeFile((folder / mtl).string(), text.mtl);
+  writeFile(path, text.obj);
+}
 
 Mesh readMesh(const std::string& path, std::vector<Note>* notes) {
   if (fileKind(path) != FileKind::Nurbs) return readObj(path, notes);
@@ -184,8 +213,11 @@ void writeObjFile(const std::string& path, Imported& imported, const ExportOptio
     ChosenSkin(model, *model.skin, model.skinning, options.muscles.get())
         .pose(forwardKinematics(model.skeleton, q), &q, posed);
     mesh.positions = std::move(posed.positions);
+    mesh.normals = std::move(posed.normals);
   }
   for (auto& p : mesh.positions) p /= options.metresPerUnit.value_or(1.0);
+  if (model.look) return writeObjWithLook(path, mesh, *model.look);
+  mesh.normals.clear();  // of the faces, as whoever reads the file finds them too
   writeObj(path, mesh);
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include "kinematics/configuration.h"
@@ -106,6 +107,43 @@ TEST(Obj, VerticesWithoutFacesKeepTheirPlace) {
   const Mesh mesh = parseObj("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n", "loose.obj");
   EXPECT_EQ(mesh.positions.size(), 4u);
   EXPECT_EQ(topology(mesh).unreferencedVertices, 1);
+}
+
+/// A roof of two squares, by its normals sharp at the ridge and round at one gutter, where two equal ones are
+/// told twice; one corner asks for a normal that is not there.
+TEST(Obj, NormalsOfTheFileAreKeptAndCutTheSurface) {
+  const std::string path = (std::filesystem::temp_directory_path() / "roof.obj").string();
+  writeFile(path,
+            "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 1\nv 0 2 0\nv 1 2 0\n"
+            "vn 0 -1 1\nvn 0 1 1\nvn 0 0 2\nvn 0 0 1\nvn 0 0 0\n"
+            "f 1//3 2//3 3//1 4//1\nf 4//-4 3//-4 6//4 5//4\nf 1//4 4//1 5//5\n");
+  const Mesh mesh = readObj(path);
+  std::vector<Note> notes;
+  const auto look = readObjLook(path, mesh, &notes);
+  ASSERT_TRUE(look);
+  EXPECT_TRUE(look->look.materials.empty());
+  EXPECT_EQ(look->copyOf, (std::vector<int>{3, 2, 4}));  // the ridge, and the corner without a normal
+  Mesh cut = mesh;
+  cutSurface(*look, cut);
+  const double h = std::sqrt(0.5);
+  for (std::size_t t = 0; t < 4; ++t)
+    for (const int v : cut.triangles[t]) {
+      const Eigen::Vector3d& p = cut.positions[v];
+      const Eigen::Vector3d expected =
+          p.z() == 0.0 ? Eigen::Vector3d(0, 0, 1) : Eigen::Vector3d(0, t < 2 ? -h : h, h);
+      EXPECT_NEAR((cut.normals[v] - expected).norm(), 0.0, 1e-15) << t;
+    }
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].kind, "normals-missing");
+  EXPECT_EQ(notes[0].count, 1);
+  EXPECT_NEAR(look->normals.back().norm(), 1.0, 1e-12);
+
+  EXPECT_EQ(readObjLook(path, mesh)->normals.size(), 9u);
+  writeObj(path, cut);
+  const auto again = readObjLook(path, readObj(path));
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->copyOf.empty());
+  EXPECT_EQ(again->normals, cut.normals);
 }
 
 TEST(Obj, WrittenAndReadAgainIsTheSameToTheLastBit) {
