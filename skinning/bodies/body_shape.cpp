@@ -13,9 +13,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int columns = 11;     // u, v, radius, then cosine and sine of n = 2..5
-constexpr double far = 1e9;     // value of a part that is too far away to matter
-constexpr int maxParts = 2048;  // of one region, so that evaluation needs no heap
+constexpr int columns = 11;       // u, v, radius, then cosine and sine of n = 2..5
+constexpr double widening = 1.5;  // of a blend's radius: where both agree it fills a quarter of the radius
+constexpr double far = 1e9;       // value of a part that is too far away to matter
+constexpr int maxParts = 2048;    // of one region, so that evaluation needs no heap
 
 std::array<double, columns> columnsOf(const Section& s) {
   return {s.u,       s.v,         s.radius,  s.cosine[0], s.sine[0], s.cosine[1],
@@ -28,15 +29,29 @@ FieldSample smoothMin(const FieldSample& a, const FieldSample& b, double k,
                       const Vector3d* kGradient = nullptr) {
   const bool aFirst = a.value <= b.value;
   const FieldSample &low = aFirst ? a : b, &high = aFirst ? b : a;
-  const double overlap = k - (high.value - low.value);
+  const double wide = widening * k, overlap = wide - (high.value - low.value);
   if (!(overlap > 0.0)) return low;
-  const double share = overlap / (2.0 * k);
-  FieldSample out{low.value - overlap * overlap / (4.0 * k), Vector3d::Zero()};
+  const double h = overlap / wide, share = 0.5 * h * h;
+  FieldSample out{low.value - wide * h * h * h / 6.0, Vector3d::Zero()};
   if constexpr (withGradient) {
     out.gradient = (1.0 - share) * low.gradient + share * high.gradient;
-    if (kGradient) out.gradient -= (share - share * share) * *kGradient;
+    if (kGradient) out.gradient -= widening * (share - h * h * h / 3.0) * *kGradient;
   }
   return out;
+}
+
+}  // namespace
+
+namespace {
+
+/// As std::hypot but for lengths whose squares are none.
+double lengthOf(double a, double b) { return std::sqrt(a * a + b * b); }
+
+template <bool withGradient>
+FieldSample opposite(FieldSample s) {
+  s.value = -s.value;
+  if constexpr (withGradient) s.gradient = -s.gradient;
+  return s;
 }
 
 }  // namespace
@@ -68,7 +83,7 @@ struct BodyShape::Prepared {
     if (part.mirrored) p.x() = -p.x();
     const Vector3d local = axes * (p - part.a);
     const double beyond = std::max({from - local.z(), local.z() - to, 0.0});
-    return std::hypot(local.x(), local.y(), beyond) - bound;
+    return std::sqrt(local.x() * local.x() + local.y() * local.y() + beyond * beyond) - bound;
   }
 };
 
@@ -92,7 +107,7 @@ FieldSample BodyShape::Prepared::cylinder(const BodyPart& part, const Vector3d& 
   }
 
   const double du = local.x() - value[0], dv = local.y() - value[1];
-  const double rho = std::max(std::hypot(du, dv), 1e-9 * length);
+  const double rho = std::max(lengthOf(du, dv), 1e-9 * length);
   const double cosine = dv / rho, sine = du / rho;
   double S = 0.0, S_theta = 0.0, S_s = 0.0;
   double cn = cosine, sn = sine;  // cos(n theta), sin(n theta)
@@ -137,17 +152,17 @@ FieldSample BodyShape::Prepared::roundCone(const BodyPart& part, const Vector3d&
   const double stretch = 1.0 / part.flatness - 1.0;
   const Vector3d fromA = p - part.a;
   const Vector3d local = axes * (fromA + stretch * part.flat.dot(fromA) * part.flat);
-  const double rho = std::hypot(local.x(), local.y()), z = local.z();
+  const double rho = lengthOf(local.x(), local.y()), z = local.z();
   const double sine = std::clamp((part.radiusA - part.radiusB) / length, -1.0, 1.0),
                cosine = std::sqrt(1.0 - sine * sine);
   // Which of the three pieces is nearest: the two balls, or the cone that touches both.
   const double along = cosine * z - sine * rho;
   double value, radial, axial;
   if (along <= 0.0 || sine == 1.0) {
-    const double d = std::max(std::hypot(rho, z), 1e-12 * length);
+    const double d = std::max(lengthOf(rho, z), 1e-12 * length);
     value = d - part.radiusA, radial = rho / d, axial = z / d;
   } else if (along >= cosine * length || sine == -1.0) {
-    const double d = std::max(std::hypot(rho, z - length), 1e-12 * length);
+    const double d = std::max(lengthOf(rho, z - length), 1e-12 * length);
     value = d - part.radiusB, radial = rho / d, axial = (z - length) / d;
   } else {
     value = cosine * rho + sine * z - part.radiusA, radial = cosine, axial = sine;
@@ -220,13 +235,22 @@ BodyShape::BodyShape(std::vector<BodyPart> parts) : parts_(std::move(parts)) {
       const std::size_t count = part.sections.size();
       std::vector<std::array<double, columns>> value, tangent(count, std::array<double, columns>{});
       for (const Section& section : part.sections) value.push_back(columnsOf(section));
-      for (std::size_t k = 1; k + 1 < count; ++k)  // derivative at k of the parabola through three sections
-        for (int c = 0; c < columns; ++c) {
-          const double before = ready.at[k] - ready.at[k - 1], after = ready.at[k + 1] - ready.at[k];
-          const double left = (value[k][c] - value[k - 1][c]) / before,
-                       right = (value[k + 1][c] - value[k][c]) / after;
-          tangent[k][c] = (left * after + right * before) / (before + after);
-        }
+      // The cubic spline whose ends are level: its curvature has no steps, which would show as bands of
+      // light.
+      std::vector<double> pivot(count, 1.0);
+      for (std::size_t k = 1; k + 1 < count; ++k) {
+        const double before = 1.0 / (ready.at[k] - ready.at[k - 1]),
+                     after = 1.0 / (ready.at[k + 1] - ready.at[k]);
+        const double factor = k > 1 ? before / pivot[k - 1] : 0.0;
+        pivot[k] = 2.0 * (before + after) - factor * (k > 1 ? before : 0.0);
+        for (int c = 0; c < columns; ++c)
+          tangent[k][c] = 3.0 * (before * before * (value[k][c] - value[k - 1][c]) +
+                                 after * after * (value[k + 1][c] - value[k][c])) -
+                          factor * tangent[k - 1][c];
+      }
+      for (std::size_t k = count - 1; k-- > 1;)
+        for (int c = 0; c < columns; ++c)
+          tangent[k][c] = (tangent[k][c] - tangent[k + 1][c] / (ready.at[k + 1] - ready.at[k])) / pivot[k];
       for (std::size_t k = 0; k + 1 < count; ++k) {
         const double width = ready.at[k + 1] - ready.at[k];
         ready.cubic.emplace_back();
@@ -245,7 +269,7 @@ BodyShape::BodyShape(std::vector<BodyPart> parts) : parts_(std::move(parts)) {
     }
     allReady.push_back(std::move(ready));
     for (const int j : {i, part.parent})
-      if (j >= 0) reach_[j] = std::max(reach_[j], 1.3 * std::max(part.blend, part.siblingBlend));
+      if (j >= 0) reach_[j] = std::max(reach_[j], 1.3 * widening * std::max(part.blend, part.siblingBlend));
   }
   prepared_ = std::make_shared<const std::vector<Prepared>>(std::move(allReady));
 }
@@ -299,12 +323,18 @@ FieldSample BodyShape::evaluate(const Vector3d& p, const Region& region) const {
   std::array<int, maxParts> order;
   for (int n = static_cast<int>(region.nodes_.size()) - 1; n >= 0; --n) {
     const Region::Node& node = region.nodes_[n];
-    const FieldSample own = node.evaluated
-                                ? (*prepared_)[node.part].sample<withGradient>(parts_[node.part], p)
-                                : FieldSample{far, Vector3d::Zero()};
+    FieldSample own = node.evaluated ? (*prepared_)[node.part].sample<withGradient>(parts_[node.part], p)
+                                     : FieldSample{far, Vector3d::Zero()};
+    for (int k = 0; k < node.childCount; ++k) {
+      const int child = region.children_[node.firstChild + k];
+      if (const BodyPart& part = parts_[region.nodes_[child].part]; part.carved)
+        own = opposite<withGradient>(
+            smoothMin<withGradient>(opposite<withGradient>(own), value[child], part.blend));
+    }
     int count = 0;
     for (int k = 0; k < node.childCount; ++k) {
       const int child = region.children_[node.firstChild + k];
+      if (parts_[region.nodes_[child].part].carved) continue;
       value[child] = smoothMin<withGradient>(own, value[child], parts_[region.nodes_[child].part].blend);
       if (value[child].value < own.value) order[count++] = child;
     }

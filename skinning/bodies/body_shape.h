@@ -35,6 +35,7 @@ struct BodyPart {
   int parent = -1;            ///< the part it blends with, smaller than its own index; -1 for the first
   double blend = 0.0;         ///< radius of the smooth union with the parent
   double siblingBlend = 0.0;  ///< upper bound of the radius between children of one parent
+  bool carved = false;        ///< taken away from its parent alone, not from what else joins it there
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::UnitZ();  ///< ends of the axis
   bool mirrored = false;                                                      ///< evaluated at (-x, y, z)
 
@@ -52,9 +53,12 @@ struct BodyPart {
 /// A body as an implicit surface, F < 0 inside: a tree of parts, each blended smoothly with its parent only,
 /// so that fingers or thighs that come near each other do not fuse.
 ///
-/// smin_k(a, b) = min(a, b) - max(k - |a - b|, 0)^2 / (4 k). A part with own value f0 and children c:
+/// smin_k(a, b) = min(a, b) - k h^3 / 4 with h = max(1 - |a - b| / (1.5 k), 0): curvature has no steps, which
+/// would show as bands of light, and where both agree k / 4 is added. A part with own value f0 and children
+/// c:
 ///     v_c = smin(f0, value(c), k_c); of those below f0, in ascending order, total = smin(total, v_c,
 ///     min(ksib, 1.5 (f0 - v_c))).
+/// A carved part leaves max(f0, -its own value), rounded likewise, of its parent before all that.
 /// Sorting makes the result independent of the children's order; the last factor ends the blend between
 /// siblings where a child adds nothing. Dividing each part's value by an estimate of its slope makes radii
 /// mean lengths.

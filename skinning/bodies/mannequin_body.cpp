@@ -95,15 +95,15 @@ const std::vector<Profile>& profiles() {
        {{0, 0, 0, 8, {-0.2}}, {0.35, 0, 0, 10, {-0.15}}, {0.7, 0, 0, 12.5, {0}}, {1, 0, 0, 13.5, {0.1}}}},
       {"ear_l",
        "head",
-       {0.066, 1.602, 0.052},
-       {0.081, 1.606, 0.041},
-       {0, 0.995, 0.1},
+       {0.068, 1.604, 0.040},
+       {0.083, 1.604, 0.045},
+       {0, 1, 0},
        Form::Inverse,
        6,
        3,
-       8,
        6,
-       {{0.1, 0, 0, 17.5, {-0.52}, {0}}, {0.62, 0, 0, 19.5, {-0.52}, {0}}}},
+       4,
+       {{0, 0, 0, 14, {-0.52}, {0}}, {1, 0, 0, 20, {-0.52}, {0}}}},
       {"pec_l",
        "torso",
        {0.03, 1.27, 0.09},
@@ -394,7 +394,7 @@ const std::vector<Profile>& profiles() {
        {0, 0, 1},
        Form::Polar,
        80,
-       30,
+       20,
        48.6,
        54.8,
        {{-0.12, 55.2, 14.8, 53.6, {0.394, -0.002, 0.016}, {0.235, 0.134, -0.059}},
@@ -440,13 +440,70 @@ const std::vector<Profile>& profiles() {
         {0.25, -6.4, 10, 34.2, {-0, -0.167, 0.018}, {-0.287, -0.007, -0.011}},
         {0.42, -4.3, 5.9, 30.5, {0.383, -0.161, 0.016}, {-0.352, -0.053, -0.018}},
         {0.6, 4.1, -1.2, 27.2, {0.637, -0.109, 0.019}, {-0.112, -0.137, -0.017}},
-        {0.78, 13.6, -0.2, 16.9, {0.703, -0.029, 0.018}, {-0.032, -0.196, -0.005}},
-        {0.93, 19.4, -2.9, 12.5, {0.647, 0.027, 0.018}, {0.109, -0.243, 0.007}}}},
+        {0.78, 13.6, -0.2, 16.9, {0.703, -0.029, 0.018}, {-0.032, -0.196, -0.005}}}},
   };
   return table;
 }
 
+/// What makes a face, an ear and a foot of the measured shapes, by eye: the hull of two balls, joined to its
+/// parent or carved out of it. Radii and blends in millimetres, ends in metres.
+struct Detail {
+  std::string_view name, parent;
+  Triple a, b;
+  double radiusA, radiusB, blend, siblingBlend;
+  bool carved = false;
+  double flatness = 1.0;
+  Triple flat = {0, 0, 1};
+};
+
+constexpr Triple earOut{0.949, 0, 0.316};  // away from the head
+constexpr Detail details[] = {
+    {"chin", "head", {0.004, 1.527, 0.129}, {-0.004, 1.527, 0.129}, 19, 19, 25, 6},
+    {"brow_l", "head", {0.0150, 1.6380, 0.1355}, {0.0440, 1.6370, 0.1245}, 8, 6.5, 16, 6},
+    {"socket_l", "head", {0.0200, 1.6200, 0.1490}, {0.0430, 1.6190, 0.1405}, 13, 11, 10, 5, true},
+    {"eye_l", "head", {0.0308, 1.6190, 0.1272}, {0.0322, 1.6190, 0.1272}, 12.5, 12.5, 5, 2},
+    {"lid_1_l", "eye_l", {0.0214, 1.6177, 0.1348}, {0.0277, 1.6144, 0.1384}, 1.6, 1.9, 1.5, 3, true},
+    {"lid_2_l", "eye_l", {0.0277, 1.6144, 0.1384}, {0.0363, 1.6144, 0.1380}, 1.9, 1.9, 1.5, 3, true},
+    {"lid_3_l", "eye_l", {0.0363, 1.6144, 0.1380}, {0.0424, 1.6187, 0.1338}, 1.9, 1.6, 1.5, 3, true},
+    {"wing_l", "head", {0.0120, 1.5895, 0.1460}, {0.0120, 1.5890, 0.1430}, 6, 6, 10, 5},
+    {"mouth_l", "head", {0.0020, 1.5548, 0.1515}, {0.0220, 1.5552, 0.1455}, 10.5, 5.5, 8, 6},
+    {"lips_l", "mouth_l", {-0.0020, 1.5545, 0.1622}, {0.0230, 1.5555, 0.1510}, 2.8, 2.4, 1.5, 3, true},
+    {"concha_l",
+     "ear_l",
+     {0.0854, 1.6140, 0.0474},
+     {0.0854, 1.5950, 0.0474},
+     11.5,
+     9.5,
+     2.5,
+     1,
+     true,
+     0.5,
+     earOut},
+    {"fold_l", "ear_l", {0.0815, 1.6170, 0.0405}, {0.0818, 1.5940, 0.0395}, 3.4, 2.6, 4, 2},
+    {"tragus_l", "ear_l", {0.0808, 1.6005, 0.0560}, {0.0805, 1.5965, 0.0555}, 3.8, 3.8, 4, 2},
+    {"lobe_l", "ear_l", {0.0805, 1.5775, 0.0465}, {0.0810, 1.5810, 0.0460}, 6.0, 6.5, 10, 2},
+    {"toe_1_l", "foot_l", {0.1660, 0.0150, 0.1700}, {0.1700, 0.0125, 0.1985}, 12.5, 11.0, 12, 1.5},
+    {"toe_2_l", "foot_l", {0.1860, 0.0130, 0.1700}, {0.1890, 0.0105, 0.2025}, 8.0, 7.0, 10, 1.5},
+    {"toe_3_l", "foot_l", {0.1990, 0.0125, 0.1650}, {0.2025, 0.0100, 0.1945}, 7.5, 6.6, 10, 1.5},
+    {"toe_4_l", "foot_l", {0.2110, 0.0120, 0.1580}, {0.2150, 0.0095, 0.1845}, 7.2, 6.3, 10, 1.5},
+    {"toe_5_l", "foot_l", {0.2210, 0.0115, 0.1490}, {0.2260, 0.0092, 0.1720}, 7.2, 6.2, 10, 1.5},
+};
+
 Vector3d vector(const Triple& t) { return {t.x, t.y, t.z}; }
+
+BodyPart partOf(const Detail& detail, int parent) {
+  constexpr double millimetre = 1e-3;
+  return {.parent = parent,
+          .blend = detail.blend * millimetre,
+          .siblingBlend = detail.siblingBlend * millimetre,
+          .carved = detail.carved,
+          .a = vector(detail.a),
+          .b = vector(detail.b),
+          .radiusA = detail.radiusA * millimetre,
+          .radiusB = detail.radiusB * millimetre,
+          .flatness = detail.flatness,
+          .flat = vector(detail.flat).normalized()};
+}
 
 BodyPart partOf(const Profile& profile, int parent) {
   constexpr double millimetre = 1e-3;
@@ -538,21 +595,27 @@ BodyShape mannequinShape() {
     index[name] = static_cast<int>(parts.size());
     parts.push_back(std::move(part));
   };
-  for (const Profile& profile : profiles()) {
-    append(std::string(profile.name), partOf(profile, index.at(std::string(profile.parent))));
-    if (!profile.name.ends_with("_l")) continue;
-    BodyPart right = partOf(profile, index.at(rightName(profile.parent)));
+  const auto appendBoth = [&](const auto& part) {
+    append(std::string(part.name), partOf(part, index.at(std::string(part.parent))));
+    if (!part.name.ends_with("_l")) return;
+    BodyPart right = partOf(part, index.at(rightName(part.parent)));
     right.mirrored = true;
-    append(rightName(profile.name), std::move(right));
-  }
+    append(rightName(part.name), std::move(right));
+  };
+  for (const Profile& profile : profiles()) appendBoth(profile);
+  for (const Detail& detail : details) appendBoth(detail);
   return BodyShape(std::move(parts));
 }
 
 PolygoniseOptions mannequinGrid() {
-  const GridLens hands{{{0.545, 1.0, 0.29}, {-0.545, 1.0, 0.29}}, 3.4, 0.28};
-  const GridLens head{{{0.0, 1.63, 0.06}}, 1.8, 0.30};
+  const GridLens hands{{{0.545, 1.0, 0.29}, {-0.545, 1.0, 0.29}}, 3.1, 0.28};
+  const GridLens head{{{0.0, 1.63, 0.06}}, 1.3, 0.30};
   const GridLens feet{{{0.2, 0.04, 0.08}, {-0.2, 0.04, 0.08}}, 1.5, 0.25};
-  return {.cell = 0.016, .lenses = {hands, head, feet}, .symmetric = true};
+  const GridLens face{{{0.0, 1.59, 0.14}}, 2.6, 0.09};
+  const GridLens eyes{{{0.031, 1.619, 0.137}, {-0.031, 1.619, 0.137}}, 2.0, 0.024};
+  const GridLens ears{{{0.079, 1.603, 0.044}, {-0.079, 1.603, 0.044}}, 2.6, 0.05};
+  const GridLens toes{{{0.195, 0.012, 0.19}, {-0.195, 0.012, 0.19}}, 2.1, 0.07};
+  return {.cell = 0.0181, .lenses = {hands, head, feet, face, eyes, ears, toes}, .symmetric = true};
 }
 
 Skin makeMannequinSkin(const Skeleton& mannequin, WeightLoss* loss) {

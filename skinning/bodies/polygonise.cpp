@@ -40,7 +40,9 @@ void parallelFor(int count, int threads, const Body& body) {
 Vector3d pull(const Vector3d& q, const Vector3d& centre, double strength, double reach) {
   const Vector3d d = q - centre;
   const double r = d.norm();
-  const double ratio = r < 1e-6 * reach ? 1.0 : reach * std::tanh(r / reach) / r;
+  if (r < 1e-6 * reach) return strength * d;
+  const double e = r < 20.0 * reach ? std::exp(-2.0 * r / reach) : 0.0;  // tanh = (1 - e) / (1 + e)
+  const double ratio = reach * (1.0 - e) / ((1.0 + e) * r);
   return strength * ratio * d;
 }
 
@@ -102,7 +104,9 @@ class Warp {
       for (int i = 0; i < 100; ++i) {
         Vector3d sum = Vector3d::Zero();
         for (const Vector3d& c : stage->centres) sum += pull(q, c, stage->strength, stage->reach);
+        const Vector3d before = q;
         q = p + sum;
+        if (q == before) break;
       }
       p = q;
     }
@@ -299,8 +303,35 @@ class Grid {
     Block& block = block_[b];
     block.active = true;
     block.values.resize(volume);
-    for (int k = 0; k < volume; ++k)
-      block.values[k] = shape_.value(warp_(point(sampleOf(b, k).cast<double>())), block.region);
+    for (int c = 0; c < 8; ++c) sampleCube(block, firstSample(b) + side / 2 * corner(c), side / 2, 0.0);
+  }
+
+  /// F at the samples of a cube; where it cannot change its sign within the cube or to the next sample, its
+  /// sign alone. radius: of the cube and what is next to it, in the body; of the largest ones it is found
+  /// here.
+  void sampleCube(Block& block, const Vector3i& first, int size, double radius) {
+    const Vector3d middle = first.cast<double>().array() + 0.5 * (size - 1);
+    const Vector3d p = warp_(point(middle));
+    const double value = shape_.value(p, block.region);
+    if (size == 1) {
+      block.values[offset(first)] = value;
+      return;
+    }
+    if (radius == 0.0)
+      for (int c = 0; c < 8; ++c)
+        radius = std::max(
+            radius,
+            1.25 * (warp_(point(middle.array() + (size + 1) * (corner(c).cast<double>().array() - 0.5))) - p)
+                       .norm());
+    if (std::abs(value) > 1.6 * radius) {
+      for (int k = 0; k < size * size * size; ++k)
+        block.values[offset(first + Vector3i(k % size, k / size % size, k / (size * size)))] =
+            std::copysign(1e9, value);
+      return;
+    }
+    const int half = size / 2;
+    for (int c = 0; c < 8; ++c)
+      sampleCube(block, first + half * corner(c), half, radius * 1.2 * (half + 1) / (size + 1));
   }
 
   void mirrorFirstLayer() {

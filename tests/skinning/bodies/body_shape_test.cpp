@@ -41,6 +41,56 @@ TEST(BodyShape, RoundConeMeasuresTheDistanceToTheHullOfTwoBalls) {
   }
 }
 
+/// A ball with a bowl in it, and a ball within the bowl that the bowl leaves whole.
+TEST(BodyShape, ACarvedPartTakesFromItsParentAlone) {
+  std::vector<BodyPart> parts{cone({0, 0, 0}, {0, 0, 0}, 1.0, 1.0), cone({0, 0, 1}, {0, 0, 1}, 0.5, 0.5, 0),
+                              cone({0, 0, 1}, {0, 0, 1}, 0.2, 0.2, 0)};
+  parts[1].carved = true;
+  const BodyShape shape(parts);
+  const auto all = shape.everywhere();
+  EXPECT_NEAR(shape.value({0, 0, 1.1}, all), -0.1, 1e-9);
+  EXPECT_NEAR(shape.value({0, 0, 0.65}, all), 0.15, 1e-9);  // within the bowl, to its floor and to the ball
+  EXPECT_NEAR(shape.value({0, 0, 0.45}, all), -0.05, 1e-9);
+  EXPECT_NEAR(shape.value({0, 0, -0.9}, all), -0.1, 1e-9);
+  EXPECT_LT((shape.sample({0, 0, 0.45}, all).gradient - Vector3d::UnitZ()).norm(), 1e-9);
+  parts[1].blend = 0.1;  // rounds the rim, which lies at z = 0.875
+  const Vector3d rim(std::sqrt(1.0 - 0.875 * 0.875), 0.0, 0.875);
+  EXPECT_NEAR(BodyShape(parts).value(rim, BodyShape(parts).everywhere()), 0.025, 1e-9);
+}
+
+/// Light shows a step of the curvature as a line: along the surface second differences change by as little as
+/// the steps between them, past the sections of a part and into a blend.
+TEST(BodyShape, CurvatureHasNoSteps) {
+  BodyPart trunk{.form = BodyPart::Form::Polar, .sectionUp = Vector3d::UnitX(), .capA = 0.1, .capB = 0.1};
+  trunk.b = {0, 0, 1};
+  for (const double radius : {0.20, 0.26, 0.24, 0.30})
+    trunk.sections.push_back({.at = 0.3 * static_cast<double>(trunk.sections.size()), .radius = radius});
+  BodyPart arm = cone({0, 0, 0.45}, {0.5, 0, 0.45}, 0.1, 0.1, 0);
+  arm.blend = 0.1;
+  const BodyShape shape({trunk, arm});
+  const auto all = shape.everywhere();
+  for (const Vector3d& side : {Vector3d(-1, 0, 0), Vector3d(0.8, 0.6, 0)}) {  // without the arm, beside it
+    const auto radius = [&](double z) {
+      double in = 0.0, out = 1.0;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (in + out);
+        (shape.value(middle * side + Vector3d(0, 0, z), all) < 0.0 ? in : out) = middle;
+      }
+      return in;
+    };
+    const auto largestJump = [&](double step) {
+      double before = 0.0, largest = 0.0;
+      for (double z = 0.1; z < 0.8; z += step) {
+        const double second = (radius(z + step) - 2.0 * radius(z) + radius(z - step)) / (step * step);
+        if (z > 0.1) largest = std::max(largest, std::abs(second - before));
+        before = second;
+      }
+      return largest;
+    };
+    EXPECT_LT(largestJump(0.002), 0.7 * largestJump(0.004));  // 1 where there are steps
+  }
+}
+
 TEST(BodyShape, GradientsMatchCentralDifferencesNearTheFiguresSkin) {
   const BodyShape shape = mannequinShape();
   const auto all = shape.everywhere();

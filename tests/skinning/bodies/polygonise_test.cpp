@@ -96,9 +96,9 @@ TEST(Polygonise, ABlendThatBulgesOutOfItsPartsStaysClosed) {
       parts.back().b = parts.back().a;
       parts.back().radiusA = parts.back().radiusB = 0.5;
     }
-    // By hand: F = |p| - 0.5 - k s, s the sum of (1 - s)^2 / 4 over the nine blends.
+    // By hand: F = |p| - 0.5 - k s, s the sum of (1 - s / 1.5)^3 / 4 over the nine blends.
     double s = 0.0;
-    for (int i = 1; i < 10; ++i) s += (1.0 - s) * (1.0 - s) / 4.0;
+    for (int i = 1; i < 10; ++i) s += std::pow(1.0 - s / 1.5, 3) / 4.0;
     const double radius = 0.5 + blend * s;
     const Mesh mesh = polygonise(BodyShape(parts), {.cell = radius / 10.0});
     EXPECT_TRUE(topology(mesh).closed() && topology(mesh).manifold()) << blend;

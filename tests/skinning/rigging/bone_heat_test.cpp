@@ -202,8 +202,9 @@ TEST(MannequinSkin, WeightsAreSymmetricSmoothAndDoNotLeakBetweenLegsOrFingers) {
                             : steepest;
         worst = std::max(worst, std::abs(weight(t[k], joint) - weight(t[(k + 1) % 3], joint)));
       }
-  EXPECT_LE(steepest, 0.3);
-  EXPECT_LE(steepestOnHands, 0.75);
+  // Along an edge: on the hands of 5 mm, else of 8.
+  EXPECT_LE(steepest, 0.32);
+  EXPECT_LE(steepestOnHands, 0.8);
 }
 
 /// Half the L1 distance between two rows, the share of weight that differs.
