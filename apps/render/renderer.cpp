@@ -156,6 +156,17 @@ Lighting lightingOf(const RenderScene& scene, const Camera& camera, int shadowPi
   return light;
 }
 
+/// Half of what the picture shows upwards, at the distance of the box's nearest corner.
+double nearestHalfHeight(const Camera& camera, const Eigen::AlignedBox3d& box) {
+  if (camera.orthographic || box.isEmpty()) return camera.halfHeight();
+  double nearest = camera.distance;
+  for (int i = 0; i < 8; ++i)
+    nearest = std::min(
+        nearest,
+        camera.axes().col(2).dot(camera.eye() - box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i))));
+  return camera.halfHeight() * std::max(nearest, 1e-3 * camera.distance) / camera.distance;
+}
+
 /// Ten cells or more along the scene: a power of ten.
 double gridSpacing(double size) { return std::pow(10.0, std::floor(std::log10(0.5 * size) + 1e-9)); }
 
@@ -233,8 +244,9 @@ void eachPart(const BodyInstance& body, Draw&& draw) {
       draw(part);
 }
 
-/// The triangles, whatever they look like: for shadows.
-void drawShape(const BodyInstance& body) {
+/// The triangles, whatever they look like: for shadows. quick: fewer of them, where that is possible.
+void drawShape(const BodyInstance& body, bool quick) {
+  if (!body.look && quick && body.mesh->drawCoarse(isLayered(body))) return;
   if (!body.look) return body.mesh->drawTriangles(isLayered(body));
   eachPart(body, [&](const MeshLook::Part& part) {
     body.mesh->drawTriangles(part.firstTriangle, part.triangleCount, isLayered(body));
@@ -256,6 +268,7 @@ struct Renderer::State {
   int samples = software ? 0 : 4;
   int supersampling = 1;
   bool quick = false;
+  float pixelsPerMetre = 0.0f;  ///< of the picture, at the nearest place of the bodies
 
   std::map<std::string, ShaderProgram> programs;  ///< variants, made when first needed
   OverlayGl overlay{frameBinding};
@@ -284,6 +297,7 @@ struct Renderer::State {
   void drawGroundLight(const RenderScene& scene, const Lighting& light);
   void drawBodies(const RenderScene& scene, bool translucent);
   void drawBody(const RenderScene& scene, std::size_t index, bool translucent);
+  void drawClay(const BodyInstance& body) const;
   void drawBackdrop(const RenderScene& scene);
   const RenderTarget& singleSampled(GLbitfield part) const;
   void darkenFolds(const Viewport& viewport);
@@ -343,7 +357,9 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
 const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const BodyInstance& body,
                                                   bool wireframe) {
   const std::string vertex = name + ".vert", fragment = (name == "depth" ? "nothing" : name) + ".frag";
-  const std::string defines = (wireframe ? "WIREFRAME " : "") + poseDefines(*body.pose, isLayered(body));
+  const bool withLook = name == "surface" && body.look && !wireframe;
+  const std::string defines = (wireframe ? "WIREFRAME " : "") + std::string(withLook ? "LOOK " : "") +
+                              poseDefines(*body.pose, isLayered(body));
   return program(name + " " + defines,
                  {.folder = rendererShaders(), .vertex = vertex, .fragment = fragment, .defines = defines});
 }
@@ -352,7 +368,7 @@ const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const
 /// costs.
 void Renderer::State::prepareMaps() {
   const bool fine = !software || supersampling > 1;
-  const int shadow = fine ? 2048 : 1024, patch = fine ? 768 : quick ? 160 : 256;
+  const int shadow = fine ? 2048 : 1024, patch = fine ? 768 : quick ? 128 : 256;
   if (shadowPixels == shadow && patchPixels == patch) return;
   shadowPixels = shadow;
   patchPixels = patch;
@@ -391,7 +407,7 @@ void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& li
     depth.use();
     glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, glm::value_ptr(matrix));
     poses[i].bind();
-    drawShape(scene.bodies[i]);
+    drawShape(scene.bodies[i], quick);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_DEPTH_TEST);
@@ -410,7 +426,7 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
     if (scene.bodies[i].tint.a < 1.0f) continue;
     bodyProgram("contact", scene.bodies[i]).use();
     poses[i].bind();
-    drawShape(scene.bodies[i]);
+    drawShape(scene.bodies[i], quick);
   }
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
@@ -422,7 +438,7 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
               {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "ground_light.frag"});
   shade.use();
   glUniform1f(shade.uniform("depthRange"), static_cast<float>(light.shadowDepth));
-  glUniform1i(shade.uniform("taps"), shadowPixels > 1024 ? 32 : 12);
+  glUniform1i(shade.uniform("taps"), shadowPixels > 1024 ? 32 : quick ? 8 : 12);
   glBindVertexArray(noVertices);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 
@@ -433,13 +449,23 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
   bindTexture(GroundLightUnit, groundLight);
 }
 
+/// In quick pictures without what faces away, and with fewer triangles where those are a few pixels large.
+void Renderer::State::drawClay(const BodyInstance& body) const {
+  constexpr float largest = 5.0f;  // pixels
+  if (!quick || !body.mesh->isClosed()) return body.mesh->drawTriangles(isLayered(body));
+  glEnable(GL_CULL_FACE);
+  if (!(body.mesh->coarseEdge() * pixelsPerMetre < largest && body.mesh->drawCoarse(isLayered(body))))
+    body.mesh->drawTriangles(isLayered(body));
+  glDisable(GL_CULL_FACE);
+}
+
 void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool translucent) {
   const BodyInstance& body = scene.bodies[index];
   const ShaderProgram& surface = bodyProgram("surface", body, body.wireframe);
   const bool throughSkin = scene.xray && body.tint.a >= 1.0f;
   surface.use();
-  glUniform4f(surface.uniform("tint"), body.tint.r, body.tint.g, body.tint.b,
-              throughSkin ? 0.90f : body.tint.a);
+  const Eigen::Vector3f tint = linearLight(body.tint);
+  glUniform4f(surface.uniform("tint"), tint.x(), tint.y(), tint.z(), throughSkin ? 0.90f : body.tint.a);
   glUniform1f(surface.uniform("vertexColourShare"),
               body.look || body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
   glUniform1f(surface.uniform("packedColours"),
@@ -451,7 +477,7 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
   poses[index].bind();
   const auto drawAll = [&] {
     if (body.wireframe) return body.mesh->drawTrianglesByCorner(isLayered(body));
-    if (!body.look) return body.mesh->drawTriangles(isLayered(body));
+    if (!body.look) return drawClay(body);
     eachPart(body, [&](const MeshLook::Part& part) {
       const Material& material = body.look->look().materials[part.material];
       setMaterial(surface, material);
@@ -588,6 +614,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
 
   const int n = gl.supersampling;
   const Viewport enlarged{n * viewport.width, n * viewport.height};
+  gl.pixelsPerMetre = static_cast<float>(0.5 * enlarged.height / nearestHalfHeight(camera, scene.bounds));
   const bool shadows = scene.shadows && !scene.bodies.empty();
   const Lighting light = lightingOf(scene, camera, gl.shadowPixels);
   const FrameBlock block =

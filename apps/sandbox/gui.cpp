@@ -4,6 +4,10 @@
 #include <imgui_impl_opengl3.h>
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "skinning/gpu/gl.h"
 
 namespace gelenk {
 namespace {
@@ -100,8 +104,61 @@ void Gui::beginFrame(const Input& input, double dt) {
   ImGui::NewFrame();
 }
 
+namespace {
+
+/// Where a window begins with an opaque rectangle, its background, that is cleared instead: a processor that
+/// draws does so several times as fast.
+void clearBackgrounds(ImDrawData& data) {
+  struct Rectangle {
+    ImVec4 area;  ///< x0, y0, x1, y1, from the top left
+    ImU32 colour;
+    float height;  ///< of the window
+  };
+  static std::vector<Rectangle> rectangles;
+  rectangles.clear();
+  rectangles.reserve(static_cast<std::size_t>(data.CmdListsCount));  // callbacks point into it
+  const auto clear = [](const ImDrawList*, const ImDrawCmd* command) {
+    const auto& [area, colour, height] = *static_cast<const Rectangle*>(command->UserCallbackData);
+    const ImVec4 c = ImGui::ColorConvertU32ToFloat4(colour);
+    glScissor(static_cast<int>(area.x), static_cast<int>(height - area.w), static_cast<int>(area.z - area.x),
+              static_cast<int>(area.w - area.y));
+    glClearColor(c.x, c.y, c.z, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+  };
+  for (int l = 0; l < data.CmdListsCount; ++l) {
+    ImDrawList& list = *data.CmdLists[l];
+    if (list.CmdBuffer.empty() || list.VtxBuffer.Size < 4) continue;
+    ImDrawCmd& first = list.CmdBuffer[0];
+    if (first.UserCallback || first.ElemCount < 6 || first.VtxOffset != 0 || first.IdxOffset != 0) continue;
+    const ImDrawVert *v = list.VtxBuffer.Data, &a = v[0], &c = v[2];  // clockwise from the upper left
+    const auto whole = [](float x) { return x == std::floor(x); };
+    const bool isRectangle =
+        std::all_of(list.IdxBuffer.Data, list.IdxBuffer.Data + 6, [](auto i) { return i < 4; }) &&
+        v[1].pos.x == c.pos.x && v[1].pos.y == a.pos.y && v[3].pos.x == a.pos.x && v[3].pos.y == c.pos.y &&
+        whole(a.pos.x) && whole(a.pos.y) && whole(c.pos.x) && whole(c.pos.y);
+    const bool isPlain = std::all_of(v, v + 4, [&](const ImDrawVert& corner) {
+      return corner.col == a.col && corner.uv.x == a.uv.x && corner.uv.y == a.uv.y;
+    });
+    if (!isRectangle || !isPlain || a.col >> IM_COL32_A_SHIFT != 255) continue;
+    const ImVec4 area(std::max(a.pos.x, first.ClipRect.x), std::max(a.pos.y, first.ClipRect.y),
+                      std::min(c.pos.x, first.ClipRect.z), std::min(c.pos.y, first.ClipRect.w));
+    if (!(area.x < area.z && area.y < area.w)) continue;
+    rectangles.push_back({area, a.col, data.DisplaySize.y});
+    first.IdxOffset += 6;
+    first.ElemCount -= 6;
+    ImDrawCmd callback = first;
+    callback.ElemCount = 0;
+    callback.UserCallback = clear;
+    callback.UserCallbackData = &rectangles.back();
+    list.CmdBuffer.insert(list.CmdBuffer.begin(), callback);
+  }
+}
+
+}  // namespace
+
 void Gui::endFrame() {
   ImGui::Render();
+  clearBackgrounds(*ImGui::GetDrawData());
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 

@@ -178,8 +178,11 @@ void drawMarks(Sandbox& sandbox) {
               low = planar ? static_cast<float>(rulerHeight) * s.scale : 2.0f;
   LabelPlaces places({view.x + left, view.y + 2, view.width - left - 2, view.height - low - 2});
   const Pen pen{draw, s.colours(), s.gui.fonts(), s.scale, &places};
+  // It is opaque: nothing needs to be blended.
+  draw->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glDisable(GL_BLEND); }, nullptr);
   draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())),
                  {view.x, view.y}, {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
+  draw->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glEnable(GL_BLEND); }, nullptr);
   draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height}, true);
   for (const auto& label : s.labels) {
     const Projected p = s.toWindow(label.at);

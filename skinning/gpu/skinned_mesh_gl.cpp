@@ -1,11 +1,13 @@
 #include "skinning/gpu/skinned_mesh_gl.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 
+#include "skinning/coarse_surface.h"
 #include "skinning/gpu/shader_program.h"
 
 namespace gelenk {
@@ -393,6 +395,52 @@ void SkinnedMeshGl::drawTriangles(int first, int count, bool layered) const {
   glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT,
                  reinterpret_cast<const void*>(3 * sizeof(std::uint32_t) * static_cast<std::size_t>(first)));
   glBindVertexArray(0);
+}
+
+namespace {
+
+template <class T>
+std::vector<T> readBack(const GlBuffer& buffer, int count) {
+  std::vector<T> data(count);
+  glBindBuffer(GL_COPY_READ_BUFFER, buffer);
+  glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data());
+  glBindBuffer(GL_COPY_READ_BUFFER, 0);
+  return data;
+}
+
+}  // namespace
+
+const SkinnedMeshGl::Coarse& SkinnedMeshGl::coarse() const {
+  if (coarse_) return *coarse_;
+  coarse_.emplace();
+  const auto triangles = readBack<std::array<int, 3>>(indices_, triangleCount_);
+  const auto shape = readBack<ShapeVertex>(shape_, vertexCount_);
+  const auto at = [&](int v) { return Eigen::Map<const Eigen::Vector3f>(shape[v].position); };
+  coarse_->isClosed = enclosesItsInside(triangles, vertexCount_, at);
+  if (!coarse_->isClosed) return *coarse_;
+  const auto fewer = coarseTriangles(triangles, vertexCount_);
+  double squares = 0.0;
+  for (const auto& t : fewer)
+    for (int k = 0; k < 3; ++k) squares += (at(t[k]) - at(t[(k + 1) % 3])).squaredNorm();
+  coarse_->triangles = static_cast<int>(fewer.size());
+  coarse_->edge = static_cast<float>(std::sqrt(squares / std::max<std::size_t>(3 * fewer.size(), 1)));
+  coarse_->indices = GlBuffer::create();
+  fill(GL_COPY_WRITE_BUFFER, coarse_->indices, fewer);
+  glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
+  return *coarse_;
+}
+
+bool SkinnedMeshGl::isClosed() const { return coarse().isClosed; }
+float SkinnedMeshGl::coarseEdge() const { return coarse().edge; }
+
+bool SkinnedMeshGl::drawCoarse(bool layered) const {
+  if (coarse().triangles == 0) return false;
+  glBindVertexArray(layered ? layeredArray_ : triangleArray_);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, coarse_->indices);
+  glDrawElements(GL_TRIANGLES, 3 * coarse_->triangles, GL_UNSIGNED_INT, nullptr);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  glBindVertexArray(0);
+  return true;
 }
 
 void SkinnedMeshGl::drawPoints(bool layered) const {

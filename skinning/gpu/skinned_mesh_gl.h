@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "skinning/blend/linear_blend.h"
@@ -76,6 +77,14 @@ class SkinnedMeshGl {
   /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array
   /// bound. layered: the program has LAYERS defined.
   void drawTriangles(bool layered = false) const;
+  /// About a quarter of the triangles, over the same vertices, for pictures in which those are smaller than
+  /// pixels and for shadows: of every vertex and its neighbours one remains. False, and nothing is drawn,
+  /// where the surface is not closed with its outside outwards. Made when first asked for.
+  bool drawCoarse(bool layered = false) const;
+  /// The same surface may be drawn without what faces away.
+  bool isClosed() const;
+  /// Length of the coarse edges at rest, root mean square, metres; 0: there are none.
+  float coarseEdge() const;
   /// So many of them from one on.
   void drawTriangles(int first, int count, bool layered) const;
   /// Every vertex once, as a point.
@@ -92,10 +101,19 @@ class SkinnedMeshGl {
   void attach(bool layered, GLuint array, GLuint copies = 0) const;
   void addLayers(const MuscleSkin& body, const std::vector<int>& ends);
   void requireOnePerVertex(std::size_t count) const;
+  /// Of the rest surface, read back when first needed.
+  struct Coarse {
+    GlBuffer indices;
+    int triangles = 0;
+    float edge = 0.0f;
+    bool isClosed = false;
+  };
+  const Coarse& coarse() const;
 
   GlVertexArray triangleArray_, layeredArray_, cornerArray_;
   GlBuffer shape_, influences_, colours_, indices_, outside_, layers_, slopes_, sculpture_, cornerIndices_,
       corners_;
+  mutable std::optional<Coarse> coarse_;
   std::vector<FfdLattice> displacements_;  ///< that sculpture_ holds
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
 };

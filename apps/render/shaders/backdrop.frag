@@ -1,7 +1,8 @@
 // Gradient background and, where the ray of the pixel meets it, the ground with grid, shadow and contact shade.
 #include "frame.glsl"
 in vec2 ndc;
-in vec4 nearEnd, farEnd;  // of the pixel's ray, homogeneous
+in vec4 onGround;
+flat in vec3 ambientShare, keyShare;
 out vec4 colour;
 uniform sampler2D groundLight;
 
@@ -17,17 +18,13 @@ void main() {
   vec3 background = mix(backgroundBottom.rgb, backgroundTop.rgb, t * t * (3.0 - 2.0 * t));
   colour = vec4(background, 1.0);
 #ifdef GROUND
-  // From the eye itself: where it is low, the near plane's lower part lies under the ground already.
-  vec3 a = eye.w > 0.5 ? nearEnd.xyz / nearEnd.w : eye.xyz, b = farEnd.xyz / farEnd.w;
-  float ha = heightOverGround(a), hb = heightOverGround(b);
-  float s = ha / (ha - hb);
-  vec3 position = a + s * (b - a);
-  vec2 ground = groundCoordinates(position);
+  float s = onGround.w * onGround.z;  // from below it is seen too
+  vec2 ground = onGround.xy / onGround.z;
   // It reaches to below the eye, however far that is.
   float reach = eye.w > 0.5 ? 0.0 : length(groundCoordinates(eye.xyz) - groundPatch.xy);
   float distance = length(ground - groundPatch.xy) / max(groundY.w, 1.5 * reach);
   float fade = clamp(1.0 - distance, 0.0, 1.0);
-  fade = fade * fade * (3.0 - 2.0 * fade) * step(0.0, s);  // from below it is seen too
+  fade = fade * fade * (3.0 - 2.0 * fade) * step(0.0, s);
 
   vec3 shade = mix(background, groundColour.rgb, groundColour.a * fade);
   vec2 inPatch = (ground - groundPatch.xy) / groundPatch.z;
@@ -40,9 +37,7 @@ void main() {
     float lines = max(0.45 * gridLines(cells, width), gridLines(0.1 * cells, 1.2 * width));
     shade = mix(shade, gridColour.rgb, gridColour.a * lines * fade);
   }
-  vec3 ambient = 1.35 * skyLight.rgb + 0.5 * fillLight.rgb;
-  vec3 lit = keyLight.rgb * max(dot(keyDirection.xyz, up.xyz), 0.0);
-  vec3 darkening = (ambient * mix(0.35, 1.0, light.g) + lit * light.r * mix(0.8, 1.0, light.g)) / (ambient + lit);
-  colour.rgb = shade * mix(vec3(1.0), darkening, step(0.0, ha));
+  vec3 darkening = ambientShare * mix(0.35, 1.0, light.g) + keyShare * (light.r * mix(0.8, 1.0, light.g));
+  colour.rgb = shade * mix(vec3(1.0), darkening, step(0.0, onGround.w));
 #endif
 }

@@ -1,4 +1,5 @@
-// Clay: a warm key light with a soft shadow, a cool hemisphere, a fill that follows the viewer, a faint sheen and rim.
+// Clay: a warm key light with a soft shadow, a cool hemisphere, a fill that follows the viewer, a faint sheen and rim. With LOOK
+// textures, cut-outs and gloss too; without, nothing is discarded, so that depth is tested before all this is computed.
 #include "frame.glsl"
 in vec3 worldPosition;
 in vec3 worldNormal;
@@ -8,16 +9,14 @@ in vec3 corner;
 #endif
 out vec4 colour;
 
-uniform vec4 tint;           // sRGB, straight alpha
+uniform vec4 tint;           // linear, straight alpha
 uniform float vertexColourShare;   // 1: the vertex colour instead of the tint
-#ifdef WIREFRAME
-const vec2 textureCoordinate = vec2(0.0);
-#else
+#ifdef LOOK
 in vec2 textureCoordinate;
-#endif
 uniform sampler2D picture;         // of the part that is drawn
 uniform vec4 materialColour;       // linear, times picture and vertex colour
 uniform vec3 materialLook;         // x: share of the picture, y: nothing is drawn below this alpha, z: gloss
+#endif
 uniform float seeThrough;    // 1: x-ray or ghost, more opaque towards the outline
 uniform sampler2DShadow shadowMap;
 uniform int taps;                  // of the shadow's edge: 4, or more for one that is soft
@@ -50,9 +49,12 @@ void main() {
   if (facing < 0.0 && !gl_FrontFacing) { n = -n; facing = -facing; }  // the inside of an open surface
   facing = clamp(facing, 0.0, 1.0);
 
+  vec3 albedo = mix(tint.rgb, surfaceColour, vertexColourShare);
+#ifdef LOOK
   vec4 texel = mix(vec4(1.0), texture(picture, textureCoordinate), materialLook.x);
   if (materialColour.a * texel.a < materialLook.y) discard;
-  vec3 albedo = mix(linearFromSrgb(tint.rgb), surfaceColour, vertexColourShare) * materialColour.rgb * texel.rgb;
+  albedo *= materialColour.rgb * texel.rgb;
+#endif
 #ifdef WIREFRAME
   float width = 0.6 * towardsViewer.w;
   vec3 dx = dFdx(corner), dy = dFdy(corner);
@@ -78,10 +80,12 @@ void main() {
   float rim = away * away * away * (0.35 + 0.65 * sky);
   vec3 shaded = albedo * light + 0.055 * sheen * keyLight.rgb + rim * rimLight.rgb;
 
+#ifdef LOOK
   vec3 mirrored = reflect(-v, n);
   vec3 around = mix(bounceLight.rgb, skyLight.rgb, 0.5 + 0.5 * dot(mirrored, up.xyz));
   float grazing = pow(1.0 - facing, 5.0);
   shaded += materialLook.z * (0.7 * pow(max(dot(n, halfway), 0.0), 70.0) * key * keyLight.rgb + (0.10 + 0.45 * grazing) * around);
+#endif
 
   float below = step(heightOverGround(worldPosition), 0.0) * step(0.0, heightOverGround(eye.xyz)) * step(0.5, pictureSize.z);
   shaded = mix(shaded, groundColour.rgb, 0.7 * below);
