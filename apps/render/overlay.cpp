@@ -10,6 +10,8 @@ using Eigen::Vector3d;
 
 namespace {
 
+constexpr float opaqueFrom = 0.995f;
+
 Overlay::Vertex vertex(const Vector3d& p, const Colour& colour) {
   return {{static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())}, colour};
 }
@@ -40,8 +42,24 @@ void Overlay::line(const Vector3d& a, const Vector3d& b, const Colour& colour, f
 }
 
 void Overlay::polyline(const std::vector<Vector3d>& points, const Colour& colour, float width, bool closed) {
+  const std::size_t first = lines.size();
   for (std::size_t i = 1; i < points.size(); ++i) line(points[i - 1], points[i], colour, width);
+  const bool ring = points.size() > 2 && (closed || (points.front() - points.back()).norm() <
+                                                        1e-6 * (points[1] - points[0]).norm());
   if (closed && points.size() > 2) line(points.back(), points.front(), colour, width);
+  if (colour.a >= opaqueFrom) return;
+  const auto along = [](const Line& l) {
+    return (Eigen::Map<const Eigen::Vector3f>(l.b.position) - Eigen::Map<const Eigen::Vector3f>(l.a.position))
+        .stableNormalized();
+  };
+  for (std::size_t i = first; i < lines.size(); ++i) {
+    const bool last = i + 1 == lines.size();
+    if (last && !ring) break;
+    Line &before = lines[i], &after = lines[last ? first : i + 1];
+    if (along(before).dot(along(after)) < 0.9f) continue;
+    before.flatEnds += 2.0f;
+    after.flatEnds += 1.0f;
+  }
 }
 
 void Overlay::dashedLine(const Vector3d& a, const Vector3d& b, double dash, const Colour& colour,

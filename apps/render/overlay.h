@@ -22,6 +22,7 @@ class Overlay {
   };
 
   void line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Colour& colour, float width = 1.5f);
+  /// Translucent ones meet in flat ends where they bend little, so that no dots of twice the colour show.
   void polyline(const std::vector<Eigen::Vector3d>& points, const Colour& colour, float width = 1.5f,
                 bool closed = false);
   /// Dashes and gaps of equal length in the world; a dash begins at a.
@@ -64,6 +65,7 @@ class Overlay {
   struct Line {
     Vertex a, b;
     float width;
+    float flatEnds = 0.0f;  ///< 1: at a, 2: at b, 3: both; else round ones
   };
   struct Point {
     Vertex at;

@@ -45,20 +45,11 @@ OverlayGl::OverlayGl(GLuint frameBinding)
       lineBuffer_(GlBuffer::create()),
       pointBuffer_(GlBuffer::create()) {
   using Vertex = Overlay::Vertex;
-  using Line = Overlay::Line;
   using Point = Overlay::Point;
   glBindVertexArray(fillArray_);
   glBindBuffer(GL_ARRAY_BUFFER, fillBuffer_);
   attribute(0, 3, sizeof(Vertex), offsetof(Vertex, position), 0);
   attribute(1, 4, sizeof(Vertex), offsetof(Vertex, colour), 0);
-
-  glBindVertexArray(lineArray_);
-  glBindBuffer(GL_ARRAY_BUFFER, lineBuffer_);
-  attribute(0, 3, sizeof(Line), offsetof(Line, a.position), 1);
-  attribute(1, 4, sizeof(Line), offsetof(Line, a.colour), 1);
-  attribute(2, 3, sizeof(Line), offsetof(Line, b.position), 1);
-  attribute(3, 4, sizeof(Line), offsetof(Line, b.colour), 1);
-  attribute(4, 1, sizeof(Line), offsetof(Line, width), 1);
 
   glBindVertexArray(pointArray_);
   glBindBuffer(GL_ARRAY_BUFFER, pointBuffer_);
@@ -68,6 +59,21 @@ OverlayGl::OverlayGl(GLuint frameBinding)
   attribute(3, 1, sizeof(Point), offsetof(Point, shape), 1);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+void OverlayGl::drawLines(std::size_t first, std::size_t count) {
+  using Line = Overlay::Line;
+  const std::size_t begin = first * sizeof(Line);
+  glBindVertexArray(lineArray_);
+  glBindBuffer(GL_ARRAY_BUFFER, lineBuffer_);
+  attribute(0, 3, sizeof(Line), begin + offsetof(Line, a.position), 1);
+  attribute(1, 4, sizeof(Line), begin + offsetof(Line, a.colour), 1);
+  attribute(2, 3, sizeof(Line), begin + offsetof(Line, b.position), 1);
+  attribute(3, 4, sizeof(Line), begin + offsetof(Line, b.colour), 1);
+  attribute(4, 1, sizeof(Line), begin + offsetof(Line, width), 1);
+  attribute(5, 1, sizeof(Line), begin + offsetof(Line, flatEnds), 1);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count));
 }
 
 void OverlayGl::draw(const Overlay& overlay) {
@@ -91,8 +97,15 @@ void OverlayGl::draw(const Overlay& overlay) {
   if (!overlay.lines.empty()) {
     stream(lineBuffer_, overlay.lines);
     line_.use();
-    glBindVertexArray(lineArray_);
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(overlay.lines.size()));
+    // Translucent ones hide nothing: the rim of one would stand in the way of the next.
+    const std::vector<Overlay::Line>& lines = overlay.lines;
+    for (std::size_t first = 0, end; first < lines.size(); first = end) {
+      const bool solid = lines[first].a.colour.a >= opaque;
+      for (end = first + 1; end < lines.size() && (lines[end].a.colour.a >= opaque) == solid;) ++end;
+      glDepthMask(solid ? GL_TRUE : GL_FALSE);
+      drawLines(first, end - first);
+    }
+    glDepthMask(GL_TRUE);
   }
   if (!overlay.points.empty()) {
     stream(pointBuffer_, overlay.points);

@@ -11,11 +11,13 @@ namespace gelenk {
 class OverlayGl {
  public:
   explicit OverlayGl(GLuint frameBinding);
-  /// Depth test on, blending on. Opaque fills, lines and points write depth, translucent fills do not. Leaves
-  /// depth writes on.
+  /// Depth test on, blending on. Opaque fills and lines and points write depth, translucent ones do not.
+  /// Leaves depth writes on.
   void draw(const Overlay& overlay);
 
  private:
+  void drawLines(std::size_t first, std::size_t count);
+
   ShaderProgram fill_, line_, point_;
   GlVertexArray fillArray_, lineArray_, pointArray_;
   GlBuffer fillBuffer_, lineBuffer_, pointBuffer_;

@@ -88,14 +88,27 @@ float widthOf(const std::string& formula) {
   return mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), formula).width;
 }
 
-/// Rows of numbers between tall brackets, every column right-aligned.
-void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
+std::vector<float> columnWidths(const std::vector<std::vector<std::string>>& rows) {
   std::vector<float> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()), 0.0f);
     for (std::size_t j = 0; j < row.size(); ++j) widths[j] = std::max(widths[j], widthOf(row[j]));
   }
-  const float gap = 1.1f * ImGui::GetFontSize(), edge = 0.5f * ImGui::GetFontSize();
+  return widths;
+}
+
+constexpr float matrixGap = 1.1f, matrixEdge = 0.5f;  // of the type's size
+
+float matrixWidth(const std::vector<std::vector<std::string>>& rows) {
+  const std::vector<float> widths = columnWidths(rows);
+  return std::accumulate(widths.begin(), widths.end(), 0.0f) +
+         ImGui::GetFontSize() * (matrixGap * static_cast<float>(widths.size() - 1) + 2.0f * matrixEdge);
+}
+
+/// Rows of numbers between tall brackets, every column right-aligned.
+void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
+  const std::vector<float> widths = columnWidths(rows);
+  const float gap = matrixGap * ImGui::GetFontSize(), edge = matrixEdge * ImGui::GetFontSize();
   const ImVec2 low = ImGui::GetCursorScreenPos();
   for (const auto& row : rows) {
     float x = left + edge;
@@ -107,8 +120,7 @@ void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
       x += gap;
     }
   }
-  const float wide = std::accumulate(widths.begin(), widths.end(), 0.0f) +
-                     gap * static_cast<float>(widths.size() - 1) + 2.0f * edge;
+  const float wide = matrixWidth(rows);
   const float x = ImGui::GetWindowPos().x - ImGui::GetScrollX() + left;
   drawBrackets(*ImGui::GetWindowDrawList(), {x, low.y},
                {x + wide, ImGui::GetCursorScreenPos().y - ImGui::GetStyle().ItemSpacing.y},
@@ -143,49 +155,77 @@ std::vector<std::pair<std::size_t, std::string>> cellsOf(const std::string& line
 
 }  // namespace
 
-void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen) {
+void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen, float size) {
   ImFont* font = chosen ? chosen : sandbox.state().gui.fonts().small;
   ImGui::PushFont(font);
-  const float cell = 0.47f * ImGui::GetFontSize();  // about the mean width of a character
-  std::istringstream lines(text);
+  const float whole = size > 0.0f ? size / font->FontSize : 1.0f;
+  // Given a size, what would be wider than the window is set smaller.
+  const auto fit = [&](float width) {
+    if (size > 0.0f)
+      ImGui::SetWindowFontScale(
+          whole * std::clamp(ImGui::GetContentRegionAvail().x / std::max(width, 1.0f), 0.55f, 1.0f));
+  };
+  fit(0.0f);
+  const auto cell = [] { return 0.47f * ImGui::GetFontSize(); };  // about the mean width of a character
+  using Cells = std::vector<std::pair<std::size_t, std::string>>;
   std::vector<std::vector<std::string>> matrix;
+  std::vector<Cells> table;
   std::size_t indent = 0;
   const auto endMatrix = [&] {
-    if (!matrix.empty()) drawMatrix(matrix, cell * static_cast<float>(indent));
+    if (matrix.empty()) return;
+    fit(cell() * static_cast<float>(indent) + matrixWidth(matrix));
+    drawMatrix(matrix, cell() * static_cast<float>(indent));
+    fit(0.0f);
     matrix.clear();
   };
+  const auto endTable = [&] {
+    float width = 0.0f;
+    for (const Cells& row : table)
+      width = std::max(width, cell() * static_cast<float>(row.back().first) + widthOf(row.back().second));
+    fit(width);
+    for (const Cells& row : table) {
+      float over = 0.0f;
+      for (const auto& [at, words] : row)
+        over = std::max(over, mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), words).over);
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        if (k > 0) ImGui::SameLine(0, 0);
+        ImGui::SetCursorPosX(std::max(k == 0 ? 0.0f : ImGui::GetCursorPosX() + cell(),
+                                      cell() * static_cast<float>(row[k].first)));
+        mathItem(row[k].second, over);
+      }
+    }
+    fit(0.0f);
+    table.clear();
+  };
+  std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     if (auto row = matrixRow(line); !row.empty()) {
+      endTable();
       indent = line.find('[');
       matrix.push_back(std::move(row));
       continue;
     }
     endMatrix();
-    const auto cells = cellsOf(line);
-    if (cells.empty()) ImGui::Dummy({0, 0.35f * ImGui::GetTextLineHeight()});
-    if (cells.size() == 1) {  // prose or a formula; the columns of a table stay as they are
-      const float left = cell * static_cast<float>(cells[0].first),
-                  room = ImGui::GetContentRegionAvail().x - left;
-      for (const std::string& piece :
-           wrapped(cells[0].second, std::max(room, 12.0f * ImGui::GetFontSize()))) {
-        ImGui::SetCursorPosX(left);
-        mathItem(piece);
-      }
+    auto cells = cellsOf(line);
+    if (cells.size() > 1) {
+      table.push_back(std::move(cells));
       continue;
     }
-    float over = 0.0f;
-    for (const auto& [at, words] : cells)
-      over = std::max(over, mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), words).over);
-    bool first = true;
-    for (const auto& [at, words] : cells) {
-      if (!first) ImGui::SameLine(0, 0);
-      ImGui::SetCursorPosX(
-          std::max(first ? 0.0f : ImGui::GetCursorPosX() + cell, cell * static_cast<float>(at)));
-      mathItem(words, over);
-      first = false;
+    endTable();
+    if (cells.empty()) {
+      ImGui::Dummy({0, 0.35f * ImGui::GetTextLineHeight()});
+      continue;
+    }
+    // Prose or a formula; the columns of a table stay as they are.
+    const float left = cell() * static_cast<float>(cells[0].first),
+                room = ImGui::GetContentRegionAvail().x - left;
+    for (const std::string& piece : wrapped(cells[0].second, std::max(room, 12.0f * ImGui::GetFontSize()))) {
+      ImGui::SetCursorPosX(left);
+      mathItem(piece);
     }
   }
   endMatrix();
+  endTable();
   ImGui::PopFont();
 }
 
@@ -261,23 +301,20 @@ class LecturePanel final : public Panel {
 
   bool drawPresentation(Sandbox& sandbox) override {
     if (!topic_) return false;
+    const float size = ImGui::GetIO().DisplaySize.y / 30.0f;  // to be read from the last row
     ImGui::PushFont(sandbox.state().gui.fonts().title);
+    ImGui::SetWindowFontScale(1.2f * size / sandbox.state().gui.fonts().title->FontSize);
+    ImGui::PushTextWrapPos();
     ImGui::TextUnformatted(topic_->title.c_str());
+    ImGui::PopTextWrapPos();
     ImGui::PopFont();
+    ImGui::SetWindowFontScale(1.0f);
     ImGui::TextColored(sandbox.state().colours().textDim, "%s", topic_->section.c_str());
     ImGui::SameLine(0, 16 * sandbox.scale());
     drawSwitch(sandbox);
     ImGui::Dummy({0, 6 * sandbox.scale()});
     ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
-    // As large as the widest table allows; other lines are wrapped.
-    std::size_t longest = 1;
-    std::istringstream lines(shown_);
-    for (std::string line; std::getline(lines, line);)
-      if (!matrixRow(line).empty() || cellsOf(line).size() > 1) longest = std::max(longest, line.size());
-    ImFont* font = sandbox.state().gui.fonts().large;
-    const float wanted = 0.47f * font->FontSize * static_cast<float>(longest);
-    ImGui::SetWindowFontScale(std::clamp(ImGui::GetContentRegionAvail().x / wanted, 0.7f, 1.15f));
-    columnText(sandbox, shown_, font);
+    columnText(sandbox, shown_, sandbox.state().gui.fonts().title, size);
     ImGui::EndChild();
     return true;
   }

@@ -66,7 +66,8 @@ void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd
 /// Moves the camera so that the box fills the view.
 void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box);
 /// Text in columns: runs of three or more blanks begin a cell at the same place in every line; lines in
-/// square brackets are the rows of a matrix. font: null, the small one.
-void columnText(Sandbox& sandbox, const std::string& text, ImFont* font = nullptr);
+/// square brackets are the rows of a matrix. font: null, the small one. size: of the type in pixels, where
+/// tables and matrices that would be wider than the window are set smaller; 0: the font's own.
+void columnText(Sandbox& sandbox, const std::string& text, ImFont* font = nullptr, float size = 0.0f);
 
 }  // namespace gelenk

@@ -3,6 +3,7 @@
 #include "apps/commands/image.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/signs.h"
+#include "skinning/bodies/polygonise.h"
 #include "skinning/gpu/render_target.h"
 #include "tests/gpu/gl_fixture.h"
 #include "tests/gpu/test_bodies.h"
@@ -172,6 +173,50 @@ TEST_F(RendererTest, LinesAndMarksHaveTheirWidthInPixels) {
   scene_.overlay.point({0.2, 0.4, 0}, {0, 0, 1}, 20);
   const int covered = differingPixels(plain, draw(), 0);
   EXPECT_NEAR(covered, 314, 40);  // pi 10^2, and the smoothed rim
+}
+
+/// Ends of its pieces that lie over each other would show as dots of twice the colour.
+TEST_F(RendererTest, ATranslucentCurveHasOneColourAlongItsWay) {
+  scene_.ground.visible = false;
+  scene_.bodies.clear();
+  const Vector3d centre(0.2, 0.4, 0);
+  scene_.overlay.arc(centre, Vector3d::UnitX(), Vector3d::UnitY(), 0.7, {1, 0, 0, 0.5}, 6);
+  const Image image = draw();
+  int least = 255, most = 0;
+  for (int k = 0; k < 720; ++k) {
+    const double angle = 2.0 * M_PI * k / 720;
+    const int green = at(image, Vector3d(centre + 0.7 * Vector3d(std::cos(angle), std::sin(angle), 0)))[1];
+    least = std::min(least, green);
+    most = std::max(most, green);
+  }
+  EXPECT_LT(most - least, 30) << least << " to "
+                              << most;  // the background's gradient, and seams within a pixel
+}
+
+/// While something moves: fewer triangles where they are small, and what faces away is left out.
+TEST_F(RendererTest, QuickPicturesOfAClosedBodyHardlyDiffer) {
+  BodyPart part{.form = BodyPart::Form::RoundCone};
+  part.a = {0.2, 0.3, 0};
+  part.b = {0.2, 0.9, 0.2};
+  part.radiusA = 0.25;
+  part.radiusB = 0.12;
+  Arm ball{.skeleton = body_.skeleton, .skin = {}};
+  Mesh mesh = polygonise(BodyShape({part}), {.cell = 0.02});
+  const std::size_t count = mesh.positions.size();
+  ball.skin = bindSkin(std::move(mesh), restFrames(ball.skeleton),
+                       std::vector<Influences>(count, Influences{{0, 0, 0, 0}, {1, 0, 0, 0}}));
+  const SkinnedMeshGl fine(ball.skin);
+  EXPECT_TRUE(fine.isClosed());
+  EXPECT_GT(fine.coarseEdge(), 0.02f);
+  EXPECT_LT(fine.coarseEdge(), 0.08f);
+  scene_.bodies = {{.mesh = &fine, .pose = &pose_}};
+  const Image whole = draw();
+  renderer_->setQuick(true);
+  const Image quick = draw();
+  EXPECT_GT(differingPixels(whole, quick, 0), 0);  // it is another way to draw
+  EXPECT_LT(differingPixels(whole, quick, 24), 0.004 * viewport.width * viewport.height);
+  renderer_->setQuick(false);
+  EXPECT_EQ(differingPixels(whole, draw(), 0), 0);
 }
 
 TEST_F(RendererTest, LinesThroughTheEyeAndBehindItDoNoHarm) {

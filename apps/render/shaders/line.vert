@@ -5,9 +5,10 @@ layout(location = 1) in vec4 startColour;
 layout(location = 2) in vec3 endPosition;
 layout(location = 3) in vec4 endColour;
 layout(location = 4) in float width;
+layout(location = 5) in float flatEnds;  // 1: at the start, 2: at the end, 3: both
 out vec4 overlayColour;
 out vec2 inCapsule;                    // pixels along and across, from the start; times w, to be linear on the screen
-flat out vec2 lengthAndRadius;
+flat out vec4 lengthRadiusAndFlat;
 uniform float depthBias;
 
 void main() {
@@ -29,7 +30,7 @@ void main() {
   vec4 base = atEnd ? b : a;
   vec2 pixel = (atEnd ? pb + reach * along : pa - reach * along) + side * reach * across;
   inCapsule = base.w * vec2(atEnd ? span + reach : -reach, side * reach);
-  lengthAndRadius = vec2(span, radius);
+  lengthRadiusAndFlat = vec4(span, radius, mod(flatEnds, 2.0), floor(0.5 * flatEnds));
   vec4 c = atEnd ? endColour : startColour;
   overlayColour = vec4(linearFromSrgb(c.rgb), c.a);
   gl_Position = vec4(pixel / halfSize * base.w, base.z - depthBias * base.w, base.w);
