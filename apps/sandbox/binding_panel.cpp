@@ -79,13 +79,8 @@ class BindingPanel final : public Panel {
     tool_ = Tool::Off;
     lasso_.clear();
     layer_ = -1;
-    const Model& model = sandbox.session().model();
-    if (!model.skin) return;
-    neighbours_ = vertexNeighbours(model.skin->mesh);
-    bones_ = bonesOf(model.skeleton, bindFrames(model), model.skin->mesh);
-    for (const Limb& limb : limbsOf(model))
-      layers_.emplace_back(limb.name, layerOf({limb.joints.begin(), limb.joints.end() - 1}));
-    radius_ = 0.03 * sandbox.state().size();
+    prepared_ = false;
+    if (sandbox.session().model().skin) radius_ = 0.03 * sandbox.state().size();
   }
 
   void drawInspector(Sandbox& sandbox) override {
@@ -95,6 +90,7 @@ class BindingPanel final : public Panel {
       ImGui::TextWrapped("This model has no body to bind.");
       return;
     }
+    prepare(sandbox.session().model());
     heading(s, "TOOL");
     toolChoice("Off", Tool::Off, "The mouse drags the model; nothing is painted.");
     ImGui::SameLine();
@@ -199,6 +195,7 @@ class BindingPanel final : public Panel {
 
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
     if (!sandbox.session().skin()) throw std::invalid_argument("the model has no skin");
+    prepare(sandbox.session().model());
     const std::string command = words.empty() ? "" : words[0];
     if (command == "export" && words.size() == 2)
       exportTo(sandbox, words[1]);
@@ -216,6 +213,16 @@ class BindingPanel final : public Panel {
  private:
   enum class Tool { Off, Brush, Lasso };
   enum class Mode { Bind, Erase, Smooth };
+
+  /// When the panel is first used: which bones lie inside of the surface takes the time of many frames to
+  /// tell.
+  void prepare(const Model& model) {
+    if (std::exchange(prepared_, true)) return;
+    neighbours_ = vertexNeighbours(model.skin->mesh);
+    bones_ = bonesOf(model.skeleton, bindFrames(model), model.skin->mesh);
+    for (const Limb& limb : limbsOf(model))
+      layers_.emplace_back(limb.name, layerOf({limb.joints.begin(), limb.joints.end() - 1}));
+  }
 
   bool inFront(const Sandbox& sandbox) const { return sandbox.frameNumber() - shownAt_ <= 1; }
 
@@ -490,6 +497,7 @@ class BindingPanel final : public Panel {
     draw->PopClipRect();
   }
 
+  bool prepared_ = false;
   VertexNeighbours neighbours_;
   std::vector<Bone> bones_;
   std::vector<std::pair<std::string, PaintTarget>> layers_;

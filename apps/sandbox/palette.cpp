@@ -46,7 +46,7 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
     all.push_back({std::move(name), std::move(key), std::move(run)});
   };
   using Dialog = Sandbox::State::Dialog;
-  add("Open a file", "Ctrl+O", [](Sandbox& s) { s.state().dialog = Dialog::OpenFile; });
+  add("Open a file", "Ctrl+O", [](Sandbox& s) { askForFiles(s.state()); });
   add("Save scene", "Ctrl+S", [](Sandbox& s) {
     if (s.state().scenePath.empty())
       s.state().dialog = Dialog::SaveScene;
@@ -54,6 +54,8 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
       s.saveSceneTo(s.state().scenePath);
   });
   add("Save scene as", "Ctrl+Shift+S", [](Sandbox& s) { s.state().dialog = Dialog::SaveScene; });
+  if (sandbox.state().options.shareScene)
+    add("Link to this scene", "", [](Sandbox& s) { s.state().options.shareScene(); });
   add("Screenshot", "F12", [](Sandbox& s) { s.state().screenshotPath = nextFileName(".png"); });
   add("Record a film, or stop", "Ctrl+R", [](Sandbox& s) { toggleRecording(s); });
   add("Quit", "Ctrl+Q", [](Sandbox& s) { s.requestClose(); });

@@ -4,6 +4,7 @@
 
 #include <emscripten.h>
 #include <emscripten/html5.h>
+#include <imgui.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +26,7 @@
 
 EM_JS(void, tellChooseFiles, (), { Module["chooseFiles"](); });
 EM_JS(void, tellShareScene, (), { Module["shareScene"](); });
+EM_JS(void, tellCopied, (const char* text), { Module["copy"](UTF8ToString(text)); });
 
 namespace gelenk {
 namespace {
@@ -132,6 +134,7 @@ EMSCRIPTEN_KEEPALIVE const char* page_start(const char* text) {
       options.model = path;
     }
     page().sandbox = std::make_unique<Sandbox>(options);
+    ImGui::GetIO().SetClipboardTextFn = [](void*, const char* copied) { tellCopied(copied); };
     Sandbox::State& s = page().sandbox->state();
     if (wanted.contains("scene")) s.scenePath.clear();
     if (options.width / options.scale < narrow) s.inspectorOpen = s.stripOpen = false;

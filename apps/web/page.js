@@ -63,6 +63,7 @@
       }],
       chooseFiles: () => document.getElementById('files').click(),
       shareScene,
+      copy,
       print: (text) => console.info(text),
       printErr: (text) => console.warn(text)
     });
@@ -193,6 +194,7 @@
   canvas.addEventListener('pointerdown', (event) => {
     if (!module) return;
     canvas.focus();
+    modifiers(event);
     canvas.setPointerCapture(event.pointerId);
     if (event.pointerType === 'touch') return fingerDown(event);
     place(event.clientX, event.clientY);
@@ -226,21 +228,33 @@
     wake();
   }, { passive: false });
 
-  // ---- keys, as GLFW numbers them; letters by what is written on the key
+  // ---- keys, as GLFW numbers them; letters and brackets by what is written on the key, the rest by its place
 
   const named = { Space: 32, Quote: 39, Comma: 44, Minus: 45, Period: 46, Slash: 47, Semicolon: 59, Equal: 61, BracketLeft: 91, Backslash: 92,
     BracketRight: 93, Backquote: 96, Escape: 256, Enter: 257, Tab: 258, Backspace: 259, Insert: 260, Delete: 261, ArrowRight: 262,
     ArrowLeft: 263, ArrowDown: 264, ArrowUp: 265, PageUp: 266, PageDown: 267, Home: 268, End: 269, NumpadDecimal: 330, NumpadDivide: 331,
     NumpadMultiply: 332, NumpadSubtract: 333, NumpadAdd: 334, NumpadEnter: 335 };
+  const signs = { '[': 91, ']': 93, '/': 47, '?': 47 };
+  function placeCode(event) {
+    if (event.code in named) return named[event.code];
+    const [, kind, sign] = /^(Key|Digit|Numpad)([A-Z0-9])$/.exec(event.code) ?? [];
+    if (!kind) return -1;  // function keys belong to the browser
+    return kind === 'Numpad' ? 320 + Number(sign) : sign.charCodeAt(0);
+  }
   function keyCode(event) {
     if (/^[a-z]$/i.test(event.key)) return event.key.toUpperCase().charCodeAt(0);
-    if (event.code in named) return named[event.code];
-    const digit = /^(Digit|Numpad)([0-9])$/.exec(event.code);
-    if (digit) return (digit[1] === 'Digit' ? 48 : 320) + Number(digit[2]);
-    return -1;  // function keys belong to the browser
+    return signs[event.key] ?? placeCode(event);
   }
-  /// What the sandbox has a use for; F5, F12, Ctrl+R, Ctrl+Q, Ctrl+T and the like stay the browser's.
-  const isOurs = (event) => !(event.ctrlKey || event.metaKey) || /^[acvxzysok]$/i.test(event.key);
+  /// Control and Alt for themselves: where a layout has its third signs (AltGr) they are part of the sign.
+  const commands = (event) => event.getModifierState('AltGraph') ? { control: false, alt: false }
+    : { control: event.ctrlKey || event.metaKey, alt: event.altKey };
+  /// What the sandbox has a use for; F5, F12, Ctrl+R, Ctrl+Q, Ctrl+T, Alt+Left and the like stay the browser's.
+  function isOurs(event) {
+    const { control, alt } = commands(event), letter = /^Key[A-Z]$/.test(event.code) || /^[a-z]$/i.test(event.key);
+    if (alt && (control || letter || event.key.length > 1)) return false;
+    return !control || (letter && 'ACVXZYSOK'.includes(String.fromCharCode(keyCode(event)))) ||
+      /^(Arrow.*|Home|End|Backspace|Delete|Enter)$/.test(event.key);
+  }
   const held = new Set();
   function key(code, down) {
     if (down === held.has(code)) return;
@@ -249,9 +263,10 @@
   }
   /// Shift, Control and Alt as an event tells them: they may have changed while another window had the keys. Command is Control.
   function modifiers(event) {
+    const { control, alt } = commands(event);
     key(340, event.shiftKey);
-    key(341, event.ctrlKey || event.metaKey);
-    key(342, event.altKey);
+    key(341, control);
+    key(342, alt);
     // Where Command is held, the browser tells of no key that comes up.
     if (event.key === 'Meta' && event.type === 'keyup') for (const each of [...held]) key(each, false);
   }
@@ -259,18 +274,33 @@
     if (!module) return;
     modifiers(event);
     wake();
-    const code = keyCode(event);
-    if (code < 0 || !isOurs(event)) return;
+    if (!isOurs(event)) return;
+    const code = keyCode(event), { control } = commands(event);
+    if (control && code === 86) return;  // Ctrl+V: the browser says what is pasted
+    if (!control && [...event.key].length === 1) module._page_character(event.key.codePointAt(0));
+    else if (code < 0) return;
     event.preventDefault();
-    if (!event.repeat) key(code, true);
-    if (!event.ctrlKey && !event.metaKey && [...event.key].length === 1) module._page_character(event.key.codePointAt(0));
+    if (code >= 0 && !event.repeat) key(code, true);
+  });
+  let copied = null;  // where the browser lends its clipboard to pages of https alone
+  function copy(text) {
+    if (navigator.clipboard) navigator.clipboard.writeText(text).catch((error) => console.info(`not copied: ${error}`));
+    else copied = text;
+  }
+  /// Text goes into the field that is edited, files are opened.
+  addEventListener('paste', async (event) => {
+    if (!module) return;
+    const files = [...event.clipboardData.files], text = copied ?? event.clipboardData.getData('text/plain');
+    if (files.length > 0) return open(await Promise.all(files.map(async (file) => ({ path: file.name, bytes: await bytesOf(file) }))));
+    for (const sign of text) module._page_character(sign.codePointAt(0));
+    wake();
   });
   canvas.addEventListener('keyup', (event) => {
     if (!module) return;
     modifiers(event);
     wake();
     // What is written on a key may have changed while it was held (Shift, Alt): what is down comes up by either.
-    for (const code of [keyCode(event), named[event.code] ?? -1]) if (code >= 0) key(code, false);
+    for (const code of [keyCode(event), placeCode(event)]) if (code >= 0) key(code, false);
   });
   canvas.addEventListener('blur', () => {
     if (module) for (const code of [...held]) key(code, false);
@@ -493,9 +523,11 @@
   });
 
   (async () => {
-    if (!document.createElement('canvas').getContext('webgl2'))
+    const loading = load();  // while the browser starts its graphics
+    loading.catch(() => {});  // told below
+    if (!canvas.getContext('webgl2', { alpha: false, depth: false, stencil: false, antialias: false, powerPreference: 'high-performance' }))
       return fail('This page needs WebGL 2, which this browser does not show. A present Firefox, Chrome, Edge or Safari does, with its hardware acceleration switched on.');
-    const loaded = await load();
+    const loaded = await loading;
     const { width, height } = size();
     canvas.width = width;
     canvas.height = height;

@@ -158,7 +158,7 @@ namespace {
 /// The file of `map_Kd [options] name with blanks.png`, beside the .mtl; empty: it is not there.
 std::string pictureOf(std::string_view line, const std::filesystem::path& folder) {
   std::string name(line.substr(line.find("map_Kd") + 6));
-  std::ranges::replace(name, '\\', '/');  // written on Windows
+  std::replace(name.begin(), name.end(), '\\', '/');  // written on Windows
   std::error_code error;
   // Options come first, and each has its own number of words: the longest rest that is a file's name is it.
   for (std::size_t at = name.find_first_not_of(" \t"); at != name.npos;

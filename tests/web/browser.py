@@ -128,14 +128,24 @@ class Browser:
     def touch(self, kind, *points):
         self.send('Input.dispatchTouchEvent', type=kind, touchPoints=[{'x': x, 'y': y, 'id': i} for i, (x, y) in enumerate(points)])
 
-    def key(self, key, code, number, control=False):
-        for kind in ('rawKeyDown', 'keyUp'):
-            self.send('Input.dispatchKeyEvent', type=kind, key=key, code=code, windowsVirtualKeyCode=number, modifiers=2 if control else 0)
+    def key(self, key, code, number, control=False, shift=False, alt=False, kinds=('rawKeyDown', 'keyUp'), **more):
+        for kind in kinds:
+            self.send('Input.dispatchKeyEvent', type=kind, key=key, code=code, windowsVirtualKeyCode=number,
+                      modifiers=alt | 2 * control | 8 * shift, **(more if kind != 'keyUp' else {}))
 
     def type(self, text):
         for c in text:
             for kind in ('keyDown', 'keyUp'):
                 self.send('Input.dispatchKeyEvent', type=kind, key=c, text=c if kind == 'keyDown' else '')
+
+    def choose(self, *paths):
+        """The files that the next dialog is answered with, once it is open."""
+        until = time.monotonic() + 30
+        while not (asked := [p for what, p in self.events if what == 'Page.fileChooserOpened']):
+            assert time.monotonic() < until, 'no dialog of files was opened'
+            self.evaluate('0')
+        self.events = [e for e in self.events if e[0] != 'Page.fileChooserOpened']
+        self.send('DOM.setFileInputFiles', files=list(paths), backendNodeId=asked[-1]['backendNodeId'])
 
     def drop(self, x, y, *paths):
         for kind in ('dragEnter', 'dragOver', 'drop'):

@@ -62,6 +62,34 @@ class Page:
     def pixel(self, name):
         return [v / self.ratio for v in self.goal(name)['pixel']]
 
+    def rest(self):
+        """Until nothing is drawn any more: the still picture is refined, a moving camera has arrived."""
+        self.browser.wait('(async () => { const n = gelenk.frames; await new Promise((go) => setTimeout(go, 700)); return gelenk.frames === n; })()')
+
+    def press(self, name, **modifiers):
+        """A key of the keyboard by its name; letters and digits as on an English one."""
+        code, number = keys[name] if name in keys else (('Digit' if name.isdigit() else 'Key') + name.upper(), ord(name.upper()))
+        self.browser.key(name.upper() if modifiers.get('shift') else name, code, number, **modifiers)
+        self.frames()
+
+    def act(self, words):
+        """By the palette, as from the keyboard: Ctrl+K, the words, Enter."""
+        self.press('k', control=True)
+        self.browser.type(words)
+        self.frames(3)
+        self.press('Enter')
+        self.frames(3)
+
+    def downloaded(self, ending, seconds=20):
+        """The one file so named that came down, whole."""
+        until = time.monotonic() + seconds
+        while True:
+            found = [f for f in os.listdir(self.browser.downloads) if f.endswith(ending)] if os.path.isdir(self.browser.downloads) else []
+            if found:
+                return os.path.join(self.browser.downloads, found[0])
+            assert time.monotonic() < until, (ending, self.notices())
+            time.sleep(0.1)
+
     def notices(self):
         return self.browser.evaluate('gelenk.notices()')
 
@@ -71,6 +99,8 @@ class Page:
             self.browser.picture(os.path.join(options.pictures, name + '.png'))
 
 
+keys = {'Tab': ('Tab', 9), 'Enter': ('Enter', 13), 'Escape': ('Escape', 27), ' ': ('Space', 32), 'Home': ('Home', 36),
+        'Delete': ('Delete', 46), '/': ('Slash', 191), '[': ('BracketLeft', 219), ']': ('BracketRight', 221)}
 checks = []
 
 
@@ -115,6 +145,106 @@ def the_figure_stands_and_its_left_hand_follows_the_mouse(page):
     print(f'    {hand} went {100 * moved:.1f} cm, error {1e6 * during["error"]:.2f} um')
     assert moved > 0.1 and during['error'] < 1e-3 and after['error'] < 1e-3
     assert math.dist(page.pixel(hand), (x - 48, y - 72)) < 1.5, (page.pixel(hand), x, y)
+
+
+@check
+def every_key_does_in_the_page_what_the_help_says(page):
+    page.open()
+    browser = page.browser
+    browser.evaluate('document.getElementById("canvas").focus()')
+    hand, rest_pose = 'hand_l', page.status()['q']
+
+    def view():
+        page.rest()
+        return [v for name in ('head', 'hand_l', 'foot_r') for v in page.pixel(name)]
+
+    def shows(name, *, differs, **modifiers):
+        """The key changes the view, or the picture where the pixels of goals tell nothing of it."""
+        before = differs()
+        page.press(name, **modifiers)
+        after = differs()
+        assert before != after, (name, before if isinstance(before, list) else 'the same picture')
+        return before, after
+
+    def picture():
+        page.rest()
+        return browser.send('Page.captureScreenshot', format='png')['data']
+
+    for name in ('3', '7', '1', '5', '5'):
+        shows(name, differs=view)
+    browser.mouse('mouseMoved', 300, 300, 'none')
+    browser.send('Input.dispatchMouseEvent', type='mouseWheel', x=300, y=300, deltaX=0, deltaY=-300)
+    page.frames()
+    shows('Home', differs=view)
+    browser.mouse('mouseMoved', *page.pixel(hand), 'none')
+    page.frames()
+    page.press('p')
+    assert page.goal(hand)['state'] == 'pinned', page.goal(hand)
+    page.press('p')
+    assert page.goal(hand)['state'] == 'free', page.goal(hand)
+    # A drag, locked to an axis; undone and done again; mirrored; the rest pose.
+    before = page.status()['q']
+    x, y = page.pixel(hand)
+    browser.mouse('mousePressed', x, y)
+    page.frames()
+    browser.mouse('mouseMoved', x - 10, y - 20, held=True)
+    page.frames(3)
+    target = page.goal(hand)['target']
+    page.press('y')
+    browser.mouse('mouseMoved', x - 40, y - 60, held=True)
+    page.frames(4)
+    locked = page.goal(hand)['target']
+    browser.mouse('mouseReleased', x - 40, y - 60)
+    page.rest()
+    assert abs(locked[1] - target[1]) > 0.05 and max(abs(locked[i] - target[i]) for i in (0, 2)) < 1e-9, (target, locked)
+    posed = page.status()['q']
+    page.press('z', control=True)
+    assert page.status()['q'] == before, (page.status()['q'], before)
+    page.press('z', control=True, shift=True)
+    assert page.status()['q'] == posed
+    page.press('z', control=True)
+    page.press('y', control=True)
+    assert page.status()['q'] == posed
+    page.press('m')
+    page.rest()
+    assert page.status()['q'] not in (posed, rest_pose)
+    page.press('r')
+    page.rest()
+    assert page.status()['q'] == rest_pose
+    first = page.status()['solver']
+    page.press('Tab')
+    second = page.status()['solver']
+    page.press('Tab', shift=True)
+    assert second != first == page.status()['solver'], (first, second)
+    for name, modifiers in (('h', {}), ('Escape', {}), ('/', {'shift': True}), ('Escape', {}), ('l', {}), ('l', {})):
+        shows(name, differs=picture, **modifiers)
+    # The same keys where the layout writes other signs: ? of a German keyboard, Ctrl+Z of a Russian one.
+    before = picture()
+    browser.key('?', 'Minus', 189, shift=True)
+    assert picture() != before, 'the help did not open'
+    page.press('Escape')
+    page.press('m')
+    page.rest()
+    browser.key('\u044f', 'KeyZ', 90, control=True)
+    page.rest()
+    assert page.status()['q'] == rest_pose
+    # Goals go by Delete.
+    page.open('?model=planar')
+    name = page.status()['goals'][-1]['name']
+    page.ask(do='set', goals=[{'name': name, 'target': page.goal(name)['reached'], 'state': 'pinned'}])
+    page.rest()
+    browser.mouse('mouseMoved', *page.pixel(name), 'none')
+    page.frames()
+    browser.evaluate('document.getElementById("canvas").focus()')
+    page.press('Delete')
+    assert not any(g['name'] == name and g['state'] == 'pinned' for g in page.status()['goals']), page.status()['goals']
+    # The browser's own keys stay its own: F5, F12, Ctrl+R, Alt+Left.
+    browser.evaluate("window.kept = []; addEventListener('keydown', (e) => kept.push([e.key, e.defaultPrevented]))")
+    for name, code, number, modifiers in (('F5', 'F5', 116, {}), ('r', 'KeyR', 82, {'control': True}), ('ArrowLeft', 'ArrowLeft', 37, {'alt': True}),
+                                          ('z', 'KeyZ', 90, {'control': True})):
+        browser.key(name, code, number, kinds=('rawKeyDown',) if name != 'z' else ('rawKeyDown', 'keyUp'), **modifiers)
+    kept = browser.evaluate('kept')
+    assert kept == [['F5', False], ['r', False], ['ArrowLeft', False], ['z', True]], kept
 
 
 @check
@@ -198,10 +328,13 @@ def saving_downloads_and_the_scene_stays_in_the_browser(page):
     page.browser.key('s', 'KeyS', 83, control=True)
     page.frames(4)
     page.browser.key('a', 'KeyA', 65, control=True)
-    page.browser.type('mine')
+    page.browser.type('mi')
+    page.browser.evaluate("""for (const kind of ['keydown', 'keyup']) document.getElementById('canvas').dispatchEvent(new KeyboardEvent(kind,
+      { key: '@', code: 'KeyQ', ctrlKey: true, altKey: true, modifierAltGraph: true, cancelable: true }))""")  # AltGr+Q of a German keyboard
+    page.browser.type('ne')
     page.frames(3)
     page.browser.key('Enter', 'Enter', 13)
-    path = os.path.join(page.browser.downloads, 'mine.json')
+    path = os.path.join(page.browser.downloads, 'mi@ne.json')
     until = time.monotonic() + 20
     while not os.path.exists(path):
         assert time.monotonic() < until, (page.notices(), os.listdir(page.browser.downloads) if os.path.isdir(page.browser.downloads) else None)
@@ -211,8 +344,82 @@ def saving_downloads_and_the_scene_stays_in_the_browser(page):
     output(native, 'info', path)
     page.browser.wait('gelenk.kept()')
     page.open()
-    page.ask(do='open', file='/home/gelenk/mine.json')
+    page.ask(do='open', file='/home/gelenk/mi@ne.json')
     assert page.status()['model'] == 'planar'
+
+
+@check
+def files_come_by_the_dialog_and_folders_by_drop(page):
+    page.open()
+    browser, inputs = page.browser, os.path.join(root, 'tests', 'data')
+    browser.send('Page.setInterceptFileChooserDialog', enabled=True)
+    browser.evaluate('document.getElementById("canvas").focus()')
+    page.press('o', control=True)
+    browser.choose(*[os.path.join(inputs, f) for f in ('tube.obj', 'tube.skel')])
+    browser.wait('gelenk.status().model.includes("tube")')
+    page.act('open a file')
+    browser.choose(os.path.join(inputs, 'standing_z.bvh'))
+    browser.wait('gelenk.status().panels?.Motion')
+    folder = tempfile.mkdtemp(prefix='gelenk-folder-')
+    try:
+        robot = os.path.join(folder, 'two')
+        os.makedirs(os.path.join(robot, 'meshes'))
+        shutil.copy(os.path.join(inputs, 'two_arms.urdf'), robot)
+        browser.drop(400, 400, robot)
+        browser.wait('gelenk.status().model.includes("twoarms")')
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    assert not any(n['error'] for n in page.notices()), page.notices()
+
+
+@check
+def every_tab_and_every_picture_is_drawn(page):
+    browser = page.browser
+
+    def picture():
+        page.frames(3)
+        return browser.send('Page.captureScreenshot', format='png')['data']
+
+    for query, tabs in (('', ('Solve', 'Model', 'Skin', 'Binding', 'Muscles', 'Motion', 'Pictures', 'Lab', 'Lecture')),
+                        ('?model=panda', ('Solve', 'Model', 'Skin', 'Pictures', 'Lab')),
+                        ('?lecture=newton', ('Lecture', 'Solve', 'Model'))):
+        page.open(query)
+        browser.evaluate('document.getElementById("canvas").focus()')
+        seen = set()
+        for tab in tabs:
+            page.act(f'tab {tab}')
+            seen.add(picture())
+            page.picture(f'tab-{query.strip("?") or "figure"}-{tab}')
+        assert len(seen) == len(tabs), (query, len(seen), tabs)
+        for option in ('wireframe', 'skeleton', 'weights', 'joint_frames', 'velocity_ellipsoid', 'reachable'):
+            before = option in page.status()['shown']
+            page.act('show or hide ' + option.replace('_', ' '))
+            assert (option in page.status()['shown']) != before, (query, option, page.status()['shown'])
+            page.act('show or hide ' + option.replace('_', ' '))
+        assert not any(n['error'] for n in page.notices()), (query, page.notices())
+
+
+@check
+def screenshots_and_links_come_from_the_menus(page):
+    page.open('?model=panda')
+    browser = page.browser
+    browser.evaluate('document.getElementById("canvas").focus()')
+    page.act('screenshot')
+    with open(page.downloaded('.png'), 'rb') as file:
+        head = file.read(24)
+    assert head[:8] == b'\x89PNG\r\n\x1a\n' and (int.from_bytes(head[16:20]), int.from_bytes(head[20:24])) == (1280, 800), head
+    page.act('link to this scene')
+    browser.wait('location.hash.startsWith("#scene=")')
+    page.act('record a film')
+    assert any('ffmpeg' in n['words'] for n in page.notices()), page.notices()
+    # A link that is followed while the page is open.
+    q = [0.3, -0.8, 0.1, -2.0, 0.2, 1.6, 0.8]
+    page.ask(do='set', q=q)
+    word = browser.evaluate('gelenk.link()')
+    page.ask(do='open', file='planar')
+    browser.evaluate(f'location.hash = "#scene={word}"')
+    browser.wait('gelenk.status().model === "panda"')
+    assert page.status()['q'] == q, page.status()['q']
 
 
 @check
