@@ -18,7 +18,7 @@ if [[ "${1:-run}" = web* ]]; then
   packages+=(emscripten dpkg-dev patch fonttools)
 fi
 if [ "${1:-run}" = webtest ]; then
-  packages+=(chromium)
+  packages+=(chromium googletest)
 fi
 missing=()
 for package in "${packages[@]}"; do

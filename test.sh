@@ -27,7 +27,8 @@ for part in "${parts[@]}"; do
   if [ "$part" = web ]; then
     ./install_packages.sh webtest
     ./web.sh
-    NODE_PATH=/usr/share/nodejs cmake --build --preset web
+    NODE_PATH=/usr/share/nodejs cmake --build --preset web --target all core_tests
+    tests/web/core_test.py build-web/apps/web
     cmake --preset release >/dev/null
     cmake --build --preset release --target gelenk web_speed
     tests/web/figures_test.py build-web/apps/web/figures.js build/gelenk

@@ -1,0 +1,22 @@
+#!/usr/bin/env python3
+"""The core's own tests (those of kinematics so far) in WebAssembly, under Node:
+
+    tests/web/core_test.py build-web/apps/web [--filter=PATTERN]
+
+The arguments after the folder are GoogleTest's, without their "gtest_"."""
+import os
+import re
+import subprocess
+import sys
+
+folder, *more = sys.argv[1:]
+failed = False
+for module in ('kinematics',):
+    done = subprocess.run(['node', '--no-experimental-fetch', os.path.join(folder, f'{module}_tests.js'), '--gtest_brief=1',
+                           *(f'--gtest_{m.lstrip("-")}' for m in more)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    count = lambda word: int((re.search(rf'^\[ +{word} +\] (\d+) test', done.stdout, re.M) or [0, 0])[1])
+    if done.returncode != 0 or count('PASSED') == 0:
+        failed = True
+        print(done.stdout)
+    print(f'{module}: {count("PASSED")} tests hold, {count("SKIPPED")} were skipped, {"none" if done.returncode == 0 else "some"} failed')
+sys.exit(failed)
