@@ -17,13 +17,12 @@ using Eigen::Vector3d;
 
 using namespace lanes;
 
-constexpr double exactMisfit = 1e-11;    ///< a class fits: its closed forms need no polishing
-constexpr double nearMisfit = 1e-5;      ///< it fits nearly: they do
+constexpr double nearMisfit = 1e-5;      ///< axes that miss a class by less are solved as if they did not
 constexpr double polishedError = 1e-13;  ///< above it a solution is polished
-constexpr double familyError = 2e-12;
-constexpr double acceptedError = 1e-9;  ///< of a loop that cannot be polished further (singular)
-constexpr int cutsTried = 6;            ///< of the elimination
-constexpr int pairsTried = 2;           ///< of the search beside two axes that meet
+constexpr double familyError = 2e-12;    ///< the same of a member of a family
+constexpr double acceptedError = 1e-9;   ///< of a loop that cannot be polished further (singular)
+constexpr int cutsTried = 6;             ///< of the elimination
+constexpr int pairsTried = 2;            ///< of the search beside two axes that meet
 
 /// F_i = Rx(alpha) T(a, 0, d), lengths over `scale`.
 Isometry3d fixedPart(const ChainConstants& C, int i, double scale) {
