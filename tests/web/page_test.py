@@ -64,7 +64,7 @@ class Page:
 
     def rest(self):
         """Until nothing is drawn any more: the still picture is refined, a moving camera has arrived."""
-        self.browser.wait('(async () => { const n = gelenk.frames; await new Promise((go) => setTimeout(go, 700)); return gelenk.frames === n; })()')
+        self.browser.wait('(async () => { const n = gelenk.frames; await new Promise((go) => setTimeout(go, 700)); return gelenk.frames === n; })()', 240)
 
     def press(self, name, **modifiers):
         """A key of the keyboard by its name; letters and digits as on an English one."""
