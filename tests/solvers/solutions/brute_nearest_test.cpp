@@ -19,6 +19,12 @@ struct Sweep {
   const Isometry3d& pose;
   const Vector7d& near;
 
+  /// Past a fold a slice may still give what misses the pose by its rounding, 1e-9, which is not a solution:
+  /// a distance changes there by the root of it.
+  bool reaches(const Vector7d& q) const {
+    return (tipFrame(arm.chain(), q).matrix() - pose.matrix()).cwiseAbs().maxCoeff() < 1e-12;
+  }
+
   /// Distance of the solution at the held angle that is nearest to `beside`, or to `near` without one; beyond
   /// the limits infinite.
   double at(double angle, const Vector7d* beside, Vector7d& q) const {
@@ -26,7 +32,7 @@ struct Sweep {
     arm.slice(pose, angle, beside ? *beside : near, found);
     double best = INFINITY, distance = INFINITY;
     for (int i = 0; i < found.count; ++i) {
-      if (!found.withinLimits[i]) continue;
+      if (!found.withinLimits[i] || !reaches(found.q[i])) continue;
       const double away = (found.q[i] - (beside ? *beside : near)).norm();
       if (away < best) best = away, q = found.q[i], distance = (q - near).norm();
     }
@@ -80,7 +86,7 @@ TEST(Panda, TheNearestSolutionIsThatOfAFineSweep) {
       const double angle = lower + k * h;
       arm.slice(pose, angle, near, found);
       for (int i = 0; i < found.count; ++i) {
-        if (!found.withinLimits[i]) continue;
+        if (!found.withinLimits[i] || !sweep.reaches(found.q[i])) continue;
         const double own = (found.q[i] - near).norm();
         brute = std::min(brute, own);
         // From one sweep to the next the distance changes by less than this, but near a fold.
