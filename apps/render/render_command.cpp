@@ -167,6 +167,7 @@ Session openRequested(const Request& request) {
   show.wireframe = show.wireframe || request.wireframe;
   show.skeleton = show.skeleton || request.bones;
   show.jointFrames = show.jointFrames || request.jointFrames;
+  document.playback.showing = document.playback.showing && isScene(request.input);  // the marks of a motion
   show.handles = request.handles || (show.handles && isScene(request.input));
   show.ground = show.ground && !request.noGround;
   show.shadow = show.shadow && !request.noShadow;

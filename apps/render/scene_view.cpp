@@ -346,6 +346,16 @@ void SceneView::addMarks(const Session& session, const PictureExtras& extras, Re
                     .selectedPoint = extras.latticePoint});
 }
 
+const MotionFacts& SceneView::motionFacts(const Session& session) {
+  const Model& model = session.model();
+  const auto& edits = session.edits().clip;
+  if (!model.clip || (motion_ && motion_->edits() == edits)) return motionFacts_;
+  if (!motion_) motion_.emplace(model.skeleton, *model.clip);
+  if (motion_->edits() != edits) motion_->setEdits(edits);
+  motionFacts_ = gelenk::motionFacts(model.skeleton, motion_->clip());
+  return motionFacts_;
+}
+
 RenderScene SceneView::compose(const Session& session, PictureExtras extras) {
   const ViewOptions& show = session.document().view.show;
   RenderScene scene;
@@ -362,6 +372,11 @@ RenderScene SceneView::compose(const Session& session, PictureExtras extras) {
                    .selected = extras.selected,
                    .whole = extras.whole},
                   extras.overlay, extras.overlayOnTop, extras.ghosts);
+  if (session.model().clip && session.document().playback.showing) {
+    const MotionFacts& facts = motionFacts(session);
+    addMotionMarks(session, motion_->clip(), facts, frames_, groundHeight_, size_, markColours(scene.theme),
+                   extras.overlay, extras.overlayOnTop);
+  }
   addBodies(session, extras, scene);
   scene.overlay = std::move(extras.overlay);
   scene.overlayOnTop = std::move(extras.overlayOnTop);

@@ -7,6 +7,7 @@
 
 #include "apps/document/chosen_skin.h"
 #include "apps/document/session.h"
+#include "apps/render/motion_marks.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
 #include "apps/render/teaching_pictures.h"
@@ -83,6 +84,9 @@ class SceneView {
   /// direction that the document's camera looks.
   Camera wholeView(const Session& session, const Viewport& viewport, const Eigen::AlignedBox3d& box) const;
 
+  /// Of the document's motion with its edits; nothing is known without one.
+  const MotionFacts& motionFacts(const Session& session);
+
   /// What stands beside the body to explain it.
   const TeachingPictures& teaching() const { return teaching_; }
 
@@ -136,6 +140,8 @@ class SceneView {
   bool standsOnMotion_ = false;
 
   TeachingPictures teaching_;
+  std::optional<ClipEditor> motion_;
+  MotionFacts motionFacts_;
   SkinPose pose_;
   std::vector<SkinPose> ghostPoses_;
   std::vector<SkinBeside> skinsBeside_;

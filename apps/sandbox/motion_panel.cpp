@@ -80,7 +80,6 @@ class MotionPanel final : public Panel {
     editor_.emplace(sandbox.session().skeleton(), *sandbox.session().model().clip);
     editor_->setEdits(sandbox.session().edits().clip);
     jumps_ = sandbox.session().jumps();
-    analyse(sandbox);
     sandbox.showInspector(name());
     sandbox.showBottomStrip(name());
     sandbox.setPlaying(!fromFile);
@@ -113,7 +112,6 @@ class MotionPanel final : public Panel {
     if (!editor_) return;
     followEdits(sandbox);
     if (!play_->showing) return;
-    if (analysed_ != editor_->version()) analyse(sandbox);
     if (sandbox.playing()) advance(sandbox, play_->speed * dt);
     placeHead(sandbox);
     const bool resting = !sandbox.playing() && !play_->goalsOnTop;
@@ -126,27 +124,6 @@ class MotionPanel final : public Panel {
 
   double rests(const Sandbox& sandbox) const override {
     return editor_ && play_->showing && sandbox.playing() ? 0.0 : std::numeric_limits<double>::infinity();
-  }
-
-  void overlay(Sandbox& sandbox) override {
-    if (!editor_ || !play_->showing) return;
-    const Palette& colours = sandbox.state().colours();
-    const int frame = currentFrame();
-    if (play_->trails) drawTrails(sandbox, frame);
-    if (play_->contacts)
-      for (const Contact& contact : contacts_) {
-        const bool now = frame >= contact.first && frame <= contact.last;
-        Vector3d at = tracks_[contact.foot][std::clamp(frame, contact.first, contact.last)];
-        at.y() = sandbox.state().view->groundHeight() + 0.002;
-        const double r = 0.012 * sandbox.state().size();
-        sandbox.overlayInScene().annulus(
-            at, Vector3d::UnitX(), Vector3d::UnitZ(), 0.6 * r, r,
-            toColour(now ? colours.held : colours.textFaint, now ? 0.95f : 0.5f));
-      }
-    if (play_->limits)
-      for (const int joint : outside_[frame])
-        sandbox.overlay().point(sandbox.shownFrames()[joint].translation(), toColour(colours.bad), 9.0f,
-                                Overlay::Shape::Ring);
   }
 
   bool keyPressed(Sandbox& sandbox, int key, int) override {
@@ -317,10 +294,7 @@ class MotionPanel final : public Panel {
 
  private:
   const MotionClip& clip() const { return editor_->clip(); }
-  int currentFrame() const {
-    return std::clamp(static_cast<int>(std::lround((*head_) * clip().framesPerSecond)), 0,
-                      clip().frameCount() - 1);
-  }
+  int currentFrame() const { return frameAt(clip(), *head_); }
   /// Seconds after which it begins again.
   double length() const { return clip().frameCount() / clip().framesPerSecond; }
 
@@ -445,10 +419,11 @@ class MotionPanel final : public Panel {
   void plantFeet(Sandbox& sandbox) {
     const Skeleton& skeleton = sandbox.session().skeleton();
     const FootPlantOptions options{.floor = std::min(0.0, sandbox.state().view->groundHeight())};
-    const auto contacts = footContacts(skeleton, clip(), feet_, options);
-    const FootFacts before = footFacts(skeleton, clip(), feet_, contacts, options.floor);
-    edit(sandbox, [&] { editor_->replace(footPlanted(skeleton, clip(), feet_, contacts, options)); });
-    const FootFacts after = footFacts(skeleton, clip(), feet_, contacts, options.floor);
+    const std::vector<Foot> feet = facts(sandbox).feet;
+    const auto contacts = footContacts(skeleton, clip(), feet, options);
+    const FootFacts before = footFacts(skeleton, clip(), feet, contacts, options.floor);
+    edit(sandbox, [&] { editor_->replace(footPlanted(skeleton, clip(), feet, contacts, options)); });
+    const FootFacts after = footFacts(skeleton, clip(), feet, contacts, options.floor);
     report_ = fmt::format("slide {:.2f} to {:.4f} mm a frame, penetration {:.2f} to {:.2f} mm",
                           1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
                           1e3 * after.deepestPenetration);
@@ -483,35 +458,13 @@ class MotionPanel final : public Panel {
                           part);
   }
 
-  /// Everything that is known about a clip before it plays: ways of the ends, contacts, limits left. Once a
-  /// change, not every frame.
-  void analyse(Sandbox& sandbox) {
-    const Skeleton& skeleton = sandbox.session().skeleton();
-    analysed_ = editor_->version();
-    feet_ = cmuFeet(skeleton);
-    contacts_ = footContacts(skeleton, clip(), feet_);
-    trailJoints_.clear();
-    for (const Foot& foot : feet_) trailJoints_.push_back(foot.ball);
-    for (int i = skeleton.jointCount() - 1; i >= 0 && trailJoints_.size() < 8; --i)
-      if (skeleton.children(i).empty() && std::none_of(feet_.begin(), feet_.end(), [&](const Foot& foot) {
-            return skeleton.isAncestor(foot.ball, i);
-          }))
-        trailJoints_.push_back(i);
-    tracks_.assign(trailJoints_.size(), {});
-    outside_.assign(clip().frameCount(), {});
-    Frames frames;
-    Eigen::VectorXd q;
-    for (int f = 0; f < clip().frameCount(); ++f) {
-      q = clip().q.col(f);
-      forwardKinematics(skeleton, q, frames);
-      for (std::size_t k = 0; k < trailJoints_.size(); ++k)
-        tracks_[k].push_back(frames[trailJoints_[k]].translation());
-      for (int i = 0; i < skeleton.jointCount(); ++i)
-        if (limitViolation(skeleton, q, i) > 1e-9) outside_[f].push_back(i);
-    }
+  /// Everything that is known about the clip before it plays.
+  static const MotionFacts& facts(Sandbox& sandbox) {
+    return sandbox.state().view->motionFacts(sandbox.session());
   }
 
-  TimelineContent timelineContent(const Sandbox& sandbox) const {
+  TimelineContent timelineContent(Sandbox& sandbox) const {
+    const auto& [feet, contacts, ways, outside] = facts(sandbox);
     TimelineContent content{.frameCount = clip().frameCount(),
                             .framesPerSecond = clip().framesPerSecond,
                             .seconds = (*head_),
@@ -519,15 +472,15 @@ class MotionPanel final : public Panel {
                             .bars = {},
                             .keys = editor_->keyFrames(),
                             .selectedKeys = {}};
-    for (std::size_t foot = 0; foot < feet_.size(); ++foot) {
-      content.rows.push_back({feet_[foot].name, {}});
-      for (const Contact& contact : contacts_)
+    for (std::size_t foot = 0; foot < feet.size(); ++foot) {
+      content.rows.push_back({feet[foot].name, {}});
+      for (const Contact& contact : contacts)
         if (contact.foot == static_cast<int>(foot))
           content.rows.back().spans.emplace_back(contact.first, contact.last);
     }
     std::size_t most = 1;
-    for (const auto& joints : outside_) most = std::max(most, joints.size());
-    for (const auto& joints : outside_)
+    for (const auto& joints : outside) most = std::max(most, joints.size());
+    for (const auto& joints : outside)
       content.bars.push_back(static_cast<float>(joints.size()) / static_cast<float>(most));
     for (const int frame : content.keys)
       if (sandbox.selectedJoint() && editor_->hasKey(*sandbox.selectedJoint(), frame))
@@ -535,23 +488,8 @@ class MotionPanel final : public Panel {
     return content;
   }
 
-  void drawTrails(Sandbox& sandbox, int frame) {
-    const Palette& colours = sandbox.state().colours();
-    const int reach = std::max(1, static_cast<int>(0.6 * clip().framesPerSecond));
-    for (const auto& track : tracks_) {
-      const int from = std::max(0, frame - reach), to = std::min(clip().frameCount() - 1, frame + reach),
-                step = std::max(1, reach / 40);
-      for (int f = from; f + step <= to; f += step) {
-        const float near = 1.0f - static_cast<float>(std::abs(f - frame)) / static_cast<float>(reach + 1);
-        sandbox.overlayInScene().line(
-            track[f], track[f + step],
-            toColour(f < frame ? colours.accent : colours.textDim, 0.15f + 0.7f * near), 1.8f);
-      }
-    }
-  }
-
   void drawLimits(Sandbox& sandbox) {
-    const auto& outside = outside_[currentFrame()];
+    const auto& outside = facts(sandbox).outside[currentFrame()];
     const Palette& colours = sandbox.state().colours();
     if (outside.empty()) {
       ImGui::TextColored(colours.textDim, "No limit is left in this frame.");
@@ -583,7 +521,7 @@ class MotionPanel final : public Panel {
     ImGui::SliderFloat("##cutoff", &cutoff_, 0.5f, 20.0f, "cut-off %.1f Hz");
     ImGui::SameLine();
     if (ImGui::Button("Smooth")) tried(sandbox, [&] { smooth(sandbox, cutoff_); });
-    ImGui::BeginDisabled(feet_.empty());
+    ImGui::BeginDisabled(facts(sandbox).feet.empty());
     if (ImGui::Button("Plant feet")) tried(sandbox, [&] { plantFeet(sandbox); });
     ImGui::EndDisabled();
     ImGui::SameLine();
@@ -704,7 +642,6 @@ class MotionPanel final : public Panel {
   }
 
   std::optional<ClipEditor> editor_;
-  int analysed_ = 0;          ///< the editor's version that the facts below belong to
   Playback* play_ = nullptr;  ///< the document's
   double* head_ = nullptr;    ///< likewise, seconds
   int jumps_ = 0;             ///< the session's that the editor has followed
@@ -719,11 +656,6 @@ class MotionPanel final : public Panel {
   std::optional<double> restedSeconds_;  ///< where the playhead came to rest, with the session in that pose
   int restedVersion_ = 0;
   Eigen::VectorXd restedQ_;
-  std::vector<Foot> feet_;
-  std::vector<Contact> contacts_;
-  std::vector<int> trailJoints_;
-  std::vector<std::vector<Vector3d>> tracks_;  ///< of each trail joint, every frame; feet first
-  std::vector<std::vector<int>> outside_;      ///< joints beyond their limits, every frame
   std::optional<Vector3d> lastRoot_;
   std::string solverName_;
   std::unique_ptr<FrameSolver> solver_;

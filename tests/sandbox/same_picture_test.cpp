@@ -126,5 +126,29 @@ TEST(SamePicture, OfTheFigureWithPaintedWeightsMusclesAndPins) {
   });
 }
 
+/// Trails, places where feet stand and limits that are left.
+TEST(SamePicture, OfAMotionWithAllItsMarks) {
+  const std::string file = (std::filesystem::temp_directory_path() / "gelenk_same_walk.bvh").string();
+  std::string text =
+      "HIERARCHY\nROOT hips\n{\nOFFSET 0 1 0\nCHANNELS 3 Xposition Yposition Zposition\n"
+      "JOINT lfemur\n{\nOFFSET 0.1 0 0\nCHANNELS 1 Xrotation\nJOINT ltibia\n{\nOFFSET 0 -0.45 0\nCHANNELS 1 "
+      "Xrotation\n"
+      "JOINT lfoot\n{\nOFFSET 0 -0.45 0\nCHANNELS 1 Xrotation\nJOINT ltoes\n{\nOFFSET 0 -0.1 0.15\nCHANNELS "
+      "1 "
+      "Xrotation\nEnd Site\n{\nOFFSET 0 0 0.06\n}\n}\n}\n}\n}\n"
+      "JOINT head\n{\nOFFSET 0 0.7 0\nCHANNELS 1 Yrotation\nEnd Site\n{\nOFFSET 0 0.2 0\n}\n}\n}\n"
+      "MOTION\nFrames: 60\nFrame Time: 0.0333333\n";
+  for (int f = 0; f < 60; ++f) {
+    const double swing = f < 30 ? 0.0 : 25.0 * std::sin(0.2 * (f - 30));
+    text += std::to_string(0.01 * f) + " 1 0 " + std::to_string(-swing) + " " +
+            std::to_string(std::abs(swing)) + " 0 0 " + std::to_string(f) + "\n";
+  }
+  writeFile(file, text);
+  expectTheSamePicture(file, "5 do Motion frame 34\n", [](Session& session) {
+    EXPECT_TRUE(session.playback().trails && session.playback().contacts && session.playback().limits);
+  });
+  std::filesystem::remove(file);
+}
+
 }  // namespace
 }  // namespace gelenk
