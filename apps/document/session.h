@@ -18,9 +18,6 @@
 
 namespace gelenk {
 
-/// On the squared error of a pin: it yields 300 times less than the hand that pulls.
-inline constexpr double pinWeight = 300.0;
-
 /// One method of following goals from frame to frame: the stateful drag solver, or a catalogue solver started
 /// warm.
 class FrameSolver {

@@ -10,7 +10,6 @@
 #include "kinematics/jacobian.h"
 #include "kinematics/rotation.h"
 #include "solvers/problem/goal_text.h"
-#include "solvers/tree/drag_solver.h"
 
 namespace gelenk {
 namespace {
@@ -234,8 +233,8 @@ class SolvePanel final : public Panel {
         if (ImGui::SmallButton(stateWord(goal.state))) toPin = goal.id;
         static const std::string states = fmt::format(
             "Click to pin or free (P). free: goes with the body. held: kept at its target, weight 1 on the "
-            "squared error. pin: weight {:g} with the solver drag, {:g} with the others.",
-            DragOptions{}.pinWeight, pinWeight);
+            "squared error. pin: weight {:g}.",
+            pinWeight);
         tooltip(states.c_str());
         ImGui::TableNextColumn();
         if (goal.state == GoalState::Held || !goal.handle) {

@@ -39,6 +39,10 @@ enum class Role : unsigned char {
   Pin,   ///< stays where it is
 };
 
+/// On the squared error of a pin, times Goal::weight: it yields a thousand times less than the hand that
+/// pulls.
+inline constexpr double pinWeight = 1000.0;
+
 /// What the model shall do. Which of the fields count depends on the kind: GoalType::fields.
 struct Goal {
   GoalKind kind = GoalKind::Position;

@@ -36,7 +36,7 @@ struct DragOptions {
   double change = 5e-3;      ///< kappa: cost of the change within a frame
   double heldChange = 0.01;  ///< share of it that is left when the targets have stood still for a while
   double dragWeight = 1.0;   ///< on the squared distance, times Goal::weight
-  double pinWeight = 1000.0;
+  double pinWeight = gelenk::pinWeight;
   double poseArm = 0.3;          ///< orientations count as three points on arms of this length, units
   double dragBias = 0.01;        ///< largest correction of a drag's target against the posture's pull, units
   double pinBias = 0.002;        ///< likewise of a pin's
