@@ -46,7 +46,7 @@ struct UrdfRobot {
 /// links, a cycle, numbers that are none, an axis of length zero, reversed limits, a name used twice, a mimic
 /// of no joint, of itself, of a joint that mimics in a circle, or between joints of several dofs, an
 /// <inertial> without a mass or with one below 0. Notes: a mimic on a fixed joint or towards one, which is
-/// passed over; limits of a follower that leave its source no value, likewise; limits of 0 to 0.
+/// passed over; limits of a follower that leave its source no value, likewise; limits of 0 to 0; no <limit>.
 UrdfRobot readUrdf(const std::string& path);
 UrdfRobot parseUrdf(std::string_view text, const std::string& file);
 

@@ -58,8 +58,8 @@ struct JointKey {
 MotionClip keyed(const Skeleton& skeleton, const MotionClip& clip, int joint, std::span<const JointKey> keys,
                  double falloff);
 
-/// Moves the joint's origin to `target` (world, metres) by the least change of the given joints' dofs:
-/// Gauss-Newton steps of minimum norm from q. Returns the distance left.
+/// Moves the joint's origin to `target` (world, metres) by the least turns of the given joints: damped
+/// Gauss-Newton steps of minimum norm from q; what lies straight bends. Returns the distance left.
 double reachWithLeastChange(const Skeleton& skeleton, Eigen::VectorXd& q, int joint,
                             const Eigen::Vector3d& target, std::span<const int> movingJoints);
 
