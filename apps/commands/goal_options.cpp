@@ -9,7 +9,6 @@
 
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
-#include "solvers/problem/goal_text.h"
 
 namespace gelenk {
 namespace {
@@ -44,10 +43,6 @@ Vector3d unitVector(const Vector3d& v, const std::string& what) {
     throw std::invalid_argument(what + ": a direction needs a length");
   return v.normalized();
 }
-
-/// A direction as Aim sees it: a point so far away that no joint's own way matters (1e-12 rad a metre). A
-/// power of two, so that the direction is found in it to the last bit.
-constexpr double infinitelyFar = 0x1p40;
 
 }  // namespace
 
@@ -158,22 +153,13 @@ std::vector<Goal> goalsOf(const std::vector<TypedGoal>& typed, double orientatio
     }
     if (one.position) goals.push_back(goal);
     if (!one.axis) continue;
-    const Vector3d direction = one.orientation ? Vector3d(*one.orientation * *one.axis) : one.direction;
-    Goal aim{
-        .kind = GoalKind::Aim, .joint = one.joint, .target = infinitelyFar * direction, .weight = turning};
-    aim.axisInJoint = *one.axis;
-    goals.push_back(aim);
+    goals.push_back({.kind = GoalKind::Direction,
+                     .joint = one.joint,
+                     .axisInJoint = *one.axis,
+                     .direction = one.orientation ? Vector3d(*one.orientation * *one.axis) : one.direction,
+                     .weight = turning});
   }
   return goals;
-}
-
-std::string typedGoalToText(const Goal& goal, const Skeleton& skeleton) {
-  if (goal.kind != GoalKind::Aim) return goalToText(goal, skeleton);
-  Goal told = goal;
-  told.target /= infinitelyFar;
-  std::string text = goalToText(told, skeleton);
-  constexpr std::string_view point = " target=", direction = " direction=";
-  return text.replace(text.find(point), point.size(), direction);
 }
 
 }  // namespace gelenk

@@ -40,7 +40,5 @@ Eigen::Vector3d parseAxis(const std::string& text);
 
 /// The goals of a problem that ask for all of it; orientationFactor: on the weights of all turning parts.
 std::vector<Goal> goalsOf(const std::vector<TypedGoal>& typed, double orientationFactor = 1.0);
-/// One of them as goalToText writes it, an axis with the direction that was typed.
-std::string typedGoalToText(const Goal& goal, const Skeleton& skeleton);
 
 }  // namespace gelenk

@@ -172,7 +172,6 @@ bool solve(const Request& request) {
   demandNoNotes(request.model, model.notes);
   const std::vector<TypedGoal> typed = goalsAskedFor(request, model);
   std::vector<Goal> goals = goalsOf(typed);
-  const std::size_t typedGoals = goals.size();
   std::vector<Goal> open = openGoals(request, model);
   if (goals.empty() && open.empty() && isScene(request.model))  // what is held and pinned in it
     open = Session(opened.model, opened.document).problem().goals;
@@ -218,7 +217,7 @@ bool solve(const Request& request) {
       orientation = std::max(orientation, error.orientation);
       goals.push_back({{"joint", skeleton.joint(problem.goals[g].joint).name},
                        {"kind", goalType(problem.goals[g].kind).name},
-                       {"goal", (g < typedGoals ? typedGoalToText : goalToText)(problem.goals[g], skeleton)},
+                       {"goal", goalToText(problem.goals[g], skeleton)},
                        {"weight", problem.goals[g].weight},
                        {"position_error", error.position},
                        {"orientation_error", error.orientation}});

@@ -15,6 +15,7 @@
   ROW(Orientation, orientationGoal)           \
   ROW(Pose, poseGoal)                         \
   ROW(Aim, aimGoal)                           \
+  ROW(Direction, directionGoal)               \
   ROW(Pole, poleGoal)                         \
   ROW(Posture, postureGoal)                   \
   ROW(CentreOfMass, centreOfMassGoal)         \
@@ -58,7 +59,7 @@ struct Goal {
   Eigen::Vector3d pointInOther = Eigen::Vector3d::Zero();  ///< metres, frame of the other joint
   double length = 0.0;                                     ///< metres: a distance, a radius, a margin
   Eigen::Vector3d end = Eigen::Vector3d::Zero();           ///< metres, world: where a segment ends
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitY();    ///< unit, world: upwards, outwards
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitY();    ///< unit, world: upwards, outwards, along an axis
   std::vector<Eigen::Vector3d> polygon = {};               ///< metres, world
   std::shared_ptr<const Masses> masses = {};               ///< of the model
 

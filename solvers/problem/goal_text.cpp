@@ -128,6 +128,7 @@ bool isCaptured(GoalField::Meaning meaning) {
     case GoalField::Meaning::Target:
     case GoalField::Meaning::End:
     case GoalField::Meaning::Rotation:
+    case GoalField::Meaning::Direction:
     case GoalField::Meaning::Length:
     case GoalField::Meaning::Polygon:
     case GoalField::Meaning::Posture: return true;

@@ -60,6 +60,7 @@ figureGoals = [
     gelenk.Goal("orientation", joint="head", orientation=(1, 0, 0, 0), weight=0.1),
     gelenk.Goal("pose", joint="foot_l", target=(0.1, 0.1, 0.1), orientation=np.eye(3), role="pin"),
     gelenk.Goal("aim", joint="head", axis=(0, 0, 1), target=(0, 1.6, 2)),
+    gelenk.Goal("direction", joint="head", axis=(0, 0, 1), direction=(1, 0, 0)),
     gelenk.Goal("distance", joint="hand_l", other="hand_r", length=0.25),
     gelenk.Goal("keep-out", joint="hand_r", target=(0.2, 1.0, 0.3), radius=0.1),
 ]

@@ -211,22 +211,27 @@ TEST_F(FiveJoints, AnAxisAloneIsMet) {
       forwardKinematics(openModel(path).skeleton, Eigen::VectorXd::Map(q.data(), 5)).back();
   EXPECT_LE((tip.translation() - Eigen::Vector3d(0.25, 0.1, 0.2)).norm(), 1e-6);
   EXPECT_LE((tip.linear().col(2) - turn.toRotationMatrix().col(2)).norm(), 1e-5);
+  const Goal told = goalFromText(out["goals"][1]["goal"].get<std::string>(), openModel(path).skeleton);
+  EXPECT_EQ(out["goals"][1]["kind"], "direction");
+  EXPECT_EQ(told.axisInJoint, Eigen::Vector3d::UnitZ());
+  EXPECT_LE((told.direction - turn.toRotationMatrix().col(2)).norm(), 1e-15);  // rounding
 }
 
 /// The answer says what was asked for, in numbers that a person may have typed.
 TEST(SolveCommand, GoalsAreToldAsTheyWereGiven) {
   const std::string file = (fs::path(::testing::TempDir()) / "gelenk-told-goals.json").string();
-  std::ofstream(file) << R"([{"joint": "head", "axis": [0, 0, 2], "direction": [0, 0, -1], "weight": 2}])";
+  std::ofstream(file) << R"([{"joint": "head", "axis": [0, 0, 2], "direction": [0, 0, -1]}])";
+  const std::string goals[] = {"direction joint=head axis=0,0,1 direction=0,0,-1",
+                               "aim joint=head axis=0,0,1 target=0,0,-1000000000000",
+                               "position joint=hand_r point=0,0,0.125 target=-0.25,1.125,0.25"};
   const auto told = [](const std::vector<std::string>& words) {
     return nlohmann::json::parse(type(words).output)["goals"][0]["goal"].get<std::string>();
   };
-  EXPECT_EQ(told({"solve", "--model", "figure", "--restarts", "0", "--goals", file}),
-            "aim joint=head axis=0,0,1 direction=0,0,-1 weight=2");
+  EXPECT_EQ(told({"solve", "--model", "figure", "--restarts", "0", "--goals", file}), goals[0]);
   EXPECT_EQ(told({"solve", "--model", "panda", "--axis=-y", "--target", "0", "1", "0", "0"}),
-            "aim joint=tool axis=0,-1,0 direction=0,1,0");
+            "direction joint=tool axis=0,-1,0 direction=0,1,0");
   const Skeleton figure = openModel("figure").skeleton;
-  for (const std::string goal : {"aim joint=head axis=0,0,1 target=0,0,-1000000000000",
-                                 "position joint=hand_r point=0,0,0.125 target=-0.25,1.125,0.25"}) {
+  for (const std::string& goal : goals) {
     const std::string back = told({"solve", "--model", "figure", "--restarts", "0", "--goal", goal});
     EXPECT_TRUE(asksTheSame(goalFromText(back, figure), goalFromText(goal, figure))) << back;
   }

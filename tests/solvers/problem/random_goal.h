@@ -69,6 +69,8 @@ inline Goal randomGoalOf(GoalKind kind, const Skeleton& skeleton, const Eigen::V
     goal.target += 0.4 * randomUnit(random);
     goal.pointInOther += 0.4 * randomUnit(random);
   }
+  if (wholly && kind == GoalKind::Direction)
+    goal.direction = expRotation(1.5 * randomUnit(random)) * goal.direction;
   if (wholly) goal.orientation = expRotation(1.5 * randomUnit(random)) * goal.orientation;
   return goal;
 }
