@@ -54,6 +54,25 @@ SEEDS["gltf"].append((
     % (len(triangle), base64.b64encode(triangle).decode(),
        ",".join('{"buffer":0,"byteOffset":%d,"byteLength":%d}' % v for v in views))).encode())
 
+
+
+def boxes_to_rig(template, boxes):
+    """Bodies of boxes (two corners each, millimetres) as rig_fuzz.cpp reads them."""
+    vertices, triangles = [], []
+    for low, high in boxes:
+        first = len(vertices)
+        vertices += [[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)]
+        triangles += [[first + k for k in face] for face in ((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4),
+                                                              (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5))]
+    return bytes([template, len(vertices) - 3]) + b"".join(struct.pack("<3h", *row) for row in vertices + triangles)
+
+
+person = [((-180, 850, -100), (180, 1450, 100)), ((-90, 1400, -90), (90, 1750, 100)), ((150, 1300, -60), (800, 1420, 60)),
+          ((-800, 1300, -60), (-150, 1420, 60)), ((20, 0, -80), (170, 900, 150)), ((-170, 0, -80), (-20, 900, 150))]
+animal = [((-150, 500, -500), (150, 800, 500)), ((-80, 700, 450), (80, 1000, 750)), ((60, 0, 350), (150, 550, 450)),
+          ((-150, 0, 350), (-60, 550, 450)), ((60, 0, -480), (150, 550, -380)), ((-150, 0, -480), (-60, 550, -380))]
+SEEDS["rig"] = [boxes_to_rig(0, person), boxes_to_rig(1, person), boxes_to_rig(2, animal)]
+
 data = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "data")
 for file in sorted(os.listdir(data)):
     target = {"skel": "pinocchio_skeleton"}.get(file.split(".")[-1], file.split(".")[-1])
