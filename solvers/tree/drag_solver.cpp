@@ -554,8 +554,9 @@ bool DragSolver::met(std::span<const Goal> goals, double positionTolerance, doub
         return false;
       }
     }
-    // Turned by the angle a, three orthogonal unit directions move by sqrt(8) sin(a / 2).
-    const double sine = std::sqrt(chord / 8.0) / options_.poseArm;
+    // Turned by the angle a, one unit direction moves by 2 sin(a / 2), three orthogonal ones by sqrt(8) sin(a
+    // / 2).
+    const double sine = std::sqrt(chord / (directions == 1 ? 4.0 : 8.0)) / options_.poseArm;
     if (directions > 0 && !(2.0 * std::asin(std::min(1.0, sine)) <= orientationTolerance)) return false;
   }
   return true;
