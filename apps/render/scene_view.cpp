@@ -62,15 +62,14 @@ SceneView::SceneView(const Session& session, Ground ground) {
   groundHeight_ = lowest(box) - (model.planar ? 0.012 * size_ : 0.0);  // room for a shadow
   bounds_ = box;
   if (ground != Ground::UnderMotion || !model.clip || model.planar) return;
-  const Eigen::AlignedBox3d first =
-      boundsAt(session, forwardKinematics(model.skeleton, model.clip->q.col(0)));
+  const Eigen::AlignedBox3d first = boundsAt(forwardKinematics(model.skeleton, model.clip->q.col(0)));
   standsOnMotion_ = std::abs(lowest(first) - groundHeight_) >= 0.1 * size_;
   if (!standsOnMotion_) return;
   groundHeight_ = lowest(first);
   bounds_ = first;
 }
 
-Eigen::AlignedBox3d SceneView::boundsAt(const Session& session, const Frames& frames) const {
+Eigen::AlignedBox3d SceneView::boundsAt(const Frames& frames) const {
   return posedBounds_ ? (*posedBounds_)(poseSkin(prepared_->skin, frames)) : boxOf(frames);
 }
 
@@ -84,7 +83,7 @@ void SceneView::follow(const Session& session, const Frames& frames, bool ownPos
     frames_ = frames;
     surfaceIsCurrent_ = limbsAreCurrent_ = false;
   }
-  bounds_ = boundsAt(session, frames_);
+  bounds_ = boundsAt(frames_);
 }
 
 /// Anew where method or weights changed. While weights are being painted the skin is a plain linear blend,

@@ -115,7 +115,7 @@ class SceneView {
   void bind(const Session& session);
   void addBodies(const Session& session, PictureExtras& extras, RenderScene& scene);
   void addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene);
-  Eigen::AlignedBox3d boundsAt(const Session& session, const Frames& frames) const;
+  Eigen::AlignedBox3d boundsAt(const Frames& frames) const;
 
   std::unique_ptr<PreparedSkin> prepared_;
   SkinChoice choice_, rigChoice_;  ///< that prepared_ and rig_ stand on
@@ -132,7 +132,6 @@ class SceneView {
   Frames frames_;
   bool ownPose_ = false;
   SkinnedVertices surface_;
-  int surfaceVersion_ = -1;  ///< of the weights
   bool surfaceIsCurrent_ = false, limbsAreCurrent_ = false;
   std::vector<LimbPose> limbs_;
   Eigen::AlignedBox3d bounds_;

@@ -56,8 +56,6 @@ class CommandWords {
   std::size_t at_ = 0;
 };
 
-Colour toColour(const ImVec4& c, float alpha = 1.0f) { return {c.x, c.y, c.z, alpha}; }
-
 /// Plays the model's clip: timeline, trails, contacts, limits that are left, edits (clip_editor.h), goals on
 /// top, export.
 ///

@@ -103,6 +103,7 @@ class SkinnedMeshGl {
   void requireOnePerVertex(std::size_t count) const;
   /// Of the rest surface, read back when first needed.
   struct Coarse {
+    Coarse() {}  // clang 14 makes no implicit one for an optional of the same class
     GlBuffer indices;
     int triangles = 0;
     float edge = 0.0f;
