@@ -10,8 +10,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr float opaqueFrom = 0.995f;
-
 Overlay::Vertex vertex(const Vector3d& p, const Colour& colour) {
   return {{static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())}, colour};
 }

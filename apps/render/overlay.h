@@ -21,6 +21,8 @@ class Overlay {
     Diamond  ///< these without
   };
 
+  static constexpr float opaqueFrom = 0.995f;  ///< colours with less are translucent
+
   void line(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Colour& colour, float width = 1.5f);
   /// Translucent ones meet in flat ends where they bend little, so that no dots of twice the colour show.
   void polyline(const std::vector<Eigen::Vector3d>& points, const Colour& colour, float width = 1.5f,

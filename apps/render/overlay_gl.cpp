@@ -5,7 +5,6 @@
 namespace gelenk {
 namespace {
 
-constexpr float opaque = 0.995f;
 constexpr float depthBias = 2e-4f;  // lines lie on surfaces: drawn this much nearer, in clip space
 
 ShaderProgram program(const char* vertex, const char* fragment, GLuint frameBinding) {
@@ -81,10 +80,11 @@ void OverlayGl::draw(const Overlay& overlay) {
     sorted_.clear();
     for (const bool wantOpaque : {true, false})
       for (std::size_t i = 0; i + 2 < overlay.fills.size(); i += 3)
-        if ((overlay.fills[i].colour.a >= opaque) == wantOpaque)
+        if ((overlay.fills[i].colour.a >= Overlay::opaqueFrom) == wantOpaque)
           sorted_.insert(sorted_.end(), &overlay.fills[i], &overlay.fills[i] + 3);
     GLsizei opaqueCount = 0;
-    while (opaqueCount < static_cast<GLsizei>(sorted_.size()) && sorted_[opaqueCount].colour.a >= opaque)
+    while (opaqueCount < static_cast<GLsizei>(sorted_.size()) &&
+           sorted_[opaqueCount].colour.a >= Overlay::opaqueFrom)
       opaqueCount += 3;
     stream(fillBuffer_, sorted_);
     fill_.use();
@@ -100,8 +100,9 @@ void OverlayGl::draw(const Overlay& overlay) {
     // Translucent ones hide nothing: the rim of one would stand in the way of the next.
     const std::vector<Overlay::Line>& lines = overlay.lines;
     for (std::size_t first = 0, end; first < lines.size(); first = end) {
-      const bool solid = lines[first].a.colour.a >= opaque;
-      for (end = first + 1; end < lines.size() && (lines[end].a.colour.a >= opaque) == solid;) ++end;
+      const bool solid = lines[first].a.colour.a >= Overlay::opaqueFrom;
+      for (end = first + 1; end < lines.size() && (lines[end].a.colour.a >= Overlay::opaqueFrom) == solid;)
+        ++end;
       glDepthMask(solid ? GL_TRUE : GL_FALSE);
       drawLines(first, end - first);
     }

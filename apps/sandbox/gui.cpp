@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <cstdint>
 
 #include "skinning/gpu/gl.h"
 
@@ -109,17 +109,11 @@ namespace {
 /// Where a window begins with an opaque rectangle, its background, that is cleared instead: a processor that
 /// draws does so several times as fast.
 void clearBackgrounds(ImDrawData& data) {
-  struct Rectangle {
-    ImVec4 area;  ///< x0, y0, x1, y1, from the top left
-    ImU32 colour;
-    float height;  ///< of the window
-  };
-  static std::vector<Rectangle> rectangles;
-  rectangles.clear();
-  rectangles.reserve(static_cast<std::size_t>(data.CmdListsCount));  // callbacks point into it
   const auto clear = [](const ImDrawList*, const ImDrawCmd* command) {
-    const auto& [area, colour, height] = *static_cast<const Rectangle*>(command->UserCallbackData);
-    const ImVec4 c = ImGui::ColorConvertU32ToFloat4(colour);
+    const ImVec4& area = command->ClipRect;  // x0, y0, x1, y1, from the top left
+    const float height = ImGui::GetDrawData()->DisplaySize.y;
+    const ImVec4 c = ImGui::ColorConvertU32ToFloat4(
+        static_cast<ImU32>(reinterpret_cast<std::uintptr_t>(command->UserCallbackData)));
     glScissor(static_cast<int>(area.x), static_cast<int>(height - area.w), static_cast<int>(area.z - area.x),
               static_cast<int>(area.w - area.y));
     glClearColor(c.x, c.y, c.z, 1.0f);
@@ -143,13 +137,14 @@ void clearBackgrounds(ImDrawData& data) {
     const ImVec4 area(std::max(a.pos.x, first.ClipRect.x), std::max(a.pos.y, first.ClipRect.y),
                       std::min(c.pos.x, first.ClipRect.z), std::min(c.pos.y, first.ClipRect.w));
     if (!(area.x < area.z && area.y < area.w)) continue;
-    rectangles.push_back({area, a.col, data.DisplaySize.y});
+    const ImU32 colour = a.col;
     first.IdxOffset += 6;
     first.ElemCount -= 6;
     ImDrawCmd callback = first;
     callback.ElemCount = 0;
     callback.UserCallback = clear;
-    callback.UserCallbackData = &rectangles.back();
+    callback.ClipRect = area;
+    callback.UserCallbackData = reinterpret_cast<void*>(static_cast<std::uintptr_t>(colour));
     list.CmdBuffer.insert(list.CmdBuffer.begin(), callback);
   }
 }

@@ -456,12 +456,14 @@ class MotionPanel final : public Panel {
                           part);
   }
 
-  /// Everything that is known about the clip before it plays.
-  static const MotionFacts& facts(Sandbox& sandbox) {
+  /// Everything that is known about the clip before it plays. The editor holds the same clip: an undo in the
+  /// menu bar comes after `step`.
+  const MotionFacts& facts(Sandbox& sandbox) {
+    followEdits(sandbox);
     return sandbox.state().view->motionFacts(sandbox.session());
   }
 
-  TimelineContent timelineContent(Sandbox& sandbox) const {
+  TimelineContent timelineContent(Sandbox& sandbox) {
     const auto& [feet, contacts, ways, outside] = facts(sandbox);
     TimelineContent content{.frameCount = clip().frameCount(),
                             .framesPerSecond = clip().framesPerSecond,

@@ -37,8 +37,7 @@ class PathPanel final : public Panel {
     ImGui::Checkbox("Draw with the mouse", &drawing_);
     tooltip(
         "Press, draw, release: the effector follows the line in the plane through it that faces you, and "
-        "keeps "
-        "its orientation. Fewest jumps first, then least motion (docs/solutions.md).");
+        "keeps its orientation. Fewest jumps first, then least motion (docs/solutions.md).");
     if (!reason_.empty())
       ImGui::TextColored(s.colours().warning, "%s",
                          brokenAtBlanks(reason_, ImGui::GetContentRegionAvail().x).c_str());

@@ -301,14 +301,15 @@ VectorXd bent(const Skeleton& skeleton, const VectorXd& q, std::span<const int> 
   constexpr double little = 0.05;
   const int root = *std::min_element(limb.begin(), limb.end());
   VectorXd dq = VectorXd::Zero(skeleton.nv());
-  for (const int j : limb)
+  for (const int j : limb) {
+    if (j == root) continue;
     for (const int column : turningDimensions(skeleton, std::array{j})) {
-      if (j == root) continue;
       const std::size_t k = column - skeleton.vIndex(j);
       const std::vector<AxisDof>& axes = skeleton.joint(j).axes;
       const double at = k < axes.size() ? q[skeleton.qIndex(j) + static_cast<int>(k)] : 0.0;
       dq[column] = k < axes.size() && at - axes[k].lower > axes[k].upper - at ? -little : little;
     }
+  }
   return integrate(skeleton, q, dq);
 }
 

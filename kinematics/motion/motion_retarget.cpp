@@ -491,12 +491,10 @@ void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& 
       kept.mean += left / clip.frameCount();
       kept.largest = std::max(kept.largest, left);
       const double wanted = limb.empty() ? 0.0 : (scaled - posed[limb.back()].translation()).norm();
-      if (wanted < reach.least || wanted > reach.most) {
+      if (wanted < reach.least || wanted > reach.most)
         ++kept.framesBeyond;
-      } else {
-        kept.meanWithin += left;
+      else
         kept.largestWithin = std::max(kept.largestWithin, left);
-      }
       if (f > 0 && onFloor) {  // standing: slower than 0.3 m/s in the target's size
         const double way = (scaled - lastSource).norm();
         if (way * clip.framesPerSecond < 0.3) {
@@ -507,7 +505,6 @@ void keepPlaces(const Skeleton& source, const MotionClip& clip, const Skeleton& 
       }
       lastSource = scaled, lastTarget = posed[t].translation();
     }
-    if (kept.framesBeyond < clip.frameCount()) kept.meanWithin /= clip.frameCount() - kept.framesBeyond;
     if (kept.contactFrames > 0)
       kept.sourceSlide = sourceWay / kept.contactFrames, kept.targetSlide = targetWay / kept.contactFrames;
     result.kept.push_back(kept);

@@ -26,7 +26,7 @@ struct KeptPlace {
   int joint = 0;                     ///< of the target
   double mean = 0.0, largest = 0.0;  ///< metres
   int framesBeyond = 0;              ///< whose place lies beyond the limb's bones, stretched or folded
-  double meanWithin = 0.0, largestWithin = 0.0;  ///< metres, in the other frames
+  double largestWithin = 0.0;        ///< metres, in the other frames
   double sourceSlide = 0.0,
          targetSlide = 0.0;  ///< mean way along the floor a frame in contact; source's scaled
   int contactFrames = 0;

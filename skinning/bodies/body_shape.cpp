@@ -40,10 +40,6 @@ FieldSample smoothMin(const FieldSample& a, const FieldSample& b, double k,
   return out;
 }
 
-}  // namespace
-
-namespace {
-
 /// As std::hypot but for lengths whose squares are none.
 double lengthOf(double a, double b) { return std::sqrt(a * a + b * b); }
 

@@ -14,6 +14,10 @@ using namespace lanes;
 
 constexpr double inLineSine = 1e-12;  ///< between axes 4 and 6 of a wrist: only their sum is determined
 constexpr double merging = 1e-6;      ///< branches nearer to each other than this may be one
+// A point, or the tip of a direction, beside the axis of a hinge that has to turn it:
+constexpr double onAxis = 1e-11;    ///< so near that the hinge may take any value
+constexpr double nearAxis = 1e-6;   ///< so near that rounding may have chosen the value
+constexpr double nearReach = 1e-4;  ///< a cosine this far beyond 1 may come of such a value
 
 /// The first three hinges of four branches; of those that slide the length, and no turn.
 struct First {
@@ -78,20 +82,20 @@ TripleLoop::TripleLoop(LoopClass kind, const Loop& loop, int goalLink)
     const Vector3d in = R4.row(2).transpose(), out = R5.col(2);
     const double twist = std::atan2(std::hypot(in.x(), in.y()), in.z()),
                  next = std::atan2(std::hypot(out.x(), out.y()), out.z());
-    alongGap_ = 2.0 * std::pow(std::sin(0.5 * (twist - next)), 2);
-    againstGap_ = 2.0 * std::pow(std::cos(0.5 * (twist + next)), 2);
-    bendMiddle_ = R4(2, 2) * R5(2, 2);
-    bendCos_ = R4(2, 0) * R5(0, 2) + R4(2, 1) * R5(1, 2);
-    bendSin_ = R4(2, 1) * R5(0, 2) - R4(2, 0) * R5(1, 2);
+    bend_.alongGap = 2.0 * std::pow(std::sin(0.5 * (twist - next)), 2);
+    bend_.againstGap = 2.0 * std::pow(std::cos(0.5 * (twist + next)), 2);
+    bend_.middle = R4(2, 2) * R5(2, 2);
+    bend_.cos = R4(2, 0) * R5(0, 2) + R4(2, 1) * R5(1, 2);
+    bend_.sin = R4(2, 1) * R5(0, 2) - R4(2, 0) * R5(1, 2);
   } else {
     const Vector2d p4 = x4.head<2>(), q5 = x5.head<2>(), q5c = R4.topLeftCorner<2, 2>() * q5,
                    q5s = R4.topLeftCorner<2, 2>() * Vector2d(-q5.y(), q5.x());
-    bendMiddle_ = p4.squaredNorm() + q5.squaredNorm();
-    bendCos_ = 2.0 * p4.dot(q5c);
-    bendSin_ = 2.0 * p4.dot(q5s);
+    bend_.middle = p4.squaredNorm() + q5.squaredNorm();
+    bend_.cos = 2.0 * p4.dot(q5c);
+    bend_.sin = 2.0 * p4.dot(q5s);
   }
-  bendSize_ = std::hypot(bendCos_, bendSin_);
-  if (bendSize_ > 0.0) bendCos_ /= bendSize_, bendSin_ /= bendSize_;
+  bend_.size = std::hypot(bend_.cos, bend_.sin);
+  if (bend_.size > 0.0) bend_.cos /= bend_.size, bend_.sin /= bend_.size;
 }
 
 namespace {
@@ -120,7 +124,8 @@ struct SphericalFront : PlanarWays {
     solve(reference[2]);
   }
 
-  GELENK_INLINE First at(int base, const Isometry3d& X1, const Isometry3d&, const Vector6d& reference) const {
+  GELENK_INLINE First at(int base, const Isometry3d& X1, const Isometry3d&, const Vector6d& reference,
+                         double axis) const {
     First first{};
     Turns& t3 = first.t[2];
     Lanes zx, zy;
@@ -128,8 +133,8 @@ struct SphericalFront : PlanarWays {
     first.free &= 4L;
     const Vectors v{fixed.x() + vc.x() * t3.c + vs.x() * t3.s, fixed.y() + vc.y() * t3.c + vs.y() * t3.s,
                     fixed.z() + vc.z() * t3.c + vs.z() * t3.s};
-    first.t[1] = turnsFromTo(v, {zx, zy, v.z}, reference[1], 2L, first.free);
-    first.t[0] = turnsFromTo(moved(X1, turned(first.t[1], v)), same(g), reference[0], 1L, first.free);
+    first.t[1] = turnsFromTo(v, {zx, zy, v.z}, reference[1], axis, 2L, first.free);
+    first.t[0] = turnsFromTo(moved(X1, turned(first.t[1], v)), same(g), reference[0], axis, 1L, first.free);
     return first;
   }
 };
@@ -156,17 +161,17 @@ struct ParallelFront : PlanarWays {
     solve(reference[0]);
   }
 
-  GELENK_INLINE First at(int base, const Isometry3d& X1, const Isometry3d& X2,
-                         const Vector6d& reference) const {
+  GELENK_INLINE First at(int base, const Isometry3d& X1, const Isometry3d& X2, const Vector6d& reference,
+                         double axis) const {
     First first{};
     Turns& t1 = first.t[0];
     Lanes zx, zy;
     four(base, t1, zx, zy, first.free);
     first.free &= 1L;
     const Vectors eta = timesBack(X1, turnedBack(t1, same(h0)));
-    first.t[1] = turnsFromTo({zx, zy, eta.z}, eta, reference[1], 2L, first.free);
+    first.t[1] = turnsFromTo({zx, zy, eta.z}, eta, reference[1], axis, 2L, first.free);
     first.t[2] =
-        turnsFromTo(same(h3), timesBack(X2, turnedBack(first.t[1], eta)), reference[2], 4L, first.free);
+        turnsFromTo(same(h3), timesBack(X2, turnedBack(first.t[1], eta)), reference[2], axis, 4L, first.free);
     return first;
   }
 };
@@ -181,7 +186,7 @@ struct SlidingFront {
   SlidingFront(const Placing& placing, const Vector6d& reference)
       : count(place(placing, reference.data(), list)) {}
 
-  GELENK_INLINE First at(int base, const Isometry3d&, const Isometry3d&, const Vector6d&) const {
+  GELENK_INLINE First at(int base, const Isometry3d&, const Isometry3d&, const Vector6d&, double) const {
     First first{};
     for (int l = 0; l < 4; ++l) {
       const Placed& p = list[std::min(base + l, count - 1)];
@@ -206,40 +211,140 @@ GELENK_INLINE Vectors pointBehind(const Isometry3d* const X[3], const First& fir
   return v;
 }
 
+/// What three hinges leave for the triple: Rz(u4) R4 Rz(u5) R5 Rz(u6) = (K0, K1, K2), and the place k to
+/// which it leads.
+struct Left {
+  Vectors K0, K1, K2, k;
+  Mask inLine;          ///< axes 4 and 6 of a wrist
+  Lanes x, less, more;  ///< the cosine of the bend, and what is left of 1 - x and 1 + x
+  Mask reached;
+};
+
+template <bool spherical>
+GELENK_INLINE Left leftBehind(const First& first, const Isometry3d* const X[3], const Isometry3d& back,
+                              const TripleBend& bend) {
+  Left left{.K0 = directionBehind(X, first, same(back.linear().col(0))),
+            .K1 = directionBehind(X, first, same(back.linear().col(1))),
+            .K2 = {},
+            .k = pointBehind(X, first, same(back.translation())),
+            .inLine = {},
+            .x = {},
+            .less = {},
+            .more = {},
+            .reached = {}};
+  left.K2 = cross(left.K0, left.K1);
+  const Vectors &K2 = left.K2, &k = left.k;
+  const bool bends = bend.size > rounding;  // else every bend will do, or none
+  const double scale = bends ? 1.0 / bend.size : 0.0;
+  const Lanes over = (spherical ? K2.z : k.x * k.x + k.y * k.y) - bend.middle;
+  left.x = over * scale, left.less = 1.0 - left.x, left.more = 1.0 + left.x;
+  if (spherical) {
+    // Axes 4 and 6 nearly in line: the sine between them is exact where a cosine near one is not.
+    const Lanes sine2 = K2.x * K2.x + K2.y * K2.y, rest = sine2 / (1.0 + magnitude(K2.z));
+    left.inLine = sine2 < inLineSine * inLineSine;
+    const Mask ahead = K2.z > 0.0;
+    left.less = (choose(ahead, rest, 1.0 - K2.z) - bend.alongGap) * scale;
+    left.more = (choose(ahead, 1.0 + K2.z, rest) - bend.againstGap) * scale;
+  }
+  left.reached = bends ? magnitude(left.x) <= 1.0 + reachRounding : magnitude(over) < reachRounding;
+  return left;
+}
+
+/// The turn nearest to 0 at which a wave of degree two, known by its values at five equal steps of a turn, is
+/// 1 or -1; none: NaN.
+double nearestTouch(const double (&values)[5]) {
+  TrigonometricPolynomial wave;
+  wave.degree = 2;
+  for (int k = 0; k < 5; ++k) {
+    wave.a[0] += values[k] / 5.0;
+    for (int n = 1; n <= 2; ++n) {
+      wave.a[n] += 0.4 * values[k] * std::cos(turn / 5.0 * n * k);
+      wave.b[n] += 0.4 * values[k] * std::sin(turn / 5.0 * n * k);
+    }
+  }
+  double nearest = NAN;
+  for (const double end : {1.0, -1.0}) {
+    TrigonometricPolynomial beyond = wave;
+    beyond.a[0] -= end;
+    const TrigonometricRoots roots = realRoots(beyond, reachRounding);
+    for (int i = 0; i < roots.count; ++i) {
+      const double t = wrapped(roots.t[i]);
+      if (!(std::abs(t) >= std::abs(nearest))) nearest = t;
+    }
+  }
+  return nearest;
+}
+
+/// Branches out of reach of the bend only because a hinge that could take any value has the reference's, or
+/// one that rounding chose: such a hinge is put where the bend is just reached, at the nearest such place.
+/// The cosine of the bend is a wave of degree two of each hinge.
+template <class Make>
+[[gnu::noinline]] void moveIntoReach(const Make& frontAt, int base, const Isometry3d* const X[3],
+                                     const Isometry3d& back, const TripleBend& bend,
+                                     const Vector6d& reference, First& first) {
+  using Front = decltype(frontAt(reference));
+  const Front front = frontAt(reference);
+  const Left left = leftBehind<Front::spherical>(first, X, back, bend);
+  const First near = front.at(base, *X[0], *X[1], reference, nearAxis);
+  for (int l = 0; l < 4 && base + l < front.count; ++l) {
+    if (left.reached[l]) continue;
+    const bool isNear = std::abs(left.x[l]) < 1.0 + nearReach;
+    for (int h = 0; h < 3; ++h) {
+      const bool isFree = first.free[l] >> h & 1;
+      if (!isFree && !(isNear && near.free[l] >> h & 1)) continue;
+      Vector6d at = reference;
+      const double present = std::atan2(first.t[h].s[l], first.t[h].c[l]);
+      const auto member = [&](double by, double axis, First& there) {
+        at[h] = present + by;
+        const Front family = frontAt(at);
+        if (base + l < family.count) there = family.at(base, *X[0], *X[1], at, axis);
+        return base + l < family.count;
+      };
+      const double axis = isFree ? onAxis : nearAxis;
+      First there;
+      double x[5];
+      bool isWhole = true;
+      for (int k = 0; k < 5 && isWhole; ++k) {
+        isWhole = member(turn / 5.0 * k, axis, there);
+        if (isWhole) x[k] = leftBehind<Front::spherical>(there, X, back, bend).x[l];
+      }
+      const double touch = isWhole ? nearestTouch(x) : NAN;
+      if (std::isnan(touch) || !member(touch, axis, there)) continue;
+      for (int i = 0; i < 3; ++i) {
+        first.t[i].c[l] = there.t[i].c[l], first.t[i].s[l] = there.t[i].s[l];
+        first.length[i][l] = there.length[i][l];
+      }
+      if (isFree) first.free[l] = there.free[l];
+      break;
+    }
+  }
+}
+
 }  // namespace
 
-template <class Front>
-GELENK_INLINE void TripleLoop::solveBehind(const Front& front, const Isometry3d& goal,
+/// frontAt(reference): the branches of the first three hinges; what could take any value takes the
+/// reference's.
+template <class Make>
+GELENK_INLINE void TripleLoop::solveBehind(const Make& frontAt, const Isometry3d& goal,
                                            const Vector6d& reference, TripleSolutions& out) const {
-  constexpr bool spherical = Front::spherical;
+  const auto front = frontAt(reference);
+  constexpr bool spherical = decltype(frontAt(reference))::spherical;
   const Isometry3d* const X[3] = {&link(0, goal), &link(1, goal), &link(2, goal)};
   const Isometry3d &X4 = loop_.link[3], &X5 = loop_.link[4];
   const Isometry3d back = link(5, goal).inverse(Eigen::Isometry);
+  const bool bends = bend_.size > rounding;
   out.alike |= front.alike;
   for (int base = 0; base < front.count; base += 4) {
-    const First first = front.at(base, *X[0], *X[1], reference);
-    // What is left for the triple: Rz(u4) R4 Rz(u5) R5 Rz(u6) = (K0, K1, K2), and the place k to which it
-    // leads.
-    const Vectors K0 = directionBehind(X, first, same(back.linear().col(0))),
-                  K1 = directionBehind(X, first, same(back.linear().col(1))), K2 = cross(K0, K1),
-                  k = pointBehind(X, first, same(back.translation()));
-    // cos u = x of the bend, and what is left of 1 - x and 1 + x. Axes 4 and 6 nearly in line: the sine
-    // between them is exact where a cosine near one is not.
-    const Lanes sine2 = K2.x * K2.x + K2.y * K2.y;
-    const Mask inLine = spherical ? sine2 < inLineSine * inLineSine : Mask{};
-    const bool bends = bendSize_ > rounding;  // else every bend will do, or none
-    const double scale = bends ? 1.0 / bendSize_ : 0.0;
-    const Lanes over = (spherical ? K2.z : k.x * k.x + k.y * k.y) - bendMiddle_;
-    Lanes x = over * scale, less = 1.0 - x, more = 1.0 + x;
-    if (spherical) {
-      const Mask ahead = K2.z > 0.0;
-      const Lanes rest = sine2 / (1.0 + magnitude(K2.z));
-      less = (choose(ahead, rest, 1.0 - K2.z) - alongGap_) * scale;
-      more = (choose(ahead, 1.0 + K2.z, rest) - againstGap_) * scale;
+    First first = front.at(base, *X[0], *X[1], reference, onAxis);
+    Left left = leftBehind<spherical>(first, X, back, bend_);
+    const Mask missed = ~left.reached & ((first.free != 0) | (magnitude(left.x) < 1.0 + nearReach));
+    if (bends && any(missed)) {
+      moveIntoReach(frontAt, base, X, back, bend_, reference, first);
+      left = leftBehind<spherical>(first, X, back, bend_);
     }
-    const Mask reached = bends ? magnitude(x) <= 1.0 + reachRounding : magnitude(over) < reachRounding;
-    if (!any(reached)) continue;
-    x = choose(x < 0.0, larger(x, Lanes{} - 1.0), -larger(-x, Lanes{} - 1.0));
+    if (!any(left.reached)) continue;
+    const auto& [K0, K1, K2, k, inLine, cosine, less, more, reached] = left;
+    const Lanes x = choose(cosine < 0.0, larger(cosine, Lanes{} - 1.0), -larger(-cosine, Lanes{} - 1.0));
     const Lanes y = root(less * more);
     const Mask second = bends ? reached & (y > 0.0) & ~inLine : Mask{};
     out.alike |= any(second & (y < merging));
@@ -254,7 +359,7 @@ GELENK_INLINE void TripleLoop::solveBehind(const Front& front, const Isometry3d&
       if (b == 1 && !any(second)) continue;
       free[b] = first.free;
       const Lanes side = b == 0 ? y : -y;
-      Turns t5{bendCos_ * x - bendSin_ * side, bendSin_ * x + bendCos_ * side};
+      Turns t5{bend_.cos * x - bend_.sin * side, bend_.sin * x + bend_.cos * side};
       if (!bends) {
         t5 = {Lanes{} + std::cos(reference[4]), Lanes{} + std::sin(reference[4])};
         free[b] |= ~Mask{} & 16L;
@@ -263,7 +368,8 @@ GELENK_INLINE void TripleLoop::solveBehind(const Front& front, const Isometry3d&
       Vectors N0 = behind5(X5.linear().col(0)), N1 = behind5(X5.linear().col(1)), N2 = cross(N0, N1);
       Vectors arm = moved(X4, turned(t5, same(X5.translation())));
       const Vectors toward{choose(inLine, Lanes{}, K2.x), choose(inLine, Lanes{}, K2.y), K2.z};
-      const Turns t4 = turnsFromTo(spherical ? N2 : arm, spherical ? toward : k, reference[3], 8L, free[b]);
+      const Turns t4 =
+          turnsFromTo(spherical ? N2 : arm, spherical ? toward : k, reference[3], onAxis, 8L, free[b]);
       N0 = turned(t4, N0), N1 = turned(t4, N1), N2 = turned(t4, N2), arm = turned(t4, arm);
       Turns t6{dot(N0, K0), dot(N1, K0)};
       const Lanes unit = 1.0 / root(t6.c * t6.c + t6.s * t6.s + 1e-300);
@@ -298,9 +404,13 @@ GELENK_SIMD_CLONES void TripleLoop::solve(const Isometry3d& goal, const Vector6d
     const Vector3d g = X6.linear().transpose() * (Vector3d(0, 0, after_) - X6.translation());
     const Vector3d c = X3 * Vector3d(0, 0, before_);
     if (loop_.slides)
-      solveBehind(SlidingFront({&X1, &X2, c, g, loop_.slides}, reference), goal, reference, out);
+      solveBehind(
+          [&](const Vector6d& at) {
+            return SlidingFront({&X1, &X2, c, g, loop_.slides}, at);
+          },
+          goal, reference, out);
     else
-      solveBehind(SphericalFront(X1, X2, c, g, reference), goal, reference, out);
+      solveBehind([&](const Vector6d& at) { return SphericalFront(X1, X2, c, g, at); }, goal, reference, out);
   } else {
     const Isometry3d &X4 = loop_.link[3], &X5 = loop_.link[4], back = X6.inverse(Eigen::Isometry);
     const double sense5 = X4.linear()(2, 2) > 0.0 ? 1.0 : -1.0;  // axis 5 along or against axis 4
@@ -308,7 +418,8 @@ GELENK_SIMD_CLONES void TripleLoop::solve(const Isometry3d& goal, const Vector6d
     const Vector3d h3 = X3.linear().col(2), h0 = sense6 * back.linear().col(2);
     const double along = X4.translation().z() + sense5 * X5.translation().z();
     const double height = h0.dot(back.translation()) - along - h3.dot(X3.translation());
-    solveBehind(ParallelFront(X1, X2, h0, h3, height, reference), goal, reference, out);
+    solveBehind([&](const Vector6d& at) { return ParallelFront(X1, X2, h0, h3, height, at); }, goal,
+                reference, out);
   }
 }
 

@@ -40,6 +40,14 @@ struct TripleSolutions {
   void move(int from, int to);
 };
 
+/// The middle hinge of a triple, by a value that is known before it is: middle + size cos(u5 - phase), the
+/// cosine between axes 4 and 6, or the square of the distance between them.
+struct TripleBend {
+  double middle = 0.0, size = 0.0, cos = 1.0, sin = 0.0;  ///< cosine and sine of the phase
+  double alongGap = 0.0,
+         againstGap = 0.0;  ///< spherical: by how much that cosine stays away from 1, from -1
+};
+
 /// A decomposed loop: what does not change with the goal. The branches are solved side by side, four of the
 /// first three hinges and then both bends of the triple; the same turns close the loop, which is the error.
 class TripleLoop {
@@ -51,8 +59,8 @@ class TripleLoop {
   const Loop& loop() const { return loop_; }
 
  private:
-  template <class Front>
-  void solveBehind(const Front& front, const Eigen::Isometry3d& goal, const Vector6d& reference,
+  template <class Make>
+  void solveBehind(const Make& frontAt, const Eigen::Isometry3d& goal, const Vector6d& reference,
                    TripleSolutions& out) const;
   const Eigen::Isometry3d& link(int j, const Eigen::Isometry3d& goal) const {
     return j == goalLink_ ? goal : loop_.link[j];
@@ -62,11 +70,7 @@ class TripleLoop {
   Loop loop_;
   int goalLink_;
   double before_ = 0.0, after_ = 0.0;  ///< spherical: where the axes meet, on axes 4 and 6
-  /// A known value = middle + size cos(u5 - phase): the cosine between axes 4 and 6, or the square of the
-  /// distance between them.
-  double bendMiddle_ = 0.0, bendSize_ = 0.0, bendCos_ = 1.0, bendSin_ = 0.0;
-  double alongGap_ = 0.0,
-         againstGap_ = 0.0;  ///< spherical: by how much that cosine stays away from 1, from -1
+  TripleBend bend_;
 };
 
 }  // namespace gelenk

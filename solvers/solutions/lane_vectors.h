@@ -55,11 +55,13 @@ GELENK_INLINE Vectors movedBack(const Eigen::Isometry3d& X, const Vectors& v) {
   return timesBack(X, {v.x - M(0, 3), v.y - M(1, 3), v.z - M(2, 3)});
 }
 
-/// The turns about z that take a to b (their planar parts); where one of them is on the axis the reference,
-/// and then `bit` is set in `free`.
-GELENK_INLINE Turns turnsFromTo(const Vectors& a, const Vectors& b, double reference, long bit, Mask& free) {
+/// The turns about z that take a to b (their planar parts); where one of them is nearer to the axis than
+/// `onAxis` the reference, and then `bit` is set in `free`.
+GELENK_INLINE Turns turnsFromTo(const Vectors& a, const Vectors& b, double reference, double onAxis, long bit,
+                                Mask& free) {
   const Lanes c = a.x * b.x + a.y * b.y, s = a.x * b.y - a.y * b.x, r2 = c * c + s * s;
-  const Mask none = (a.x * a.x + a.y * a.y < 1e-18) | (b.x * b.x + b.y * b.y < 1e-18) | (r2 <= 0.0);
+  const double near = onAxis * onAxis;
+  const Mask none = (a.x * a.x + a.y * a.y < near) | (b.x * b.x + b.y * b.y < near) | (r2 <= 0.0);
   const Lanes r = 1.0 / root(choose(none, Lanes{} + 1.0, r2));
   Turns t{c * r, s * r};
   if (any(none)) {

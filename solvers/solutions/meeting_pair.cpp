@@ -14,6 +14,7 @@ constexpr int deepest = 9;         ///< halvings of a cell
 constexpr int deepestAtEnds = 12;  ///< of one in which a branch ends
 constexpr int deepestUnseen = 2;   ///< of one without any branch at its ends
 constexpr int mostHalvings = 600;
+constexpr double onAxis = 1e-9;  ///< a point nearer to a hinge than this does not tell its turn
 
 /// Hinges 1 to 3 with the point where it belongs.
 struct Branch {
@@ -247,8 +248,8 @@ GELENK_SIMD_CLONES void Circuit::at(double u6, Sample& sample) const {
     const Vectors v{fixed_.x() + vc_.x() * t3.c + vs_.x() * t3.s,
                     fixed_.y() + vc_.y() * t3.c + vs_.y() * t3.s,
                     fixed_.z() + vc_.z() * t3.c + vs_.z() * t3.s};
-    const Turns t2 = turnsFromTo(v, {load(in[2]), load(in[3]), v.z}, 0.0, 1L, undefined);
-    const Turns t1 = turnsFromTo(moved(X1, turned(t2, v)), same(g), 0.0, 1L, undefined);
+    const Turns t2 = turnsFromTo(v, {load(in[2]), load(in[3]), v.z}, 0.0, onAxis, 1L, undefined);
+    const Turns t1 = turnsFromTo(moved(X1, turned(t2, v)), same(g), 0.0, onAxis, 1L, undefined);
     const auto before2 = [&](const Vectors& a) { return turned(t1, times(X1, a)); };
     const auto before3 = [&](const Vectors& a) { return before2(turned(t2, times(X2, a))); };
     const Vectors p2 = turned(t1, same(X1.translation())),

@@ -3,8 +3,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "apps/sandbox/panel.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -204,6 +207,34 @@ TEST_F(Driven, KeysAreMovedAlongTheTimelineByTheMouse) {
   play(fmt::format("0 move {} {}\n2 press left\n3 shift-by {} 0 4\n9 release left\n", x, y, 5 * frame), 3);
   EXPECT_EQ(nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["frame"],
             16);  // beside a key it scrubs
+}
+
+/// Undoes after every panel's step and before the first is drawn, as the menu bar does.
+class UndoAfterSteps final : public Panel {
+ public:
+  std::string name() const override { return "Undo"; }
+  void step(Sandbox& sandbox, double) override {
+    if (!std::exchange(done_, true)) undoOrRedo(sandbox, false);
+  }
+
+ private:
+  bool done_ = false;
+};
+
+TEST_F(Driven, AnUndoBetweenStepAndDrawingLeavesNoFrameBeyondTheClip) {
+  const Model model = swingingFigure();
+  const std::string file = ::testing::TempDir() + "gelenk_longer.glb";
+  writeGltf(file, model.skeleton, nullptr, {{"second", *model.clip}});
+  sandbox_.openModel(model, {"figure"});
+  play("0 do Motion fade " + file + " 0.5\n1 do Motion frame 107\n");
+  const auto frames = [&] {
+    return nlohmann::json::parse(sandbox_.status())["panels"]["Motion"]["frames"].get<int>();
+  };
+  ASSERT_EQ(frames(), 107);
+  sandbox_.state().panels.push_back(std::make_unique<UndoAfterSteps>());
+  play("", 1);  // the playhead was in frame 107 of a clip that has 61 again
+  EXPECT_EQ(frames(), 61);
+  std::filesystem::remove(file);
 }
 
 TEST_F(Driven, ASecondClipIsLaidOverAndFadedInto) {

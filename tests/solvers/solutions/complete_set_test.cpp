@@ -364,6 +364,43 @@ TEST(SixJointArm, WhereBranchesMergeNoSolutionIsToldTwice) {
   }
 }
 
+/// Elbow and wrist singular at once, exactly or nearly: what could take any value takes the reference's, with
+/// which the elbow may not reach; then the family's nearest member that does.
+TEST(SixJointArm, AFamilyThatEndsBeforeTheReferenceIsToldByTheNearestOfIt) {
+  for (const char* name : {"puma560", "ur5"}) {
+    const SixJointArm arm(chainOf(robotTable(name)));
+    const ChainConstants& C = arm.chain().constants;
+    const bool puma = arm.kind() == LoopClass::SphericalTriple;
+    std::mt19937_64 random(2026);
+    std::normal_distribution<double> normal;
+    for (const double elbow : {0.0, 1e-12, 1e-10, 1e-8, 1e-6})
+      for (const double wrist : {0.0, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7})
+        for (const double noise : {0.0, 1e-16, 1e-15}) {
+          SCOPED_TRACE(::testing::Message()
+                       << name << ", elbow " << elbow << ", wrist " << wrist << ", noise " << noise);
+          int empty = 0, lost = 0;
+          for (int t = 0; t < 100; ++t) {
+            Vector6d q = randomAngles(random);
+            q[2] = elbow + (puma ? std::atan2(C.a[3], C.d[3]) : 0.0);
+            q[4] = wrist;
+            Isometry3d pose = tipFrame(arm.chain(), q);
+            for (int i = 0; i < 3; ++i) pose.translation()[i] += noise * normal(random);
+            ArmSolutions found;
+            arm.solve(pose, randomAngles(random), found);
+            empty += found.count == 0;
+            for (const ArmSolution& s : found.all()) EXPECT_LT(poseError(arm.chain(), s.q, pose), 1e-8);
+            arm.solve(pose, q, found);
+            double nearest = INFINITY;
+            for (const ArmSolution& s : found.all()) nearest = std::min(nearest, apart(s.q, q));
+            lost += nearest > 1e-3;
+          }
+          EXPECT_EQ(empty, 0);
+          // Between these rounding moves the pose that made the target farther than to another of the set.
+          if (wrist <= 1e-12 || (wrist >= 1e-8 && noise < 1e-15)) EXPECT_EQ(lost, 0);
+        }
+  }
+}
+
 TEST(SixJointArm, OutOfReachHasNoSolution) {
   for (const char* name : {"puma560", "ur5", "crx10ia"}) {
     const std::string which = name;
