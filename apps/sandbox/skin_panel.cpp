@@ -85,8 +85,9 @@ class SkinPanel final : public Panel {
     editing_ = ImGui::IsItemActive();
     if (ImGui::IsItemDeactivatedAfterEdit()) choice.smoothing = 1e-3 * std::round(pending_);
     tooltip(
-        "Standard deviation of the smoothing along the surface. Only with methods that blend rotations: "
-        "linear blending's twists get worse.");
+        "Standard deviation of the smoothing along the surface; the radius of limbs that are thinner. Only "
+        "with "
+        "methods that blend rotations: linear blending's twists get worse.");
     ImGui::TextColored(s.colours().textDim, "%s", toString(choice).c_str());
     if (s.session->model().skinning != choice && ImGui::SmallButton("Back to the model's own"))
       choice = s.session->model().skinning;

@@ -6,7 +6,7 @@
 namespace gelenk {
 
 /// How far centres of rotation go up to their vertices where an arm meets the trunk, 0 to 1.
-inline constexpr double shoulderLift = 0.75;
+inline constexpr double shoulderLift = 0.5;
 
 /// Lifts the centres of rotation of shoulders. About a centre on the bone the skin over a raised arm swings
 /// out in an arc and the shoulder swells. Linear blending for a point y that belongs to the vertex and one

@@ -20,7 +20,7 @@ struct SkinChoice {
   bool operator==(const SkinChoice&) const = default;
 };
 
-/// A method's name, then "+twist", "+smooth" (30 mm) or "+smooth=MM", millimetres up to 200, "+layers" or
+/// A method's name, then "+twist", "+smooth" (45 mm) or "+smooth=MM", millimetres up to 200, "+layers" or
 /// "+layers=muscle". Throws std::invalid_argument that says what there is.
 SkinChoice parseSkinChoice(std::string_view text);
 std::string toString(const SkinChoice& choice);

@@ -1,5 +1,6 @@
 #include "skinning/blend/weight_smoothing.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
@@ -41,6 +42,48 @@ void keepFour(std::vector<std::pair<int, double>>& row) {
   std::erase_if(row, [](const auto& entry) { return !(entry.second > 0.0); });
 }
 
+/// How far a joint's part of the surface lies from the axis along which it is longest, root mean square.
+class PartRadius {
+ public:
+  void add(const Eigen::Vector3d& p, double area) {
+    area_ += area, first_ += area * p, second_ += area * p * p.transpose();
+  }
+  double value() const {
+    if (!(area_ > 0.0)) return 0.0;
+    const Eigen::Vector3d mean = first_ / area_;
+    const Eigen::Matrix3d spread = second_ / area_ - mean * mean.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
+    return std::sqrt(std::max(spread.trace() - axes.eigenvalues()[2], 0.0));
+  }
+
+ private:
+  double area_ = 0.0;
+  Eigen::Vector3d first_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second_ = Eigen::Matrix3d::Zero();
+};
+
+/// Of each vertex the length, or the radius of its joints' parts where that is less.
+Eigen::VectorXd lengths(const Mesh& mesh, const std::vector<Influences>& influences,
+                        const Eigen::VectorXd& areas, int jointCount, double length) {
+  std::vector<PartRadius> parts(jointCount);
+  const auto forEach = [&](std::size_t v, auto&& each) {
+    for (int k = 0; k < 4; ++k) each(influences[v].joints[k], influences[v].weights[k]);
+  };
+  for (std::size_t v = 0; v < influences.size(); ++v)
+    forEach(v, [&](int joint, double weight) {
+      parts[joint].add(mesh.positions[v] - mesh.positions[0], weight * areas[static_cast<Eigen::Index>(v)]);
+    });
+  std::vector<double> radius;
+  for (const PartRadius& part : parts) radius.push_back(part.value());
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(areas.size());
+  for (std::size_t v = 0; v < influences.size(); ++v) {
+    double& own = result[static_cast<Eigen::Index>(v)];
+    forEach(v, [&](int joint, double weight) { own += weight * radius[joint]; });
+    own = std::min(own, length);
+  }
+  return result;
+}
+
 }  // namespace
 
 Skin smoothWeights(Skin skin, double length) {
@@ -55,8 +98,17 @@ Skin smoothWeights(Skin skin, double length) {
   Eigen::SparseMatrix<double> A = cotangentMatrix(mesh, areas);
   const double least = std::max(1e-12 * areas.sum() / n, 1e-300);
   areas = areas.cwiseMax(least);
-  A *= 0.25 * length * length;
-  for (int v = 0; v < n; ++v) A.coeffRef(v, v) += areas[v];
+  std::vector<Influences> influences(n);
+  for (std::size_t v = 0; v < of.size(); ++v) influences[of[v]] = skin.influences[v];
+  const Eigen::VectorXd over = lengths(mesh, influences, areas, skin.jointCount(), length);
+  Eigen::VectorXd diagonal = areas;
+  for (int column = 0; column < n; ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(A, column); it; ++it) {
+      if (it.row() == it.col()) continue;
+      it.valueRef() *= 0.25 * over[it.row()] * over[it.col()];
+      diagonal[it.row()] -= it.value(), diagonal[it.col()] -= it.value();
+    }
+  for (int v = 0; v < n; ++v) A.coeffRef(v, v) = diagonal[v];
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(A);
   if (factor.info() != Eigen::Success) throw std::runtime_error("the heat equation could not be factorised");
 

@@ -15,7 +15,7 @@ TEST(SkinChoice, WhatIsWrittenReadsBackTheSame) {
                            "ddm-v2+smooth", "lbs+layers", "cor+twist+smooth+layers=muscle"})
     EXPECT_EQ(toString(parseSkinChoice(text)), text);
   const SkinChoice choice = parseSkinChoice("cor+smooth+twist");
-  EXPECT_EQ(choice, (SkinChoice{.method = SkinMethodKind::Cor, .twist = true, .smoothing = 0.03}));
+  EXPECT_EQ(choice, (SkinChoice{.method = SkinMethodKind::Cor, .twist = true, .smoothing = 0.045}));
 }
 
 TEST(SkinChoice, WhatIsWrongIsNamed) {
