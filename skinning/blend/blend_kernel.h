@@ -9,11 +9,10 @@
 #include "skinning/blend/skin_method.h"
 
 // GCC compiles a loop twice and the loader takes the better one for the processor at hand. (Not under
-// sanitizers, which start later than such a choice is made, and clang 14 has another way.) Without errno,
-// square roots are taken four at a time.
+// sanitizers, which start later than such a choice is made, and clang 14 has another way.) Compiled
+// without errno, so that square roots are taken four at a time.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define GELENK_FOR_EACH_PROCESSOR \
-  __attribute__((target_clones("arch=x86-64-v3", "default"), optimize("no-math-errno")))
+#define GELENK_FOR_EACH_PROCESSOR __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define GELENK_FOR_EACH_PROCESSOR
 #endif
@@ -61,6 +60,12 @@ GELENK_INLINE void add(Columns& sum, double w, const Columns& m) {
 }
 GELENK_INLINE Column linear(const Columns& m, Column v) { return v[0] * m.x + v[1] * m.y + v[2] * m.z; }
 GELENK_INLINE Column at(const Columns& m, Column p) { return (p[0] * m.x + m.t) + (p[1] * m.y + p[2] * m.z); }
+GELENK_INLINE Column at(const Columns& m, const double* p) {
+  return (p[0] * m.x + m.t) + (p[1] * m.y + p[2] * m.z);
+}
+GELENK_INLINE Column linear(const Columns& m, const double* v) {
+  return v[0] * m.x + v[1] * m.y + v[2] * m.z;
+}
 
 /// A posed bone: its motion as a matrix and as a unit dual quaternion q + eps p, p = t q / 2.
 struct BoneColumns {
@@ -71,13 +76,13 @@ struct BoneColumns {
 /// A bone whose twist is spread. Its motion at a vertex is fixed + cos(phi) even + sin(phi) odd, its dual
 /// quaternion cos(phi / 2) (q, p) + sin(phi / 2) (qOdd, pOdd).
 struct TwistColumns {
-  static constexpr int knots = 17;
+  static constexpr int knots = 65;
   Columns fixed, even, odd;
   Column qOdd, pOdd;
-  Column axisByLength;  ///< a / l
-  double start;         ///< a . h / l
-  double halfSlope;     ///< d(phi / 2) / ds
-  Column knot[knots];   ///< cos, sin of phi / 2 at s = i / 16
+  Column axisByLength;    ///< a / l
+  double start;           ///< a . h / l
+  double halfSlope;       ///< d(phi / 2) / ds
+  double knot[knots][2];  ///< cos, sin of phi / 2 at s = i / 64
 };
 
 /// What the loop reads; plain arrays, one entry a vertex unless said otherwise.
@@ -102,13 +107,13 @@ struct BoneAt {
   Column qSlope, pSlope;
 };
 
-/// half: of phi. sine and cosine from the nearest knot, the rest of at most 0.12 by series: 1e-14.
+/// half: of phi. sine and cosine from the nearest knot, the rest of at most 0.03 a turn by series: 1e-15.
 GELENK_INLINE void halfTurn(const TwistColumns& twist, double s, double& cosine, double& sine) {
   const double place = s * (TwistColumns::knots - 1);
   const int k = static_cast<int>(place + 0.5);
   const double r = (place - k) * (1.0 / (TwistColumns::knots - 1)) * twist.halfSlope, r2 = r * r;
-  const double sr = r * (1.0 - r2 / 6.0 * (1.0 - r2 / 20.0 * (1.0 - r2 / 42.0 * (1.0 - r2 / 72.0))));
-  const double cr = 1.0 - r2 / 2.0 * (1.0 - r2 / 12.0 * (1.0 - r2 / 30.0 * (1.0 - r2 / 56.0)));
+  const double sr = r - r * r2 * (1.0 / 6.0 - r2 * (1.0 / 120.0 - r2 * (1.0 / 5040.0)));
+  const double cr = 1.0 - r2 * (0.5 - r2 * (1.0 / 24.0 - r2 * (1.0 / 720.0)));
   const double ck = twist.knot[k][0], sk = twist.knot[k][1];
   cosine = ck * cr - sk * sr;
   sine = sk * cr + ck * sr;
@@ -154,12 +159,28 @@ GELENK_INLINE void tangents(Column n, Column& t1, Column& t2) {
   t2 = Column{b, side + n[1] * n[1] * a, -n[1], 0.0};
 }
 
-GELENK_INLINE Column rotate(Column unitQ, Column v) {
-  const Column u = 2.0 * cross(unitQ, v);
-  return v + unitQ[3] * u + cross(unitQ, u);
+/// By q / |q|, where twoBySquare = 2 / |q|^2: no square root.
+GELENK_INLINE Column rotate(Column q, double twoBySquare, Column v) {
+  const Column u = cross(q, v);
+  return v + twoBySquare * (q[3] * u + cross(q, u));
 }
 /// Vector part of a conj(b).
 GELENK_INLINE Column vecTimesConjugate(Column a, Column b) { return b[3] * a - a[3] * b - cross(a, b); }
+
+/// A vertex of one bone goes with it, whatever the method.
+template <bool twist>
+GELENK_INLINE void withOneBone(const BlendInput& in, std::size_t v, Column& position, Column& normal) {
+  const int joint = in.influences[v].joints[0];
+  const Columns* motion = &in.bones[joint].motion;
+  BoneAt here;
+  if (twist && in.twistOfJoint[joint] >= 0) {
+    twistedBone<false, true, false>(in.bones[joint], in.twists[in.twistOfJoint[joint]],
+                                    load3(in.positions + 3 * v), Column{}, Column{}, here);
+    motion = &here.bone.motion;
+  }
+  position = at(*motion, in.positions + 3 * v);
+  normal = linear(*motion, in.normals + 3 * v);
+}
 
 constexpr std::size_t blockSize = 64;  ///< vertices between two rounds of square roots
 

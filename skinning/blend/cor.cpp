@@ -12,6 +12,7 @@ struct Cor {
   template <bool twist, bool gradients>
   GELENK_INLINE static void vertex(const BlendInput& in, std::size_t v, Column& position, Column& normal) {
     const Influences& influences = in.influences[v];
+    if (!gradients && !(influences.weights[1] > 0.0)) return withOneBone<twist>(in, v, position, normal);
     const Column x = load3(in.positions + 3 * v), n = load3(in.normals + 3 * v),
                  c = load3(in.centres + 3 * v);
     Column t1{}, t2{}, d1{}, d2{};
@@ -48,19 +49,17 @@ struct Cor {
         q2 += sw * here.slope2 * here.qSlope;
       }
     }
-    const double square = dot4(q, q);
-    const Column unit = (1.0 / std::sqrt(square)) * q;
-    const Column arm = rotate(unit, x - c);
-    position = at(sum, c) + arm;
+    const double two = 2.0 / dot4(q, q);
+    const Column arm = rotate(q, two, x - c);
+    position = at(sum, in.centres + 3 * v) + arm;
     if (!gradients) {
-      normal = rotate(unit, n);
+      normal = rotate(q, two, n);
       return;
     }
     const Column c1 = load3(in.centreSlopes + 6 * v), c2 = load3(in.centreSlopes + 6 * v + 3);
-    const Column o1 = (2.0 / square) * vecTimesConjugate(q1, q),
-                 o2 = (2.0 / square) * vecTimesConjugate(q2, q);
-    normal = cross(linear(sum, c1) + d1 + rotate(unit, t1 - c1) + cross(o1, arm),
-                   linear(sum, c2) + d2 + rotate(unit, t2 - c2) + cross(o2, arm));
+    const Column o1 = two * vecTimesConjugate(q1, q), o2 = two * vecTimesConjugate(q2, q);
+    normal = cross(linear(sum, c1) + d1 + rotate(q, two, t1 - c1) + cross(o1, arm),
+                   linear(sum, c2) + d2 + rotate(q, two, t2 - c2) + cross(o2, arm));
   }
 };
 GELENK_BLEND_LOOPS(Cor)

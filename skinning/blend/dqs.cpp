@@ -11,6 +11,7 @@ struct Dqs {
   template <bool twist, bool gradients>
   GELENK_INLINE static void vertex(const BlendInput& in, std::size_t v, Column& position, Column& normal) {
     const Influences& influences = in.influences[v];
+    if (!gradients && !(influences.weights[1] > 0.0)) return withOneBone<twist>(in, v, position, normal);
     const Column x = load3(in.positions + 3 * v), n = load3(in.normals + 3 * v);
     Column t1{}, t2{};
     if (gradients) tangents(n, t1, t2);
@@ -43,23 +44,19 @@ struct Dqs {
         p2 += w * here.slope2 * here.pSlope;
       }
     }
-    const double square = dot4(q, q), scale = 1.0 / std::sqrt(square), bySquare = 1.0 / square;
-    const Column unit = scale * q;
-    const Column turned = rotate(unit, x), shift = 2.0 * bySquare * vecTimesConjugate(p, q);
+    const double two = 2.0 / dot4(q, q);
+    const Column turned = rotate(q, two, x), shift = two * vecTimesConjugate(p, q);
     position = turned + shift;
     if (!gradients) {
-      normal = rotate(unit, n);
+      normal = rotate(q, two, n);
       return;
     }
     // With N = |q|^2: d(R x) = R t + omega x R x, omega = 2 vec(dq conj(q)) / N, and
     // d shift = (2 vec(dp conj(q) + p conj(dq)) - shift dN) / N.
-    const Column o1 = 2.0 * bySquare * vecTimesConjugate(q1, q),
-                 o2 = 2.0 * bySquare * vecTimesConjugate(q2, q);
-    const Column s1 =
-        bySquare * (2.0 * (vecTimesConjugate(p1, q) + vecTimesConjugate(p, q1)) - 2.0 * dot4(q, q1) * shift);
-    const Column s2 =
-        bySquare * (2.0 * (vecTimesConjugate(p2, q) + vecTimesConjugate(p, q2)) - 2.0 * dot4(q, q2) * shift);
-    normal = cross(rotate(unit, t1) + cross(o1, turned) + s1, rotate(unit, t2) + cross(o2, turned) + s2);
+    const Column o1 = two * vecTimesConjugate(q1, q), o2 = two * vecTimesConjugate(q2, q);
+    const Column s1 = two * (vecTimesConjugate(p1, q) + vecTimesConjugate(p, q1) - dot4(q, q1) * shift);
+    const Column s2 = two * (vecTimesConjugate(p2, q) + vecTimesConjugate(p, q2) - dot4(q, q2) * shift);
+    normal = cross(rotate(q, two, t1) + cross(o1, turned) + s1, rotate(q, two, t2) + cross(o2, turned) + s2);
   }
 };
 GELENK_BLEND_LOOPS(Dqs)

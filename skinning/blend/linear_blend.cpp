@@ -3,11 +3,10 @@
 #include <cmath>
 
 // GCC compiles the loop twice and the loader takes the better one for the processor at hand. (Not under
-// sanitizers, which start later than such a choice is made, and clang 14 has another way.) Without errno,
-// square roots are taken four at a time.
+// sanitizers, which start later than such a choice is made, and clang 14 has another way.) Compiled
+// without errno, so that square roots are taken four at a time.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define GELENK_FOR_EACH_PROCESSOR \
-  __attribute__((target_clones("arch=x86-64-v3", "default"), optimize("no-math-errno")))
+#define GELENK_FOR_EACH_PROCESSOR __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define GELENK_FOR_EACH_PROCESSOR
 #endif

@@ -1,6 +1,7 @@
 #include "skinning/blend/skin_method.h"
 
 #include <array>
+#include <complex>
 #include <stdexcept>
 
 #include "kinematics/rotation.h"
@@ -107,9 +108,11 @@ TwistColumns twistColumns(const Eigen::Isometry3d& motion, const Eigen::Quaterni
   out.axisByLength = column(bone.axis / bone.length);
   out.start = bone.axis.dot(bone.head) / bone.length;
   out.halfSlope = 0.5 * (twist.atEnd - twist.atHead);
-  for (int k = 0; k < TwistColumns::knots; ++k) {
-    const double half = 0.5 * twist.atHead + out.halfSlope * k / (TwistColumns::knots - 1);
-    out.knot[k] = Column{std::cos(half), std::sin(half), 0.0, 0.0};
+  std::complex<double> knot = std::polar(1.0, 0.5 * twist.atHead);
+  const std::complex<double> step = std::polar(1.0, out.halfSlope / (TwistColumns::knots - 1));
+  for (auto& [cosine, sine] : out.knot) {
+    cosine = knot.real(), sine = knot.imag();
+    knot *= step;
   }
   return out;
 }
