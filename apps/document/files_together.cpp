@@ -19,6 +19,11 @@ std::string names(const Paths& paths) {
   return list;
 }
 
+/// What file managers leave beside files: .DS_Store, and "._arm.urdf" that macOS puts into archives.
+bool isHidden(const std::string& path) {
+  return std::filesystem::path(path).filename().string().starts_with('.');
+}
+
 /// The only one of its kind; empty where there is none.
 std::string theOnly(const Paths& paths, const char* what) {
   if (paths.size() > 1)
@@ -29,7 +34,9 @@ std::string theOnly(const Paths& paths, const char* what) {
 
 }  // namespace
 
-ModelReference filesTogether(const Paths& paths) {
+ModelReference filesTogether(const Paths& all) {
+  Paths paths = all;
+  if (all.size() > 1) std::erase_if(paths, isHidden);
   if (paths.size() == 1) return {.nameOrFile = paths.front()};
   Paths scenes, surfaces, skeletons;
   std::map<FileKind, Paths> of;
@@ -64,7 +71,7 @@ ModelReference filesTogether(const Paths& paths) {
   Paths others;
   for (const auto& [kind, files] : of) others.insert(others.end(), files.begin(), files.end());
   if (others.empty())
-    throw std::invalid_argument("nothing of " + names(paths) + " opens; there are: .json, " +
+    throw std::invalid_argument("nothing of " + names(all) + " opens; there are: .json, " +
                                 knownExtensions());
   return {.nameOrFile = theOnly(others, "files that open")};
 }

@@ -88,6 +88,14 @@ bool restsAsBound(const Model& model) {
   return true;
 }
 
+bool standsInNoFile(const std::string& nameOrFile) {
+  for (const BuiltIn& entry : builtIns())
+    if (entry.name == nameOrFile) return true;
+  for (const char* description : {"planar:", "balls:", "dh:", "joints:", "lecture:"})
+    if (nameOrFile.starts_with(description)) return true;
+  return false;
+}
+
 Model openModel(const std::string& nameOrFile) {
   for (const BuiltIn& entry : builtIns())
     if (entry.name == nameOrFile) return entry.make();

@@ -54,5 +54,7 @@ Model withBody(Model model);
 
 /// Names of the built-in models.
 std::vector<std::string> builtInModels();
+/// Whether openModel reads no file for it: a built-in model or a description ("planar:...").
+bool standsInNoFile(const std::string& nameOrFile);
 
 }  // namespace gelenk

@@ -255,10 +255,7 @@ std::vector<Note> modelNotes(const Model& model) {
 
 Imported importFiles(const std::string& nameOrFile, const Companions& companions,
                      const ImportOptions& options) {
-  const auto names = builtInModels();
-  if (std::find(names.begin(), names.end(), nameOrFile) != names.end() || nameOrFile.starts_with("dh:") ||
-      nameOrFile.starts_with("joints:") || nameOrFile.starts_with("lecture:"))
-    return {.model = openModel(nameOrFile)};
+  if (standsInNoFile(nameOrFile)) return {.model = openModel(nameOrFile)};
   const auto kind = fileKind(nameOrFile);
   if (!kind && !std::filesystem::exists(nameOrFile))
     return {.model = openModel(nameOrFile)};  // its message lists the names

@@ -160,6 +160,11 @@ EMSCRIPTEN_KEEPALIVE void page_character(int code) {
   page().queue.add({.kind = InputEvent::Kind::Character, .code = code});
 }
 
+/// Whether this place is one of the view, not of a panel or the menu.
+EMSCRIPTEN_KEEPALIVE int page_in_view(double x, double y) {
+  return page().sandbox->state().layout.view.contains(x, y);
+}
+
 /// Files of the page's file system that came at once: a JSON list of their paths.
 EMSCRIPTEN_KEEPALIVE void page_open(const char* paths) {
   Sandbox& sandbox = *page().sandbox;
@@ -238,10 +243,7 @@ EMSCRIPTEN_KEEPALIVE const char* page_event() {
 EMSCRIPTEN_KEEPALIVE const char* page_scene() {
   const Sandbox& sandbox = *page().sandbox;
   const Document document = sandbox.document();
-  const auto& builtIn = builtInModels();
-  if (document.model.files != Companions{} ||
-      std::find(builtIn.begin(), builtIn.end(), document.model.nameOrFile) == builtIn.end())
-    return "";
+  if (document.model.files != Companions{} || !standsInNoFile(document.model.nameOrFile)) return "";
   return returned(formatScene(document, sandbox.session().model()));
 }
 

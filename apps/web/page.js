@@ -135,18 +135,20 @@
 
   const LEFT = 0, RIGHT = 1, MIDDLE = 2;  // as GLFW counts
   const buttons = [LEFT, MIDDLE, RIGHT];  // as the browser counts
-  const place = (x, y) => {
+  const pixelAt = (x, y) => {
     const box = canvas.getBoundingClientRect();
-    module._page_move((x - box.left) * ratio(), (y - box.top) * ratio());
+    return [(x - box.left) * ratio(), (y - box.top) * ratio()];
   };
+  const place = (x, y) => module._page_move(...pixelAt(x, y));
   function button(which, down) {
     module._page_button(which, down ? 1 : 0);
     wake();
   }
 
   const fingers = new Map();
-  let gesture = null;  // 'drag': one finger, the left button; 'two': the middle button and the wheel
-  let spread = 0;
+  let gesture = null;  // 'drag': one finger, the left button; 'two' in the view: the middle button and the wheel; 'scroll' in a panel
+  let spread = 0, height = 0;
+  const scrollStep = 80;  // by which a panel moves with a step of the wheel
   const middle = () => {
     const all = [...fingers.values()];
     return { x: all.reduce((s, f) => s + f.x, 0) / all.length, y: all.reduce((s, f) => s + f.y, 0) / all.length };
@@ -164,10 +166,11 @@
       button(LEFT, true);
     } else if (fingers.size === 2) {
       if (gesture === 'drag') button(LEFT, false);
-      gesture = 'two';
       spread = distance();
+      height = middle().y;
+      gesture = module._page_in_view(...pixelAt(middle().x, middle().y)) ? 'two' : 'scroll';
       place(middle().x, middle().y);
-      button(MIDDLE, true);
+      if (gesture === 'two') button(MIDDLE, true);
     }
   }
   function fingerMoves(event) {
@@ -179,6 +182,10 @@
       const now = distance();
       if (now > 1 && spread > 1) module._page_wheel(0, Math.log(now / spread) / -Math.log(0.9));
       spread = now;
+    }
+    if (gesture === 'scroll' && fingers.size === 2) {
+      module._page_wheel(0, (middle().y - height) / scrollStep);
+      height = middle().y;
     }
     wake();
   }
@@ -465,7 +472,7 @@
 
   async function shareScene() {
     const text = call('page_scene', 'string', [], []);
-    if (!text) return say('A link holds scenes of built-in models; save this one as a file', true);
+    if (!text) return say('A link cannot hold the files that this scene stands on: save the scene as a file', true);
     history.replaceState(null, '', `${location.pathname}#scene=${await packedScene(text)}`);
     try {
       await navigator.clipboard.writeText(location.href);

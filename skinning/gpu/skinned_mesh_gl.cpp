@@ -425,8 +425,10 @@ const SkinnedMeshGl::Coarse& SkinnedMeshGl::coarse() const {
   coarse_->triangles = static_cast<int>(fewer.size());
   coarse_->edge = static_cast<float>(std::sqrt(squares / std::max<std::size_t>(3 * fewer.size(), 1)));
   coarse_->indices = GlBuffer::create();
-  fill(GL_COPY_WRITE_BUFFER, coarse_->indices, fewer);
-  glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
+  glBindVertexArray(triangleArray_);  // WebGL 2: indices that were filled at another target stay no indices
+  fill(GL_ELEMENT_ARRAY_BUFFER, coarse_->indices, fewer);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  glBindVertexArray(0);
   return *coarse_;
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core's own tests (those of kinematics so far) in WebAssembly, under Node:
+"""The core's own tests (kinematics, solvers, skinning) in WebAssembly, under Node:
 
     tests/web/core_test.py build-web/apps/web [--filter=PATTERN]
 
@@ -11,7 +11,7 @@ import sys
 
 folder, *more = sys.argv[1:]
 failed = False
-for module in ('kinematics',):
+for module in ('kinematics', 'solvers', 'skinning'):
     done = subprocess.run(['node', '--no-experimental-fetch', os.path.join(folder, f'{module}_tests.js'), '--gtest_brief=1',
                            *(f'--gtest_{m.lstrip("-")}' for m in more)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     count = lambda word: int((re.search(rf'^\[ +{word} +\] (\d+) test', done.stdout, re.M) or [0, 0])[1])

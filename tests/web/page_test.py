@@ -6,6 +6,7 @@
 runs every check, or those whose name contains one of the words. The page is served from a sub-folder; nothing but the browser's
 own notes may stand in its console."""
 import argparse
+import collections
 import gzip
 import json
 import math
@@ -261,6 +262,7 @@ def files_dropped_together_open_as_one(page):
         with zipfile.ZipFile(os.path.join(folder, 'arms.zip'), 'w', zipfile.ZIP_DEFLATED) as packed:
             packed.write(os.path.join(inputs, 'two_arms.urdf'), 'arms/two_arms.urdf')
             packed.writestr('arms/readme.txt', 'two arms ' * 100)
+            packed.writestr('__MACOSX/arms/._two_arms.urdf', b'\0\5\x16\7')  # as macOS packs it
         for name, files in {'tube': ['tube.glb'], 'twoarms': ['arms.zip']}.items():
             page.browser.drop(400, 400, *[os.path.join(folder, f) for f in files])
             page.browser.wait(f'gelenk.status().model.includes("{name}")')
@@ -319,6 +321,16 @@ def a_link_holds_the_scene(page):
     print(f'    a link of {len(word)} characters')
     page.open(f'#scene={word}')
     assert page.status()['model'] == 'panda' and page.status()['q'] == q, page.status()['q']
+    # A description that stands in no file is held as well, an example of the lecture with where it stands.
+    page.open('?model=planar:0,0:1,1,0.5')
+    page.ask(do='set', q=[0.3, 0.4, 0.5])
+    page.open(f'#scene={page.browser.evaluate("gelenk.link()")}')
+    assert page.status()['q'] == [0.3, 0.4, 0.5], page.status()['q']
+    page.open('?lecture=two-link')
+    before = page.status()
+    page.open(f'#scene={page.browser.evaluate("gelenk.link()")}')
+    after = page.status()
+    assert after['example'] == before['example'] != '' and after['q'] == before['q'], (before, after)
     page.open('#scene=nonsense')
     assert page.status()['model'] == 'figure'
     assert any(n['error'] and 'link' in n['words'] for n in page.notices()), page.notices()
@@ -473,6 +485,31 @@ def one_finger_drags_and_two_orbit_and_zoom(page):
 
 
 @check
+def two_fingers_scroll_a_panel(page):
+    page.open('', 1000, 420)
+    browser = page.browser
+    before = page.status()
+    page.rest()
+    x = before['view']['width'] + 150  # the panels' column
+
+    def column():
+        return browser.send('Page.captureScreenshot', format='png', clip={'x': x - 100, 'y': 60, 'width': 200, 'height': 300, 'scale': 1})['data']
+
+    seen = column()
+    browser.touch('touchStart', (x, 320))
+    browser.touch('touchStart', (x, 320), (x + 60, 320))
+    page.frames(2)
+    for i in range(1, 6):
+        browser.touch('touchMove', (x, 320 - 40 * i), (x + 60, 320 - 40 * i))
+        page.frames(1)
+    browser.touch('touchEnd')
+    page.rest()
+    assert column() != seen, 'the panel did not move'
+    page.picture('panel-scrolled')
+    assert page.status()['q'] == before['q'] and page.pixel('head') == [v for v in next(g for g in before['goals'] if g['name'] == 'head')['pixel']]
+
+
+@check
 def a_page_drives_the_sandbox_in_its_frame(page):
     frame = page.address + '?model=panda&panel=off'
     outside = page.address.replace('127.0.0.1', 'localhost').replace('/site/', '/')
@@ -544,6 +581,11 @@ def the_download_stays_small(page):
 
 # ---- all of them
 
+def told(console):
+    """Every line once, with how often it came."""
+    return [f'{n} x {line}' for line, n in collections.Counter(console).items()]
+
+
 def main():
     folder = tempfile.mkdtemp(prefix='gelenk-page-')
     wanted = [c for c in checks if not options.names or any(n in c.__name__ for n in options.names)]
@@ -561,12 +603,12 @@ def main():
                     with Browser() as browser:  # its own: one that ends takes no other check with it
                         console = browser.console
                         each(Page(browser, port))
-                        assert not console, console
+                        assert not console, told(console)
                     print(f'    ok, {time.monotonic() - begin:.1f} s', flush=True)
                 except Exception:
                     failed += 1
                     traceback.print_exc()
-                    print(f'    FAILED; console: {console}', flush=True)
+                    print(f'    FAILED; console: {told(console)}', flush=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     print(f'{len(wanted) - failed} of {len(wanted)} checks hold')

@@ -39,6 +39,15 @@ TEST(ChainModels, EveryBuiltInChainHasABodyAroundItsBones) {
   }
 }
 
+TEST(ChainModels, BuiltInModelsAndDescriptionsStandInNoFile) {
+  for (const std::string& name : builtInModels()) EXPECT_TRUE(standsInNoFile(name)) << name;
+  for (const char* name : {"planar:0,0:1,1", "balls:1,0.5", "lecture:two-link"})
+    EXPECT_TRUE(standsInNoFile(name)) << name;
+  EXPECT_TRUE(standsInNoFile(dhDescription(robotTable("ur5"))));
+  for (const char* name : {"", "arm.urdf", "planar.obj", "/home/planar:0,0:1.json"})
+    EXPECT_FALSE(standsInNoFile(name)) << name;
+}
+
 TEST(ChainModels, ThePlanarArmIsTheLecturesAndMovesInTheXyPlane) {
   const Model model = openModel("planar");
   EXPECT_TRUE(model.planar);

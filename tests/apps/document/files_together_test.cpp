@@ -29,6 +29,13 @@ TEST(FilesTogether, AModelReadsItsOwnFilesFromAmongThem) {
   EXPECT_EQ(filesTogether({"readme.txt", "walk.bvh"}).nameOrFile, "walk.bvh");
 }
 
+TEST(FilesTogether, WhatFileManagersLeaveBesideFilesIsNoFile) {
+  EXPECT_EQ(filesTogether({"arm/arm.urdf", "__MACOSX/arm/._arm.urdf", "arm/.DS_Store"}).nameOrFile,
+            "arm/arm.urdf");
+  EXPECT_EQ(filesTogether({"__MACOSX/._body.obj", "body.obj"}), (ModelReference{.nameOrFile = "body.obj"}));
+  EXPECT_THROW(filesTogether({".DS_Store", "._arm.urdf"}), std::invalid_argument);
+}
+
 TEST(FilesTogether, SeveralOrNoneAreToldByName) {
   try {
     filesTogether({"left.urdf", "right.urdf"});
