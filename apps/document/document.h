@@ -122,12 +122,16 @@ struct LabSettings {
       {};  ///< drawn beside the body, coloured by their distance from it; up to three
   static constexpr std::size_t mostSkins = 3;
   std::vector<std::string> solvers{"pseudo-inverse", "dls", "sdls", "exact-hessian"};
+  /// Where each of the solvers stands, nq; of length 0 where it cannot do the goals. Empty: all begin where
+  /// the document stands.
+  std::vector<Eigen::VectorXd> poses = {};
 };
 
 /// An open example of the lecture; topic empty: none.
 struct LectureState {
   std::string topic = {};
   std::string state = {};  ///< the scene's own words
+  bool operator==(const LectureState&) const = default;
 };
 
 /// All that a scene is: everything but the model's own data. What a file holds, what a picture shows, what

@@ -527,7 +527,7 @@ SkinChoice readSkin(const JsonEntry& from) {
   }
 }
 
-LabSettings readLab(const JsonEntry& from) {
+LabSettings readLab(const JsonEntry& from, const Skeleton& skeleton) {
   LabSettings lab;
   lab.compare = from.at("compare").boolean();
   lab.sideBySide = from.at("side_by_side").boolean();
@@ -541,6 +541,11 @@ LabSettings readLab(const JsonEntry& from) {
   }
   if (lab.solvers.empty() || lab.solvers.size() > LabSettings::mostSolvers)
     from.at("solvers").fail("one to four solvers");
+  if (const auto poses = from.find("poses"))
+    for (const JsonEntry& entry : poses->list())
+      lab.poses.push_back(entry.list().empty() ? Eigen::VectorXd() : readPose(entry, skeleton));
+  if (!lab.poses.empty() && lab.poses.size() != lab.solvers.size())
+    from.at("poses").fail("a pose for each of the solvers");
   return lab;
 }
 
@@ -597,6 +602,7 @@ std::string formatScene(const Document& document, const Model& model) {
                  {"skins", skins},
                  {"side_by_side", document.lab.sideBySide},
                  {"solvers", document.lab.solvers}};
+  for (const Eigen::VectorXd& q : document.lab.poses) tree["lab"]["poses"].push_back(toJson(q));
   if (!document.lecture.topic.empty())
     tree["lecture"] = {{"topic", document.lecture.topic}, {"state", document.lecture.state}};
   return formatJson(tree);
@@ -632,7 +638,7 @@ Document parseScene(std::string_view text, const std::string& file, const Model&
   if (document.skin.layers != SkinLayers::None) chooseSkin(document, model, document.skin);
   if (const auto entry = root.find("clip")) edits.clip = std::make_shared<ClipEdits>(readClip(*entry, model));
   if (const auto entry = root.find("playback")) document.playback = readPlayback(*entry, edits.seconds);
-  if (const auto entry = root.find("lab")) document.lab = readLab(*entry);
+  if (const auto entry = root.find("lab")) document.lab = readLab(*entry, model.skeleton);
   if (const auto entry = root.find("lecture")) document.lecture = readLecture(*entry);
   return document;
 }

@@ -15,6 +15,7 @@
 #include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
 #include "apps/document/session.h"
+#include "apps/render/label_writer.h"
 #include "apps/render/muscle_sheet.h"
 #include "apps/render/scene_view.h"
 #include "apps/render/video.h"
@@ -229,8 +230,12 @@ class Studio {
     Camera camera = session_.document().view.camera;
     camera.azimuth += turn;
     const auto scale = static_cast<float>(request_.scale);
-    renderer_->draw(view_->compose(session_, {.viewport = viewport_, .pixelScale = scale}), camera, viewport_,
-                    target_->framebuffer(), scale);
+    const RenderScene scene = view_->compose(session_, {.viewport = viewport_, .pixelScale = scale});
+    renderer_->draw(scene, camera, viewport_, target_->framebuffer(), scale);
+    if (!scene.labels.empty()) {
+      if (!labels_) labels_.emplace(scene.theme, scale);
+      labels_->write(scene.labels, camera, viewport_, session_.model().planar, target_->framebuffer());
+    }
     return {viewport_.width, viewport_.height, target_->readPixels()};
   }
 
@@ -254,6 +259,7 @@ class Studio {
   std::optional<SceneView> view_;
   std::optional<Renderer> renderer_;
   std::optional<RenderTarget> target_;
+  std::optional<LabelWriter> labels_;
 };
 
 void showProgress(int done, int all) {

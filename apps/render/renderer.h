@@ -9,6 +9,7 @@
 #include "apps/document/camera.h"
 #include "apps/document/theme.h"
 #include "apps/render/overlay.h"
+#include "apps/render/scene_label.h"
 #include "skinning/gpu/mesh_look_gl.h"
 #include "skinning/gpu/skinned_mesh_gl.h"
 
@@ -51,6 +52,8 @@ struct RenderScene {
   Overlay overlayOnTop = {};  ///< seen through everything
   GroundLook ground = {};
   Theme theme = Theme::Light;
+  /// Written over the picture by who shows it (label_writer.h).
+  std::vector<SceneLabel> labels = {};
   bool xray = false;  ///< bodies become translucent, so that an overlay within them shows
   bool shadows = true;
   bool lightFromViewer =

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "apps/render/colour.h"
+#include "apps/render/lab_marks.h"
 #include "apps/render/rulers.h"
 #include "apps/render/scene_marks.h"
 #include "apps/render/signs.h"
@@ -199,13 +200,18 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
     scene.bodies.push_back(body);
   }
   addSkinsBeside(session, scene);
-  if (rig_ && settings_->split)
-    extras.ghosts.push_back({.worldFromJoint = framesBeside(session, frames_, size_),
-                             .tint = {0.80f, 0.76f, 0.71f},
-                             .opacity = 1.0f});
-  ghostPoses_.resize(extras.ghosts.size());
-  for (std::size_t i = 0; i < extras.ghosts.size(); ++i) {
-    const Ghost& ghost = extras.ghosts[i];
+  if (rig_ && settings_->split) {
+    const MarkColours& colours = markColours(scene.theme);
+    const Eigen::Vector3d above = 0.55 * size_ * session.model().up;
+    ghosts_.push_back({.worldFromJoint = framesBeside(session, frames_, size_),
+                       .tint = {0.80f, 0.76f, 0.71f},
+                       .opacity = 1.0f});
+    scene.labels.push_back({ghosts_.back().worldFromJoint[0].translation() + above, "LBS", colours.dim});
+    scene.labels.push_back({frames_[0].translation() + above, "FFD", colours.accent});
+  }
+  ghostPoses_.resize(ghosts_.size());
+  for (std::size_t i = 0; i < ghosts_.size(); ++i) {
+    const Ghost& ghost = ghosts_[i];
     poseSkin(*prepared_, poseBones(*prepared_, ghost.worldFromJoint), ghostPoses_[i]);
     scene.bodies.push_back({.mesh = mesh_.get(),
                             .pose = &ghostPoses_[i],
@@ -304,6 +310,8 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
     skinFacts_.push_back(factsOf(wanted[i], at, own));
     skinFacts_.back().above = above(shifted[0].translation() - frames_[0].translation());
   }
+  for (const SkinFacts& facts : skinFacts_)
+    scene.labels.push_back({facts.above, toString(facts.choice), markColours(scene.theme).dim});
 }
 
 void SceneView::addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene) {
@@ -355,6 +363,15 @@ const MotionFacts& SceneView::motionFacts(const Session& session) {
   return motionFacts_;
 }
 
+LectureDrawing* SceneView::lectureOf(const Session& session) {
+  const LectureState& state = session.document().lecture;
+  if (state == lectureState_) return lecture_.get();
+  lectureState_ = state;
+  lecture_ = state.topic.empty() ? nullptr : makeLectureDrawing(state.topic);
+  if (lecture_) lecture_->load(session, state.state);
+  return lecture_.get();
+}
+
 RenderScene SceneView::compose(const Session& session, PictureExtras extras) {
   const ViewOptions& show = session.document().view.show;
   RenderScene scene;
@@ -364,13 +381,18 @@ RenderScene SceneView::compose(const Session& session, PictureExtras extras) {
   scene.xray = show.skeleton;
   scene.bounds = bounds_;
   scene.size = size_;
+  scene.labels = std::move(extras.labels);
+  ghosts_.clear();
+  if (LectureDrawing* lecture = extras.lecture ? extras.lecture : lectureOf(session))
+    lecture->draw({session, size_, extras.overlayOnTop, ghosts_, scene.labels});
+  addComparedSolvers(session, size_, ghosts_, scene.labels);
   if (ownPose_)
     teaching_.add(session, frames_,
                   {.size = size_,
                    .colours = &markColours(scene.theme),
                    .selected = extras.selected,
                    .whole = extras.whole},
-                  extras.overlay, extras.overlayOnTop, extras.ghosts);
+                  extras.overlay, extras.overlayOnTop, ghosts_);
   if (session.model().clip && session.document().playback.showing) {
     const MotionFacts& facts = motionFacts(session);
     addMotionMarks(session, motion_->clip(), facts, frames_, groundHeight_, size_, markColours(scene.theme),

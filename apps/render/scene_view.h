@@ -7,6 +7,7 @@
 
 #include "apps/document/chosen_skin.h"
 #include "apps/document/session.h"
+#include "apps/render/lecture_drawing.h"
 #include "apps/render/motion_marks.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/renderer.h"
@@ -22,17 +23,17 @@ struct Ghost {
   Frames worldFromJoint;                      ///< of the document's model
   Eigen::Vector3f tint = {0.3f, 0.5f, 0.9f};  ///< sRGB, 0..1
   float opacity = 0.4f;
-  std::string label = {};
 };
 
 /// What a picture shows beyond the document, that one time.
 struct PictureExtras {
-  std::vector<Ghost> ghosts = {};
   std::optional<std::vector<Eigen::Vector3f>> vertexColours = {};  ///< linear light 0..1, instead of clay
   Overlay overlay = {};                                            ///< hidden by bodies in front of it
   Overlay overlayOnTop = {};                                       ///< seen through everything
-  std::vector<double> limitGlow = {};                              ///< a joint, 0 to 1: limits that light up
-  bool whole = true;  ///< a still picture: what is computed bit by bit is finished at once
+  std::vector<SceneLabel> labels = {};
+  LectureDrawing* lecture = nullptr;   ///< the document's, as it is worked on; null: as the document has it
+  std::vector<double> limitGlow = {};  ///< a joint, 0 to 1: limits that light up
+  bool whole = true;                   ///< a still picture: what is computed bit by bit is finished at once
   int latticePlane = -1, latticePoint = -1;  ///< of the limb whose lattice is shown, drawn stronger
   std::optional<Viewport> viewport =
       {};                   ///< of the picture, for what lies along its edges; none: nothing does
@@ -93,6 +94,8 @@ class SceneView {
   /// The picture. It points into this object and is valid until the next call.
   RenderScene compose(const Session& session, PictureExtras extras = {});
 
+  /// Other bodies in the picture, as they were composed last.
+  const std::vector<Ghost>& ghosts() const { return ghosts_; }
   /// The body's own skin first, then those beside it (LabSettings::skins), as they were composed last.
   const std::vector<SkinFacts>& skinFacts() const { return skinFacts_; }
   /// The skin as the document's method has it; nullptr without one.
@@ -114,6 +117,7 @@ class SceneView {
   const Eigen::VectorXd* knownPose(const Session& session) const { return ownPose_ ? &session.q() : nullptr; }
   void bind(const Session& session);
   void addBodies(const Session& session, PictureExtras& extras, RenderScene& scene);
+  LectureDrawing* lectureOf(const Session& session);
   void addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene);
   Eigen::AlignedBox3d boundsAt(const Frames& frames) const;
 
@@ -142,6 +146,9 @@ class SceneView {
   std::optional<ClipEditor> motion_;
   MotionFacts motionFacts_;
   SkinPose pose_;
+  std::unique_ptr<LectureDrawing> lecture_;
+  LectureState lectureState_;  ///< that it stands on
+  std::vector<Ghost> ghosts_;
   std::vector<SkinPose> ghostPoses_;
   std::vector<SkinBeside> skinsBeside_;
   std::vector<SkinFacts> skinFacts_;

@@ -228,8 +228,7 @@ void TeachingPictures::otherSolutions(const Session& session, const Frames& fram
     const Colour tint = viridis(0.15f + 0.75f * std::min(hue, 1.0f));
     ghosts.push_back({.worldFromJoint = forwardKinematics(skeleton, q),
                       .tint = {tint.r, tint.g, tint.b},
-                      .opacity = 0.34f,
-                      .label = std::to_string(solutions_.size() + 1)});
+                      .opacity = 0.34f});
     solutions_.push_back(std::move(q));
   }
 }

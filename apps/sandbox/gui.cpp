@@ -37,12 +37,6 @@ void mapKeys(ImGuiIO& io) {
   io.KeyMap[ImGuiKey_Z] = GLFW_KEY_Z;
 }
 
-#ifdef __EMSCRIPTEN__
-constexpr const char* glslVersion = "#version 300 es";
-#else
-constexpr const char* glslVersion = "#version 330";
-#endif
-
 }  // namespace
 
 Gui::Gui() {
@@ -54,7 +48,7 @@ Gui::Gui() {
   io.BackendPlatformName = "gelenk";
   io.ConfigWindowsMoveFromTitleBarOnly = true;
   mapKeys(io);
-  ImGui_ImplOpenGL3_Init(glslVersion);
+  ImGui_ImplOpenGL3_Init(imguiShaderVersion);
 }
 
 Gui::~Gui() {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "apps/render/ui_style.h"
 #include "apps/sandbox/input.h"
-#include "apps/sandbox/ui_style.h"
 
 namespace gelenk {
 

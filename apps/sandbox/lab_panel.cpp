@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/reproductions.h"
-#include "apps/commands/solver_colour.h"
+#include "apps/render/lab_marks.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/plots.h"
@@ -68,7 +68,9 @@ class LabPanel final : public Panel {
       solve(runner, problem);
       moving_ = moving_ || difference(*problem.skeleton, before, runner.q).lpNorm<Eigen::Infinity>() > 1e-7;
     }
-    for (std::size_t i = 0; i < runners_.size(); ++i) drawGhost(sandbox, runners_[i], i);
+    lab_->poses.clear();
+    for (const Runner& runner : runners_)
+      lab_->poses.push_back(runner.unsupported.empty() ? runner.q : VectorXd());
   }
 
   bool keyPressed(Sandbox& sandbox, int key, int) override {
@@ -101,7 +103,7 @@ class LabPanel final : public Panel {
     bool on = lab_->compare;
     if (ImGui::Checkbox("Compare on the same goals", &on)) {
       lab_->compare = on;
-      runners_.clear();
+      startAgain();
     }
     tooltip(
         "Every chosen solver follows the goals with a pose of its own, 20 iterations a frame from where it "
@@ -117,7 +119,7 @@ class LabPanel final : public Panel {
         for (const std::string& solver : frameSolverNames())
           if (ImGui::Selectable(solver.c_str(), solver == solverSpec(lab_->solvers[i]).name)) {
             lab_->solvers[i] = solver;
-            runners_.clear();
+            startAgain();
           }
         ImGui::EndCombo();
       }
@@ -128,7 +130,7 @@ class LabPanel final : public Panel {
       if (!spec.entry->parameters.empty() && ImGui::TreeNode("Parameters")) {
         if (parameterSliders("", spec.entry->parameters, spec.values)) {
           lab_->solvers[i] = toText(spec);
-          runners_.clear();
+          startAgain();
         }
         ImGui::TreePop();
       }
@@ -136,14 +138,14 @@ class LabPanel final : public Panel {
     }
     if (removed) {
       lab_->solvers.erase(lab_->solvers.begin() + static_cast<std::ptrdiff_t>(*removed));
-      runners_.clear();
+      startAgain();
     }
     if (lab_->solvers.size() < mostSolvers && ImGui::Button("Add a solver")) {
       lab_->solvers.push_back("dls");
-      runners_.clear();
+      startAgain();
     }
     if (lab_->solvers.size() < mostSolvers) ImGui::SameLine();
-    if (ImGui::Button("Start again")) runners_.clear();
+    if (ImGui::Button("Start again")) startAgain();
     tooltip("All solvers go back to the pose of the session; displacements count from there.");
     if (lab_->compare) table(s);
     if (!s.session->skin()) return;
@@ -189,13 +191,7 @@ class LabPanel final : public Panel {
   }
 
  private:
-  /// The solver's own colour; a second solver of the same colour is darkened.
-  Eigen::Vector3f colourOf(std::size_t i) const {
-    Eigen::Vector3f colour = solverColour(lab_->solvers[i]);
-    for (std::size_t k = 0; k < i; ++k)
-      if (solverColour(lab_->solvers[k]) == solverColour(lab_->solvers[i])) colour *= 0.6f;
-    return colour;
-  }
+  Eigen::Vector3f colourOf(std::size_t i) const { return comparedColours(*lab_)[i]; }
 
   static void chip(const ImVec4& colour, float scale) {
     const float size = ImGui::GetFrameHeight();
@@ -206,20 +202,29 @@ class LabPanel final : public Panel {
     ImGui::SameLine(0, 4 * scale);
   }
 
+  /// All go back to the pose of the session.
+  void startAgain() {
+    runners_.clear();
+    lab_->poses.clear();
+  }
+
+  /// From where the document has them, else from its own pose.
   void build(Sandbox& sandbox) {
     runners_.clear();
+    const bool known = lab_->poses.size() == lab_->solvers.size();
     for (std::size_t i = 0; i < lab_->solvers.size(); ++i) {
       Runner& runner = runners_.emplace_back();
       runner.solver = lab_->solvers[i];
       runner.method = makeFrameSolver(lab_->solvers[i], sandbox.session().sharedSkeleton());
       runner.q = runner.begin = sandbox.session().q();
+      if (known && lab_->poses[i].size() > 0) runner.q = lab_->poses[i];
       runner.colour = colourOf(i);
     }
   }
 
   void toggle(Sandbox& sandbox) {
     lab_->compare = !lab_->compare;
-    runners_.clear();
+    startAgain();
     if (!lab_->compare) return;
     sandbox.showInspector(name());
     sandbox.showBottomStrip(name());
@@ -252,31 +257,6 @@ class LabPanel final : public Panel {
     }
     runner.errors.push_back(runner.error);
     if (runner.errors.size() > history) runner.errors.pop_front();
-  }
-
-  /// In place, only where it differs from what is drawn already; apart, always, with its name.
-  void drawGhost(Sandbox& sandbox, const Runner& runner, std::size_t number) const {
-    const Session& session = sandbox.session();
-    if (!runner.unsupported.empty()) return;
-    if (!lab_->sideBySide &&
-        difference(session.skeleton(), session.q(), runner.q).lpNorm<Eigen::Infinity>() < 5e-3)
-      return;
-    Frames frames = forwardKinematics(session.skeleton(), runner.q);
-    if (lab_->sideBySide) {
-      const Sandbox::State& s = sandbox.state();
-      const Eigen::Vector3d right = s.camera().axes().col(0);
-      const double side = number % 2 == 0 ? -1.0 : 1.0;
-      const Eigen::Vector3d offset = side * (1.0 + static_cast<double>(number / 2)) * 0.36 * s.size() * right;
-      for (Eigen::Isometry3d& frame : frames) frame.translation() += offset;
-      const Eigen::Vector3f c = runner.colour;
-      sandbox.label(frames[session.problem().goals.front().joint].translation(),
-                    fmt::format("{}  {:.1f} mm", runner.solver, 1e3 * runner.error),
-                    {c.x(), c.y(), c.z(), 1.0f});
-    }
-    sandbox.ghosts().push_back({.worldFromJoint = std::move(frames),
-                                .tint = runner.colour,
-                                .opacity = lab_->sideBySide ? 0.9f : 0.55f,
-                                .label = runner.solver});
   }
 
   void table(const Sandbox::State& s) const {

@@ -6,22 +6,12 @@
 #include <numeric>
 #include <sstream>
 
+#include "apps/render/mathematics.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/lecture_scene.h"
-#include "apps/sandbox/mathematics.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
-
-LectureColours lectureColours(Theme theme) {
-  const bool dark = theme == Theme::Dark;
-  return {.first = {0.12f, 0.47f, 0.71f, 0.95f},
-          .second = {0.84f, 0.45f, 0.07f, 0.95f},
-          .linear = {0.80f, 0.20f, 0.35f, 1.0f},
-          .truth = {0.10f, 0.55f, 0.40f, 1.0f},
-          .target = {0.80f, 0.20f, 0.35f, 1.0f},
-          .faint = dark ? Colour{0.8f, 0.8f, 0.8f, 0.35f} : Colour{0.2f, 0.2f, 0.25f, 0.30f}};
-}
 
 void headingRow(Sandbox& sandbox, const char* words) {
   ImGui::Dummy({0, 3 * sandbox.scale()});
@@ -327,7 +317,7 @@ class LecturePanel final : public Panel {
   }
   void overlay(Sandbox& sandbox) override {
     if (!scene_) return;
-    scene_->overlay(sandbox);
+    sandbox.showLecture(scene_->drawing());
     shown_ = live_ ? scene_->derivation(sandbox) : derivation_;
   }
 
@@ -347,7 +337,8 @@ class LecturePanel final : public Panel {
   }
 
   void store(const Sandbox&, Document& document) const override {
-    document.lecture = topic_ ? LectureState{.topic = topic_->id, .state = scene_->save()} : LectureState{};
+    document.lecture =
+        topic_ ? LectureState{.topic = topic_->id, .state = scene_->drawing().save()} : LectureState{};
   }
 
   std::string status() const override {
@@ -380,10 +371,20 @@ class LecturePanel final : public Panel {
     const auto model = sandbox.session().sharedModel();
     const Document document = sandbox.session().document();
     openTopic(sandbox, findLectureTopic(document.lecture.topic));
+    const Skeleton& own = sandbox.session().skeleton();
+    const bool fits = scene_->takesAnyModel() ||
+                      (own.jointCount() == model->skeleton.jointCount() && own.nq() == model->skeleton.nq());
     opening_ = true;
     sandbox.openDocument(model, document);
     opening_ = false;
-    scene_->load(sandbox, document.lecture.state);
+    if (!fits) {  // the file has its example with another model
+      scene_.reset();
+      topic_ = nullptr;
+      sandbox.session().lecture() = {};
+      return sandbox.say("The scene's model is not that of its example; the example is left out", true);
+    }
+    scene_->drawing().load(sandbox.session(), document.lecture.state);
+    scene_->taken(sandbox);
   }
 
   void openTopic(Sandbox& sandbox, const LectureTopic& topic) {

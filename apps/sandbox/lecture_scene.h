@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/lecture/example.h"
+#include "apps/render/lecture_drawing.h"
 #include "apps/sandbox/sandbox.h"
 
 /// The scene of every topic of lectureTopics(), by its id; in lecture_*_scenes.cpp.
@@ -23,8 +24,8 @@
 
 namespace gelenk {
 
-/// One example of the lecture as a scene: it opens its model, draws its values into the view and its controls
-/// into the inspector. Called by the Lecture panel alone.
+/// One example of the lecture as a scene: it opens its model, shows its drawing in the view and its controls
+/// in the inspector. Called by the Lecture panel alone.
 class LectureScene {
  public:
   virtual ~LectureScene() = default;
@@ -32,15 +33,15 @@ class LectureScene {
   virtual void open(Sandbox& sandbox) = 0;                    ///< model, pose, goals, camera
   virtual void step(Sandbox&, double /*seconds*/) {}          ///< before the frame's solve
   virtual bool moves(const Sandbox&) const { return false; }  ///< something changes by itself
-  virtual void overlay(Sandbox&) {}                           ///< marks over the view
   virtual void drawInspector(Sandbox&) {}                     ///< values and controls
   virtual bool hasPlot() const { return false; }
   /// The example's derivation with the values of the scene as it stands (derivations.h).
   virtual std::string derivation(Sandbox&) = 0;
-  virtual void drawPlot(Sandbox&) {}                   ///< left of the derivation in the bottom strip
-  virtual bool changesModel() const { return false; }  ///< true while the scene itself opens another model
-  virtual std::string save() const { return {}; }      ///< one line of text; load gets what save returned
-  virtual void load(Sandbox&, const std::string&) {}
+  virtual void drawPlot(Sandbox&) {}                    ///< left of the derivation in the bottom strip
+  virtual bool takesAnyModel() const { return false; }  ///< else only one with the joints of its own
+  virtual bool changesModel() const { return false; }   ///< true while the scene itself opens another model
+  virtual LectureDrawing& drawing() = 0;                ///< what it shows in the view, with its state
+  virtual void taken(Sandbox&) {}                       ///< after the drawing took up a document's state
 };
 
 /// The scene of a topic of lectureTopics(). Throws std::invalid_argument for another id.
@@ -51,12 +52,6 @@ GELENK_LECTURE_SCENES(GELENK_DECLARE)
 #undef GELENK_DECLARE
 
 // Small things that the scenes share.
-
-/// Colours that mean the same in every scene.
-struct LectureColours {
-  Colour first, second, linear, truth, target, faint;
-};
-LectureColours lectureColours(Theme theme);
 
 /// "phi_1   34.38" as a row: name dim on the left, value on the right.
 void valueRow(Sandbox& sandbox, const std::string& name, const std::string& value);

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/render/rulers.h"
+#include "apps/render/label_writer.h"
 #include "apps/sandbox/gizmo.h"
-#include "apps/sandbox/label_places.h"
-#include "apps/sandbox/mathematics.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
@@ -18,32 +16,8 @@ ImVec2 toImVec2(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), s
 
 // --- drawn with Dear ImGui over the picture: crisp at every scale
 
-struct Pen {
-  ImDrawList* draw;
-  const Palette& colours;
-  const Fonts& fonts;
-  float scale;
-  LabelPlaces* places;
-};
-
-/// At the point, or as near to it as there is room.
-void words(const Pen& pen, ImVec2 at, const ImVec4& colour, const std::string& text, bool isFormula = false) {
-  ImFont* font = pen.fonts.small;
-  ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
-  if (isFormula) size = {mathExtent(font, font->FontSize, text).width, size.y};
-  LabelBox box{at.x - 5 * pen.scale, at.y - 2 * pen.scale, size.x + 10 * pen.scale, size.y + 4 * pen.scale};
-  if (!pen.places->place(box)) return;
-  at = {box.x + 5 * pen.scale, box.y + 2 * pen.scale};
-  pen.draw->AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + box.height},
-                          colour32(pen.colours.panelRaised, 0.82f), 4 * pen.scale);
-  if (isFormula)
-    drawMathematics(*pen.draw, font, font->FontSize, at, colour32(colour), text);
-  else
-    pen.draw->AddText(font, font->FontSize, at, colour32(colour), text.c_str());
-}
-
 /// What the picture itself does not tell: how far, which, chosen.
-void nameGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
+void nameGoal(const LabelPen& pen, Sandbox& sandbox, const SceneGoal& goal) {
   Sandbox::State& s = sandbox.state();
   const Vector3d reached = s.session->reached(goal.id);
   const Projected p = s.toWindow(reached);
@@ -55,20 +29,20 @@ void nameGoal(const Pen& pen, Sandbox& sandbox, const SceneGoal& goal) {
   if (goal.state != GoalState::Free && !wish && type.movesWithPose && error > 2e-4 * s.size()) {
     const ImVec2 end = toImVec2(s.toWindow(goal.goal.target).pixel);
     if (std::hypot(end.x - at.x, end.y - at.y) > 26 * pen.scale)
-      words(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale},
-            toImVec4(distanceColour(markColours(s.theme()), 2.0 * error / s.size())),
-            (s.session->lastSolve().outOfReach ? "out of reach by " : "") + formatLength(error));
+      writeWords(pen, {0.5f * (at.x + end.x) + 9 * pen.scale, 0.5f * (at.y + end.y) - 9 * pen.scale},
+                 toImVec4(distanceColour(markColours(s.theme()), 2.0 * error / s.size())),
+                 (s.session->lastSolve().outOfReach ? "out of reach by " : "") + formatLength(error));
   }
   const float r = wish ? 5.0f : 6.5f;
   if (s.selectedGoal == goal.id && s.session->dragged() != goal.id)
     pen.draw->AddCircle(at, (r + 4) * pen.scale, colour32(pen.colours.accent), 40, 1.8f * pen.scale);
   if (s.hover.kind == Hover::Kind::Goal && s.hover.goal == goal.id)
-    words(pen, {at.x + 16 * pen.scale, at.y - (s.selectedGoal == goal.id ? 34 : 8) * pen.scale},
-          pen.colours.text,
-          goal.goal.name);  // beside the arrows of the selected one
+    writeWords(pen, {at.x + 16 * pen.scale, at.y - (s.selectedGoal == goal.id ? 34 : 8) * pen.scale},
+               pen.colours.text,
+               goal.goal.name);  // beside the arrows of the selected one
 }
 
-void drawHover(const Pen& pen, Sandbox& sandbox) {
+void drawHover(const LabelPen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (s.hover.kind != Hover::Kind::Skin && s.hover.kind != Hover::Kind::Joint) return;
   const ImVec2 at = toImVec2(s.toWindow(s.hover.position).pixel);
@@ -76,7 +50,7 @@ void drawHover(const Pen& pen, Sandbox& sandbox) {
   pen.draw->AddCircle(at, 6 * pen.scale, colour32(pen.colours.held), 24, 1.6f * pen.scale);
 }
 
-void drawConstraint(const Pen& pen, Sandbox& sandbox) {
+void drawConstraint(const LabelPen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.session->dragged() || s.gesture.kind != Gesture::Kind::Drag) return;
   const Vector3d target = s.session->goal(*s.session->dragged()).goal.target;
@@ -91,7 +65,7 @@ void drawConstraint(const Pen& pen, Sandbox& sandbox) {
 }
 
 /// How far the gizmo was moved or turned.
-void nameGesture(const Pen& pen, Sandbox& sandbox) {
+void nameGesture(const LabelPen& pen, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!s.session->dragged() || !s.gesture.part) return;
   const Vector3d target = s.session->goal(*s.session->dragged()).goal.target;
@@ -100,9 +74,10 @@ void nameGesture(const Pen& pen, Sandbox& sandbox) {
   const std::string text = s.gesture.part->kind == GizmoPart::Kind::Ring
                                ? fmt::format("{:+.1f}°", s.gesture.angle * 180.0 / M_PI)
                                : (moved < 0.0 ? "−" : "+") + formatLength(std::abs(moved));
-  words(pen,
-        {static_cast<float>(s.mouse.x()) + 18 * pen.scale, static_cast<float>(s.mouse.y()) + 14 * pen.scale},
-        pen.colours.text, text);
+  writeWords(
+      pen,
+      {static_cast<float>(s.mouse.x()) + 18 * pen.scale, static_cast<float>(s.mouse.y()) + 14 * pen.scale},
+      pen.colours.text, text);
 }
 
 /// As much of the words as stands in so many lines of that width.
@@ -120,12 +95,11 @@ std::string withinLines(const ImFont& font, const std::string& words, float widt
 
 /// From the newest at the bottom upwards, over less than half of the view: two lines of each, all of it under
 /// the mouse, which keeps it.
-void drawNotices(const Pen& pen, Sandbox& sandbox) {
+void drawNotices(const LabelPen& pen, ImFont* font, Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   std::erase_if(s.notices, [&](const Notice& notice) { return notice.until <= s.time; });
   const Layout::Rect& view = s.layout.view;
   const float margin = 7 * pen.scale, width = std::min(view.width - 40 * pen.scale, 760 * pen.scale);
-  ImFont* font = pen.fonts.regular;
   float y = view.y + view.height - 14 * pen.scale;
   for (auto it = s.notices.rbegin(); it != s.notices.rend(); ++it) {
     const auto boxOf = [&](const std::string& words) {
@@ -172,26 +146,16 @@ void drawMarks(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   const Layout::Rect& view = s.layout.view;
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
-  // Labels leave the edges to the coordinates of the plane.
-  const bool planar = s.session->model().planar;
-  const float left = planar ? static_cast<float>(rulerWidth) * s.scale : 2.0f,
-              low = planar ? static_cast<float>(rulerHeight) * s.scale : 2.0f;
-  LabelPlaces places({view.x + left, view.y + 2, view.width - left - 2, view.height - low - 2});
-  const Pen pen{draw, s.colours(), s.gui.fonts(), s.scale, &places};
+  const ImVec2 corner{view.x, view.y};
+  LabelPlaces places = roomForLabels(corner, s.viewport(), s.session->model().planar, s.scale);
+  const LabelPen pen{draw, s.colours(), s.gui.fonts().small, s.scale, &places};
   // It is opaque: nothing needs to be blended.
   draw->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glDisable(GL_BLEND); }, nullptr);
   draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())),
                  {view.x, view.y}, {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
   draw->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glEnable(GL_BLEND); }, nullptr);
   draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height}, true);
-  for (const auto& label : s.labels) {
-    const Projected p = s.toWindow(label.at);
-    if (p.depth > 0.0)
-      words(
-          pen,
-          {static_cast<float>(p.pixel.x()) + 8 * pen.scale, static_cast<float>(p.pixel.y()) - 8 * pen.scale},
-          {label.colour.x(), label.colour.y(), label.colour.z(), label.colour.w()}, label.text, true);
-  }
+  writeLabels(pen, s.labels, s.camera(), s.viewport(), corner);
   drawConstraint(pen, sandbox);
   drawGizmo(sandbox.state(), *draw);
   if (s.show().handles && (!s.shownFrames || s.handlesOnShown))
@@ -199,7 +163,7 @@ void drawMarks(Sandbox& sandbox) {
       if (isGoalShown(sandbox.session(), goal)) nameGoal(pen, sandbox, goal);
   nameGesture(pen, sandbox);
   drawHover(pen, sandbox);
-  drawNotices(pen, sandbox);
+  drawNotices(pen, s.gui.fonts().regular, sandbox);
   draw->PopClipRect();
 }
 

@@ -154,12 +154,6 @@ class MusclePanel final : public Panel {
     if (inFront)
       sandbox.markLattice(under_ ? under_->plane : 6 * selectedLink_ + selectedPlane_,
                           under_ ? under_->point : -1);
-    if (settings_.split) {
-      const Vector3d above = 0.55 * s.size() * sandbox.session().model().up;
-      const Frames beside = framesBeside(sandbox.session(), sandbox.shownFrames(), s.size());
-      sandbox.label(beside[0].translation() + above, "LBS", {0.35f, 0.35f, 0.35f, 1.0f});
-      sandbox.label(sandbox.shownFrames()[0].translation() + above, "FFD", {0.0f, 0.45f, 0.7f, 1.0f});
-    }
   }
 
   /// Near a line of the lattice the mouse is the lattice's, but for handles.

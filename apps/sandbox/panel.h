@@ -18,8 +18,8 @@ struct Document;
 ///
 /// What the document holds (pose, goals, weights, muscles, motion, view) is read and changed through
 /// sandbox.session(), so that undo and scene files know of it; a panel keeps only how it is being looked at.
-/// The Sandbox that is passed in (sandbox.h) gives showFrames() to pose the figure for a frame, ghosts to
-/// draw further bodies, overlays and labels, open() and say().
+/// The Sandbox that is passed in (sandbox.h) gives showFrames() to pose the figure for a frame, overlays and
+/// labels, open() and say().
 class Panel {
  public:
   virtual ~Panel() = default;
@@ -47,8 +47,7 @@ class Panel {
   /// Seconds until the panel changes something by itself: 0 while it moves, infinity at rest.
   virtual double rests(const Sandbox&) const { return std::numeric_limits<double>::infinity(); }
 
-  /// After the solve, before rendering: ghosts, and lines and labels over the view (sandbox.overlay(),
-  /// label()).
+  /// After the solve, before rendering: lines and labels over the view (sandbox.overlay(), label()).
   virtual void overlay(Sandbox&) {}
 
   /// After another document was opened, before anything else: drop everything that belonged to the old one

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/render/mathematics.h"
 #include "apps/render/rulers.h"
-#include "apps/sandbox/mathematics.h"
 
 namespace gelenk {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/sandbox/ui_style.h"
+#include "apps/render/ui_style.h"
 
 namespace gelenk {
 

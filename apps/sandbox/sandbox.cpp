@@ -108,6 +108,7 @@ void renderView(Sandbox& sandbox) {
   s.extras.viewport = s.viewport();
   s.extras.pixelScale = s.scale;
   const RenderScene scene = s.view->compose(*s.session, s.extras);
+  s.labels = scene.labels;
   const Viewport viewport = s.viewport();
   const bool watched = s.options.refines && !s.recorder.isRunning(), fine = watched && sandbox.rests() > 0.0;
   // Where the processor draws, what moves too slowly is drawn smaller until it stands still.
@@ -277,7 +278,6 @@ void Sandbox::frame(const Input& input, double dt) {
   s.windowWidth = input.width;
   s.windowHeight = input.height;
   s.settling = input.events.empty() && s.frameNumber > 1 ? std::max(0, s.settling - 1) : framesToSettle;
-  s.labels.clear();
   s.extras = {};
   s.shownFrames.reset();
 
@@ -395,7 +395,6 @@ const SkinnedVertices& Sandbox::surface() const {
   followDocument(*this);
   return state_->view->surface(*state_->session);
 }
-std::vector<Ghost>& Sandbox::ghosts() { return state_->extras.ghosts; }
 const MuscleRig* Sandbox::muscles() const { return state_->view->muscles(); }
 const std::vector<LimbPose>& Sandbox::limbPoses() const {
   followDocument(*this);
@@ -407,8 +406,9 @@ void Sandbox::markLattice(int plane, int point) {
 }
 Overlay& Sandbox::overlay() { return state_->extras.overlayOnTop; }
 Overlay& Sandbox::overlayInScene() { return state_->extras.overlay; }
+void Sandbox::showLecture(LectureDrawing& drawing) { state_->extras.lecture = &drawing; }
 void Sandbox::label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour) {
-  state_->labels.push_back({at, text, colour});
+  state_->extras.labels.push_back({at, text, {colour.x(), colour.y(), colour.z(), colour.w()}});
 }
 void Sandbox::showVertexScalars(const std::vector<float>& values) {
   state_->extras.vertexColours = viridisColours(values);

@@ -91,7 +91,6 @@ class Sandbox {
   /// The model's surface as it was drawn last (world, metres); empty without a skin.
   const SkinnedVertices& surface() const;
 
-  std::vector<Ghost>& ghosts();  ///< emptied at the beginning of every frame
   /// The muscle layers that the document asks for, bound; nullptr: none.
   const MuscleRig* muscles() const;
   /// The limbs of this frame; empty without muscle layers.
@@ -99,6 +98,8 @@ class Sandbox {
   void markLattice(int plane, int point);  ///< drawn stronger, this frame
   Overlay& overlay();  ///< lines, dots, bones, fills over the view, this frame (apps/render/renderer.h)
   Overlay& overlayInScene();  ///< the same, hidden by bodies in front
+  /// What the open example of the lecture shows, this frame; it must live until the frame ends.
+  void showLecture(LectureDrawing& drawing);
   /// Text at a world point, this frame; colour sRGB 0..1.
   void label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour);
   /// One value in [0, 1] a vertex, shown as viridis instead of the clay, this frame: weights, distances,

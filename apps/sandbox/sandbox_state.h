@@ -109,13 +109,8 @@ struct Sandbox::State {
   std::optional<CameraMove> cameraMove;
   float scale = 1.0f;
   Layout layout;
-  PictureExtras extras;  ///< what panels add to this frame's picture
-  struct Label {
-    Eigen::Vector3d at;
-    std::string text;
-    Eigen::Vector4f colour;
-  };
-  std::vector<Label> labels;
+  PictureExtras extras;                ///< what panels add to this frame's picture
+  std::vector<SceneLabel> labels;      ///< of this frame's picture
   std::vector<double> limitGlow;       ///< a joint, 1 at its limit, fading
   std::optional<GoalId> selectedGoal;  ///< may have gone meanwhile: goalSelected()
 

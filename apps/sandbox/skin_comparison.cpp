@@ -43,8 +43,6 @@ void facts(Sandbox& sandbox) {
     ImGui::TextUnformatted(fmt::format("section {:.2f}", skin.section).c_str());
     ImGui::SameLine(0.7f * width);
     ImGui::TextUnformatted(fmt::format("{:.1f} mm off", 1e3 * skin.farthest).c_str());
-    sandbox.label(skin.above, name,
-                  {s.colours().textDim.x, s.colours().textDim.y, s.colours().textDim.z, 1.0f});
   }
   ImGui::EndGroup();
   tooltip(

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "apps/sandbox/sandbox.h"
+#include "apps/sandbox/sandbox_state.h"
 #include "tests/sandbox/stage.h"
 
 namespace gelenk {
@@ -16,7 +16,7 @@ struct Stage : testing::Stage {
       replay.play(i, sandbox, queue);
       frame();
     }
-    return sandbox.ghosts();
+    return sandbox.state().view->ghosts();
   }
 };
 

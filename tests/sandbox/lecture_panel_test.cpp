@@ -114,6 +114,64 @@ TEST(LectureScenes, SavedExampleComesBack) {
   EXPECT_EQ(stage.sandbox.document().lecture.topic, "planar-fk");
 }
 
+/// All that its picture follows from, also where it is not the slide's.
+TEST(LectureScenes, TheStateOfADrawingComesBack) {
+  Stage stage;
+  const auto savedAgain = [&](const LectureDrawing& drawing, const std::string& topic) {
+    const auto other = makeLectureDrawing(topic);
+    other->load(stage.sandbox.session(), drawing.save());
+    return other->save();
+  };
+  for (const char* topic : {"newton-square", "pseudo-inverse", "shortest"}) {
+    const auto drawing = makeLectureDrawing(topic);
+    auto& newton = dynamic_cast<NewtonDrawing&>(*drawing);
+    newton.target += Eigen::Vector2d(0.1, -0.2) * newton.target.norm();
+    newton.start *= 1.0 / 3.0;
+    newton.restart();
+    newton.at = 2;
+    EXPECT_EQ(savedAgain(newton, topic), newton.save());
+    const auto slide = makeLectureDrawing(topic);
+    EXPECT_NE(slide->save(), newton.save());
+    slide->load(stage.sandbox.session(), "1");  // as it was written once
+    EXPECT_EQ(slide->save()[0], '1');
+  }
+  TwoLinkDrawing twoLink;
+  twoLink.lastTarget = {-3.0, 1.0 / 3.0};
+  twoLink.candidates = false;
+  EXPECT_EQ(savedAgain(twoLink, "two-link"), twoLink.save());
+  OneDimensionDrawing oneLink;
+  oneLink.start = 1.0 / 7.0, oneLink.delta = 1e-4;
+  oneLink.restart();
+  oneLink.at = 3;
+  EXPECT_EQ(savedAgain(oneLink, "newton-1d"), oneLink.save());
+  RotationsDrawing rotations;
+  rotations.joint = 2, rotations.order = 7;
+  rotations.typed[1] = {0.1, -0.2, 1.0 / 3.0};
+  EXPECT_EQ(savedAgain(rotations, "rotations"), rotations.save());
+  ForwardDrawing forward;
+  forward.frames = false;
+  EXPECT_EQ(savedAgain(forward, "planar-fk"), forward.save());
+}
+
+/// A file can name any model beside any example.
+TEST(LectureScenes, AnExampleWithAnotherModelIsLeftOut) {
+  Stage stage;
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("gelenk_other_" + std::to_string(getpid()) + ".json"))
+          .string();
+  for (const LectureTopic& topic : lectureTopics()) {
+    if (topic.id == "dh") continue;
+    ASSERT_TRUE(stage.sandbox.open("panda"));
+    Document document = stage.sandbox.document();
+    document.lecture = {.topic = topic.id, .state = "1 2 3 4 5"};
+    writeScene(path, document, stage.sandbox.session().model());
+    ASSERT_TRUE(stage.sandbox.open(path)) << topic.id;
+    stage.frames(2);
+    EXPECT_EQ(stage.sandbox.document().lecture.topic, "") << topic.id;
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(LectureScenes, AnEditedRobotComesBackWithItsTable) {
   Stage stage;
   ASSERT_TRUE(stage.sandbox.open("lecture:dh"));

@@ -1,4 +1,4 @@
-#include "apps/sandbox/mathematics.h"
+#include "apps/render/mathematics.h"
 
 #include <gtest/gtest.h>
 

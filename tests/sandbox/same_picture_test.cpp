@@ -10,6 +10,7 @@
 
 #include "apps/commands/image.h"
 #include "apps/document/scene_file.h"
+#include "apps/lecture/example.h"
 #include "apps/sandbox/replay.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/view_picture.h"
@@ -124,6 +125,22 @@ TEST(SamePicture, OfTheFigureWithPaintedWeightsMusclesAndPins) {
     session.view().show.weights = true;
     session.selectJoint(session.skeleton().jointIndex("lowerarm_l"));
   });
+}
+
+/// Ghosts of the compared solvers, in place and side by side under their names.
+TEST(SamePicture, OfSolversComparedOnOneGoal) {
+  for (const bool sideBySide : {false, true})
+    expectTheSamePicture("planar", "1 key L\n3 target end-effector 150 500 0\n", [&](Session& session) {
+      EXPECT_EQ(session.lab().poses.size(), session.lab().solvers.size());
+      session.lab().sideBySide = sideBySide;
+    });
+}
+
+/// With all that they draw and write into the view.
+TEST(SamePicture, OfEveryExampleOfTheLecture) {
+  for (const LectureTopic& topic : lectureTopics())
+    expectTheSamePicture("lecture:" + topic.id,
+                         topic.id == "two-link" ? "5 drag end-effector -40 -50 20\n" : "");
 }
 
 /// Trails, places where feet stand and limits that are left.

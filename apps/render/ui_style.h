@@ -25,6 +25,13 @@ struct Fonts {
   ImFont *regular = nullptr, *medium = nullptr, *small = nullptr, *large = nullptr, *title = nullptr;
 };
 
+/// The first line of Dear ImGui's shaders.
+#ifdef __EMSCRIPTEN__
+inline constexpr const char* imguiShaderVersion = "#version 300 es";
+#else
+inline constexpr const char* imguiShaderVersion = "#version 330";
+#endif
+
 /// Spacing, rounding and colours of Dear ImGui; all sizes times scale.
 void applyStyle(Theme theme, float scale);
 /// Roboto through FreeType at the scale, the built-in font where Roboto is not installed. Clears the atlas.

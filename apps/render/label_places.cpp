@@ -1,4 +1,4 @@
-#include "apps/sandbox/label_places.h"
+#include "apps/render/label_places.h"
 
 #include <algorithm>
 #include <cmath>

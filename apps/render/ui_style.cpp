@@ -1,4 +1,4 @@
-#include "apps/sandbox/ui_style.h"
+#include "apps/render/ui_style.h"
 
 #ifndef __EMSCRIPTEN__
 #include <imgui_freetype.h>

@@ -1,0 +1,76 @@
+#include "apps/render/label_writer.h"
+
+#include <imgui_impl_opengl3.h>
+
+#include "apps/render/mathematics.h"
+#include "apps/render/rulers.h"
+#include "skinning/gpu/gl.h"
+
+namespace gelenk {
+
+LabelPlaces roomForLabels(ImVec2 corner, const Viewport& viewport, bool planar, float scale) {
+  const float left = planar ? static_cast<float>(rulerWidth) * scale : 2.0f,
+              low = planar ? static_cast<float>(rulerHeight) * scale : 2.0f;
+  return LabelPlaces({corner.x + left, corner.y + 2, static_cast<float>(viewport.width) - left - 2,
+                      static_cast<float>(viewport.height) - low - 2});
+}
+
+void writeWords(const LabelPen& pen, ImVec2 at, const ImVec4& colour, const std::string& text,
+                bool isFormula) {
+  ImFont* font = pen.font;
+  ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
+  if (isFormula) size = {mathExtent(font, font->FontSize, text).width, size.y};
+  LabelBox box{at.x - 5 * pen.scale, at.y - 2 * pen.scale, size.x + 10 * pen.scale, size.y + 4 * pen.scale};
+  if (!pen.places->place(box)) return;
+  at = {box.x + 5 * pen.scale, box.y + 2 * pen.scale};
+  pen.draw->AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + box.height},
+                          colour32(pen.colours.panelRaised, 0.82f), 4 * pen.scale);
+  if (isFormula)
+    drawMathematics(*pen.draw, font, font->FontSize, at, colour32(colour), text);
+  else
+    pen.draw->AddText(font, font->FontSize, at, colour32(colour), text.c_str());
+}
+
+void writeLabels(const LabelPen& pen, const std::vector<SceneLabel>& labels, const Camera& camera,
+                 const Viewport& viewport, ImVec2 corner) {
+  for (const SceneLabel& label : labels) {
+    const Projected p = project(camera, viewport, label.at);
+    if (p.depth > 0.0)
+      writeWords(pen,
+                 {corner.x + static_cast<float>(p.pixel.x()) + 8 * pen.scale,
+                  corner.y + static_cast<float>(p.pixel.y()) - 8 * pen.scale},
+                 toImVec4(label.colour), label.text, true);
+  }
+}
+
+LabelWriter::LabelWriter(Theme theme, float scale) : theme_(theme), scale_(scale) {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;
+  ImGui::GetIO().LogFilename = nullptr;
+  ImGui_ImplOpenGL3_Init(imguiShaderVersion);
+  fonts_ = loadFonts(scale);
+  applyStyle(theme, scale);
+}
+
+LabelWriter::~LabelWriter() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void LabelWriter::write(const std::vector<SceneLabel>& labels, const Camera& camera, const Viewport& viewport,
+                        bool planar, unsigned framebuffer) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(viewport.width), static_cast<float>(viewport.height)};
+  io.DeltaTime = 1.0f;
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::NewFrame();
+  LabelPlaces places = roomForLabels({0, 0}, viewport, planar, scale_);
+  writeLabels({ImGui::GetBackgroundDrawList(), palette(theme_), fonts_.small, scale_, &places}, labels,
+              camera, viewport, {0, 0});
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+}  // namespace gelenk
