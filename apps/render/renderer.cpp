@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
@@ -244,9 +245,33 @@ void eachPart(const BodyInstance& body, Draw&& draw) {
       draw(part);
 }
 
-/// The triangles, whatever they look like: for shadows. quick: fewer of them, where that is possible.
-void drawShape(const BodyInstance& body, bool quick) {
-  if (!body.look && quick && body.mesh->drawCoarse(isLayered(body))) return;
+/// Lets closed surfaces be drawn without the side that is not wanted.
+class Culling {
+ public:
+  Culling(const BodyInstance& body, GLenum side) : on_(!body.look && body.mesh->isClosed()) {
+    if (!on_) return;
+    glEnable(GL_CULL_FACE);
+    glCullFace(side);
+  }
+  ~Culling() {
+    if (!on_) return;
+    glCullFace(GL_BACK);
+    glDisable(GL_CULL_FACE);
+  }
+  Culling(const Culling&) = delete;
+  Culling& operator=(const Culling&) = delete;
+
+ private:
+  const bool on_;
+};
+
+/// The triangles, whatever they look like: for shadows. quick: fewer of them, where that is possible, and
+/// without the side that the other one hides.
+void drawShape(const BodyInstance& body, bool quick, GLenum hiddenSide) {
+  if (quick && !body.look) {
+    const Culling culling(body, hiddenSide);
+    if (body.mesh->drawCoarse(isLayered(body))) return;
+  }
   if (!body.look) return body.mesh->drawTriangles(isLayered(body));
   eachPart(body, [&](const MeshLook::Part& part) {
     body.mesh->drawTriangles(part.firstTriangle, part.triangleCount, isLayered(body));
@@ -268,7 +293,11 @@ struct Renderer::State {
   int samples = software ? 0 : 4;
   int supersampling = 1;
   bool quick = false;
-  float pixelsPerMetre = 0.0f;  ///< of the picture, at the nearest place of the bodies
+  float pixelsPerMetre = 0.0f;               ///< of the picture, at the nearest place of the bodies
+  std::string shadowsFrom, groundLightFrom;  ///< what they were drawn of; empty: not known
+  bool groundLightIsOld = false;             ///< a picture later than what it was drawn of
+  Vector2d groundLightCentre = Vector2d::Zero();
+  double groundLightHalf = 0.0;
 
   std::map<std::string, ShaderProgram> programs;  ///< variants, made when first needed
   OverlayGl overlay{frameBinding};
@@ -278,9 +307,8 @@ struct Renderer::State {
 
   GlTexture shadowMap, contact, noisyGroundLight, groundLight;
   GlFramebuffer shadowBuffer, contactBuffer, noisyGroundLightBuffer, groundLightBuffer;
-  /// Sampler objects: the shadow map with and without comparison; an sRGB picture as it is stored (0: there
-  /// is none).
-  GLuint comparing = 0, plain = 0, asStored = 0;
+  /// Sampler objects: the shadow map with and without comparison.
+  GLuint comparing = 0, plain = 0;
 
   RenderTarget large, resolved;
   GlTexture noisyOpenness, openness;  ///< of still pictures, a pixel of the picture each
@@ -291,7 +319,10 @@ struct Renderer::State {
   ~State();
   const ShaderProgram& program(const std::string& name, const ProgramText& text);
   const ShaderProgram& bodyProgram(const std::string& name, const BodyInstance& body, bool wireframe = false);
-  void prepareMaps();
+  void prepareMaps(const RenderScene& scene, const Camera& camera);
+  void prepareLight(const RenderScene& scene, Lighting& light, bool shadows,
+                    const std::function<void()>& upload);
+  std::string castersOf(const RenderScene& scene, const Lighting& light) const;
   void prepareTargets(const Viewport& viewport);
   void drawShadowMap(const RenderScene& scene, const Lighting& light);
   void drawGroundLight(const RenderScene& scene, const Lighting& light);
@@ -316,14 +347,6 @@ Renderer::State::State() {
   }
   glSamplerParameteri(comparing, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glSamplerParameteri(comparing, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-#ifndef __EMSCRIPTEN__
-  if (epoxy_has_gl_extension("GL_EXT_texture_sRGB_decode")) {
-    glGenSamplers(1, &asStored);
-    glSamplerParameteri(asStored, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glSamplerParameteri(asStored, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glSamplerParameteri(asStored, GL_TEXTURE_SRGB_DECODE_EXT, GL_SKIP_DECODE_EXT);
-  }
-#endif
   glBindBuffer(GL_UNIFORM_BUFFER, frame);
   glBufferData(GL_UNIFORM_BUFFER, sizeof(FrameBlock), nullptr, GL_STREAM_DRAW);
   glBindBuffer(GL_UNIFORM_BUFFER, 0);
@@ -332,7 +355,6 @@ Renderer::State::State() {
 Renderer::State::~State() {
   glDeleteSamplers(1, &comparing);
   glDeleteSamplers(1, &plain);
-  glDeleteSamplers(1, &asStored);
 }
 
 const ShaderProgram& Renderer::State::program(const std::string& name, const ProgramText& text) {
@@ -365,11 +387,17 @@ const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const
 }
 
 /// Resolution of the light: fine for still pictures (supersampling) and on hardware, coarse where every texel
-/// costs.
-void Renderer::State::prepareMaps() {
+/// costs. In quick pictures a texel of the shadow need not be finer than a pixel.
+void Renderer::State::prepareMaps(const RenderScene& scene, const Camera& camera) {
+  constexpr int coarse = 512;
   const bool fine = !software || supersampling > 1;
-  const int shadow = fine ? 2048 : 1024, patch = fine ? 768 : quick ? 128 : 256;
+  const double pixels = lightingOf(scene, camera, coarse).shadowTexel * pixelsPerMetre;
+  const bool isEnough =
+      quick && pixels < (shadowPixels == coarse ? 1.15 : 1.0);  // no flicker between the two
+  const int shadow = fine ? 2048 : isEnough ? coarse : 1024, patch = fine ? 768 : quick ? 128 : 256;
   if (shadowPixels == shadow && patchPixels == patch) return;
+  shadowsFrom.clear();
+  groundLightFrom.clear();
   shadowPixels = shadow;
   patchPixels = patch;
   shadowMap = mapTexture(GL_DEPTH_COMPONENT24, shadowPixels, shadowPixels, GL_DEPTH_COMPONENT, GL_LINEAR);
@@ -407,12 +435,10 @@ void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& li
     depth.use();
     glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, glm::value_ptr(matrix));
     poses[i].bind();
-    drawShape(scene.bodies[i], quick);
+    drawShape(scene.bodies[i], quick, GL_BACK);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_DEPTH_TEST);
-  bindTexture(ShadowMapUnit, shadowMap, comparing);
-  bindTexture(ShadowDepthUnit, shadowMap, plain);
 }
 
 void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& light) {
@@ -426,7 +452,7 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
     if (scene.bodies[i].tint.a < 1.0f) continue;
     bodyProgram("contact", scene.bodies[i]).use();
     poses[i].bind();
-    drawShape(scene.bodies[i], quick);
+    drawShape(scene.bodies[i], quick, GL_FRONT);  // the lower side counts
   }
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
@@ -446,17 +472,74 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
   program("blur", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "blur.frag"}).use();
   bindTexture(ContactUnit, noisyGroundLight);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/// The shadow map and the ground's light for the picture, each drawn only where it would not be as it is. In
+/// quick pictures the ground's light comes for two pictures at a time, and `light` then tells its place.
+void Renderer::State::prepareLight(const RenderScene& scene, Lighting& light, bool shadows,
+                                   const std::function<void()>& upload) {
+  const std::string casters = shadows ? castersOf(scene, light) : std::string();
+  const bool onGround = shadows && scene.ground.visible;
+  bool newGround = onGround && casters != groundLightFrom;
+  if (newGround && quick && !groundLightIsOld && !groundLightFrom.empty()) {
+    newGround = false;
+    groundLightIsOld = true;
+    light.patchCentre = groundLightCentre;
+    light.patchHalf = groundLightHalf;
+  }
+  upload();
+  if (shadows && casters != shadowsFrom) {
+    drawShadowMap(scene, light);
+    shadowsFrom = casters;
+  }
+  bindTexture(ShadowMapUnit, shadowMap, comparing);
+  bindTexture(ShadowDepthUnit, shadowMap, plain);
+  if (newGround) {
+    drawGroundLight(scene, light);
+    groundLightFrom = casters;
+    groundLightIsOld = false;
+    groundLightCentre = light.patchCentre;
+    groundLightHalf = light.patchHalf;
+  } else if (!shadows) {
+    glBindFramebuffer(GL_FRAMEBUFFER, groundLightBuffer);
+    glClearColor(1.0f, 1.0f, 1.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    groundLightFrom.clear();
+  }
   bindTexture(GroundLightUnit, groundLight);
+}
+
+/// All that shadows follow from.
+std::string Renderer::State::castersOf(const RenderScene& scene, const Lighting& light) const {
+  std::string facts;
+  const auto add = [&](const auto&... values) {
+    (facts.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
+  };
+  const auto addAll = [&](const auto& list) {
+    add(list.size());
+    facts.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof *list.data());
+  };
+  add(quick, light.size, light.up, light.groundX, light.groundY, light.groundHeight, light.shadowFromWorld,
+      light.patchCentre, light.patchHalf);
+  for (const BodyInstance& body : scene.bodies) {
+    if (body.tint.a < 1.0f) continue;
+    add(body.mesh->shapeVersion(), body.look, body.pose->sculpted);
+    addAll(body.pose->method);
+    addAll(body.pose->rows);
+    addAll(body.pose->layers);
+    if (body.hidden)
+      for (const std::string& part : *body.hidden) addAll(part);
+  }
+  return facts;
 }
 
 /// In quick pictures without what faces away, and with fewer triangles where those are a few pixels large.
 void Renderer::State::drawClay(const BodyInstance& body) const {
   constexpr float largest = 5.0f;  // pixels
   if (!quick || !body.mesh->isClosed()) return body.mesh->drawTriangles(isLayered(body));
-  glEnable(GL_CULL_FACE);
+  const Culling culling(body, GL_BACK);
   if (!(body.mesh->coarseEdge() * pixelsPerMetre < largest && body.mesh->drawCoarse(isLayered(body))))
     body.mesh->drawTriangles(isLayered(body));
-  glDisable(GL_CULL_FACE);
 }
 
 void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool translucent) {
@@ -571,13 +654,15 @@ void Renderer::State::copyTo(GLuint framebuffer, const Viewport& viewport) {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, viewport.width, viewport.height);
   glBindVertexArray(noVertices);
-  if (supersampling == 1 && asStored != 0) {  // nothing to average: the bytes as they are
-    program("copy", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "copy.frag"}).use();
-    bindTexture(ContactUnit, picture.texture(), asStored);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    bindTexture(ContactUnit, 0);
+#ifndef __EMSCRIPTEN__
+  if (supersampling == 1) {  // nothing to average: the bytes as they are
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture.framebuffer());
+    glBlitFramebuffer(0, 0, viewport.width, viewport.height, 0, 0, viewport.width, viewport.height,
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     return;
   }
+#endif
   const ShaderProgram& average =
       program("average", {.folder = rendererShaders(), .vertex = "screen.vert", .fragment = "average.frag"});
   average.use();
@@ -607,7 +692,6 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   glDisable(GL_CULL_FACE);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LEQUAL);
-  gl.prepareMaps();
   gl.prepareTargets(viewport);
   gl.poses.resize(std::max(gl.poses.size(), scene.bodies.size()));
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) gl.poses[i].upload(*scene.bodies[i].pose);
@@ -615,24 +699,16 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   const int n = gl.supersampling;
   const Viewport enlarged{n * viewport.width, n * viewport.height};
   gl.pixelsPerMetre = static_cast<float>(0.5 * enlarged.height / nearestHalfHeight(camera, scene.bounds));
+  gl.prepareMaps(scene, camera);
   const bool shadows = scene.shadows && !scene.bodies.empty();
-  const Lighting light = lightingOf(scene, camera, gl.shadowPixels);
-  const FrameBlock block =
-      frameBlock(scene, camera, enlarged, static_cast<float>(n) * pixelScale, light, shadows);
-  glBindBuffer(GL_UNIFORM_BUFFER, gl.frame);
-  glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof block, &block);
-  glBindBufferBase(GL_UNIFORM_BUFFER, frameBinding, gl.frame);
-
-  if (shadows) {
-    gl.drawShadowMap(scene, light);
-    if (scene.ground.visible) gl.drawGroundLight(scene, light);
-  } else {
-    glBindFramebuffer(GL_FRAMEBUFFER, gl.groundLightBuffer);
-    glClearColor(1.0f, 1.0f, 1.0f, 1.0f);
-    glClear(GL_COLOR_BUFFER_BIT);
-    bindTexture(ShadowMapUnit, gl.shadowMap, gl.comparing);
-    bindTexture(GroundLightUnit, gl.groundLight);
-  }
+  Lighting light = lightingOf(scene, camera, gl.shadowPixels);
+  gl.prepareLight(scene, light, shadows, [&] {
+    const FrameBlock block =
+        frameBlock(scene, camera, enlarged, static_cast<float>(n) * pixelScale, light, shadows);
+    glBindBuffer(GL_UNIFORM_BUFFER, gl.frame);
+    glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof block, &block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, frameBinding, gl.frame);
+  });
 
   glBindFramebuffer(GL_FRAMEBUFFER, gl.large.framebuffer());
   glViewport(0, 0, enlarged.width, enlarged.height);

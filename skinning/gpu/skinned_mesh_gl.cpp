@@ -357,12 +357,18 @@ void SkinnedMeshGl::setSculpture(const MuscleRig& rig) {
   const auto same = [](const FfdLattice& a, const FfdLattice& b) { return a.points == b.points; };
   if (std::equal(now.begin(), now.end(), displacements_.begin(), displacements_.end(), same)) return;
   displacements_ = std::move(now);
+  shapeVersion_ = newVersion();
   if (displacements_.empty()) return;  // poses are then drawn without SCULPTED
   const bool isNew = sculpture_ == 0;
   if (isNew) sculpture_ = GlBuffer::create();
   fill(GL_ARRAY_BUFFER, sculpture_, sculptureVertices(rig.body(), displacements_), GL_DYNAMIC_DRAW);
   if (isNew) attach(true, layeredArray_);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+int SkinnedMeshGl::newVersion() {
+  static int last = 0;
+  return ++last;
 }
 
 void SkinnedMeshGl::requireOnePerVertex(std::size_t count) const {
@@ -380,6 +386,7 @@ void SkinnedMeshGl::setColours(const std::vector<Eigen::Vector3f>& colours) {
 void SkinnedMeshGl::setShape(const SkinnedVertices& deformed) {
   requireOnePerVertex(deformed.positions.size());
   requireOnePerVertex(deformed.normals.size());
+  shapeVersion_ = newVersion();
   fill(GL_ARRAY_BUFFER, shape_, shapeVertices(deformed.positions, deformed.normals), GL_STREAM_DRAW);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }

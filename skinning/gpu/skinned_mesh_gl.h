@@ -61,6 +61,9 @@ class SkinnedMeshGl {
   int vertexCount() const { return vertexCount_; }
   int triangleCount() const { return triangleCount_; }
   int jointCount() const { return jointCount_; }
+  /// Another number for every mesh, and after every change of its shape: what was drawn of it still holds
+  /// while the number and the pose are the same.
+  int shapeVersion() const { return shapeVersion_; }
 
   /// One colour a vertex, linear light in [0, 1]: weights of a joint, an error, a volume. Grey until set.
   /// Throws std::invalid_argument on another length.
@@ -117,6 +120,8 @@ class SkinnedMeshGl {
   mutable std::optional<Coarse> coarse_;
   std::vector<FfdLattice> displacements_;  ///< that sculpture_ holds
   int vertexCount_ = 0, triangleCount_ = 0, jointCount_ = 0;
+  static int newVersion();
+  int shapeVersion_ = newVersion();
 };
 
 /// The shader's own result, read back by transform feedback: for tests and benchmarks, not for drawing.
