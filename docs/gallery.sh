@@ -54,6 +54,7 @@ shot muscles figure 16 <<'R'
 1 move {940} {47}
 2 press left
 4 release left
+6 move {300} {90}
 R
 shot files figure 14 <<'R'
 0 keydown ctrl

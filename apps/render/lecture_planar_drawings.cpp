@@ -45,15 +45,23 @@ LectureColours coloursOf(const LectureCanvas& canvas) {
 }  // namespace
 
 LectureColours lectureColours(Theme theme) {
-  const bool dark = theme == Theme::Dark;
-  const ImVec4& text = palette(theme).text;
+  const ImVec4& ink = palette(theme).text;
+  const Colour text{ink.x, ink.y, ink.z, 1.0f};
+  if (theme == Theme::Dark)
+    return {.first = {0.42f, 0.70f, 0.95f, 0.95f},
+            .second = {0.95f, 0.62f, 0.25f, 0.95f},
+            .linear = {0.98f, 0.48f, 0.58f, 1.0f},
+            .truth = {0.35f, 0.80f, 0.62f, 1.0f},
+            .target = {0.98f, 0.48f, 0.58f, 1.0f},
+            .faint = {0.8f, 0.8f, 0.8f, 0.35f},
+            .text = text};
   return {.first = {0.12f, 0.47f, 0.71f, 0.95f},
           .second = {0.84f, 0.45f, 0.07f, 0.95f},
           .linear = {0.80f, 0.20f, 0.35f, 1.0f},
           .truth = {0.10f, 0.55f, 0.40f, 1.0f},
           .target = {0.80f, 0.20f, 0.35f, 1.0f},
-          .faint = dark ? Colour{0.8f, 0.8f, 0.8f, 0.35f} : Colour{0.2f, 0.2f, 0.25f, 0.30f},
-          .text = {text.x, text.y, text.z, 1.0f}};
+          .faint = {0.2f, 0.2f, 0.25f, 0.30f},
+          .text = text};
 }
 
 void PlanarDrawing::links(Overlay& overlay, const VectorXd& phi, const Colour& colour, float width) const {

@@ -58,10 +58,25 @@ void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd
       colour32(sandbox.state().colours().textDim), 1.4f * sandbox.scale());
 }
 
-void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box) {
+void LectureScene::frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box) {
   Sandbox::State& s = sandbox.state();
   s.cameraMove.reset();
   s.camera() = frameBox(s.camera(), s.viewport(), box, 0.06);
+  framed_ = {box, s.camera(), s.viewport()};
+}
+
+void LectureScene::keepInView(Sandbox& sandbox) {
+  if (!framed_) return;
+  auto& [box, camera, viewport] = *framed_;
+  Camera& now = sandbox.camera();
+  if (now.distance != camera.distance || now.azimuth != camera.azimuth || now.elevation != camera.elevation ||
+      now.orthographic != camera.orthographic)
+    return framed_.reset();
+  const Viewport view = sandbox.state().viewport();
+  if (viewport.width == view.width && viewport.height == view.height) return;
+  box.translate(now.target - camera.target);  // it walks along, or was panned
+  now = camera = frameBox(now, view, box, 0.06);
+  viewport = view;
 }
 
 namespace {
@@ -131,9 +146,10 @@ std::vector<std::string> wrapped(const std::string& words, float width) {
   return pieces;
 }
 
-/// Where the cells of a line begin: runs of three or more blanks part them.
-std::vector<std::pair<std::size_t, std::string>> cellsOf(const std::string& line) {
-  std::vector<std::pair<std::size_t, std::string>> cells;
+/// The cells of a line and where they begin: runs of three or more blanks part them.
+using Cells = std::vector<std::pair<std::size_t, std::string>>;
+Cells cellsOf(const std::string& line) {
+  Cells cells;
   std::size_t at = line.find_first_not_of(' ');
   while (at != std::string::npos) {
     const std::size_t gap = line.find("   ", at);
@@ -141,6 +157,50 @@ std::vector<std::pair<std::size_t, std::string>> cellsOf(const std::string& line
     at = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
   }
   return cells;
+}
+
+/// Cells of a table that stand below each other.
+struct TextColumn {
+  std::size_t from, to;  ///< of the text's characters
+  bool isRight = false;  ///< they end at the same place
+  float left = 0.0f, width = 0.0f;
+  bool holds(std::size_t at) const { return at >= from && at < to; }
+};
+/// What shares a character's place is of one column; cells of one line never are.
+std::vector<TextColumn> columnsOf(const std::vector<Cells>& table) {
+  std::vector<TextColumn> spans;
+  for (const Cells& row : table)
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const auto& [at, words] = row[k];
+      spans.push_back({.from = at, .to = at + words.size()});
+    }
+  std::ranges::sort(spans, {}, &TextColumn::from);
+  std::vector<TextColumn> columns;
+  std::vector<std::vector<std::size_t>> ends;
+  const auto isParted = [&](std::size_t before, std::size_t at) {  // by a line that has a cell on each side
+    return std::ranges::any_of(table, [&](const Cells& row) {
+      bool has = false;
+      for (const auto& [begin, words] : row) {
+        if (begin == at && has) return true;
+        has = has || (begin >= before && begin < at);
+      }
+      return false;
+    });
+  };
+  for (const TextColumn& span : spans)
+    if (columns.empty() || (span.from >= columns.back().to) || isParted(columns.back().from, span.from)) {
+      if (!columns.empty()) columns.back().to = std::min(columns.back().to, span.from);
+      columns.push_back(span);
+      ends.push_back({span.to});
+    } else {
+      columns.back().to = std::max(columns.back().to, span.to);
+      ends.back().push_back(span.to);
+    }
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const bool oneEnd = std::ranges::all_of(ends[c], [&](std::size_t end) { return end == ends[c].front(); });
+    columns[c].isRight = oneEnd && ends[c].size() > 1;
+  }
+  return columns;
 }
 
 }  // namespace
@@ -152,12 +212,11 @@ void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen, float
   // Given a size, what would be wider than the window is set smaller.
   const auto fit = [&](float width) {
     if (size > 0.0f)
-      ImGui::SetWindowFontScale(
-          whole * std::clamp(ImGui::GetContentRegionAvail().x / std::max(width, 1.0f), 0.55f, 1.0f));
+      ImGui::SetWindowFontScale(whole *
+                                std::min(ImGui::GetContentRegionAvail().x / std::max(width, 1.0f), 1.0f));
   };
   fit(0.0f);
   const auto cell = [] { return 0.47f * ImGui::GetFontSize(); };  // about the mean width of a character
-  using Cells = std::vector<std::pair<std::size_t, std::string>>;
   std::vector<std::vector<std::string>> matrix;
   std::vector<Cells> table;
   std::size_t indent = 0;
@@ -169,19 +228,34 @@ void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen, float
     matrix.clear();
   };
   const auto endTable = [&] {
-    float width = 0.0f;
-    for (const Cells& row : table)
-      width = std::max(width, cell() * static_cast<float>(row.back().first) + widthOf(row.back().second));
-    fit(width);
+    if (table.empty()) return;
+    std::vector<TextColumn> columns = columnsOf(table);
+    const float gap = 2.5f;
+    const auto place = [&] {  // as near to each other as the widest cells allow
+      float x = cell() * static_cast<float>(table.front().front().first);
+      for (TextColumn& column : columns) {
+        column.left = x;
+        column.width = 0.0f;
+        for (const Cells& row : table)
+          for (const auto& [at, words] : row)
+            if (column.holds(at)) column.width = std::max(column.width, widthOf(words));
+        x += column.width + gap * cell();
+      }
+      return x - gap * cell();
+    };
+    fit(place());
+    place();
     for (const Cells& row : table) {
       float over = 0.0f;
       for (const auto& [at, words] : row)
         over = std::max(over, mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), words).over);
       for (std::size_t k = 0; k < row.size(); ++k) {
+        const auto& [at, words] = row[k];
+        const TextColumn& column =
+            *std::ranges::find_if(columns, [&, at = at](const TextColumn& c) { return c.holds(at); });
         if (k > 0) ImGui::SameLine(0, 0);
-        ImGui::SetCursorPosX(std::max(k == 0 ? 0.0f : ImGui::GetCursorPosX() + cell(),
-                                      cell() * static_cast<float>(row[k].first)));
-        mathItem(row[k].second, over);
+        ImGui::SetCursorPosX(column.left + (column.isRight ? column.width - widthOf(words) : 0.0f));
+        mathItem(words, over);
       }
     }
     fit(0.0f);
@@ -303,14 +377,16 @@ class LecturePanel final : public Panel {
     ImGui::SameLine(0, 16 * sandbox.scale());
     drawSwitch(sandbox);
     ImGui::Dummy({0, 6 * sandbox.scale()});
-    ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
+    ImGui::BeginChild("derivation", {0, 0});
     columnText(sandbox, shown_, sandbox.state().gui.fonts().title, size);
     ImGui::EndChild();
     return true;
   }
 
   void step(Sandbox& sandbox, double seconds) override {
-    if (scene_) scene_->step(sandbox, seconds);
+    if (!scene_) return;
+    scene_->keepInView(sandbox);
+    scene_->step(sandbox, seconds);
   }
   double rests(const Sandbox& sandbox) const override {
     return scene_ && scene_->moves(sandbox) ? 0.0 : std::numeric_limits<double>::infinity();

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,21 @@ class LectureScene {
   virtual bool takesAnyModel() const { return false; }  ///< else only one with the joints of its own
   virtual bool changesModel() const { return false; }   ///< true while the scene itself opens another model
   virtual LectureDrawing& drawing() = 0;                ///< what it shows in the view, with its state
-  virtual void taken(Sandbox&) {}                       ///< after the drawing took up a document's state
+  /// As long as nobody turns or zooms the camera, what the scene framed stays in view, whatever its size.
+  void keepInView(Sandbox& sandbox);
+  virtual void taken(Sandbox&) {}  ///< after the drawing took up a document's state
+
+ protected:
+  /// Moves the camera so that the box fills the view.
+  void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box);
+
+ private:
+  struct Framed {
+    Eigen::AlignedBox3d box;
+    Camera camera;
+    Viewport viewport;
+  };
+  std::optional<Framed> framed_;
 };
 
 /// The scene of a topic of lectureTopics(). Throws std::invalid_argument for another id.
@@ -58,8 +73,6 @@ void valueRow(Sandbox& sandbox, const std::string& name, const std::string& valu
 void headingRow(Sandbox& sandbox, const char* words);
 /// A matrix as aligned columns.
 void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd& m, const char* format);
-/// Moves the camera so that the box fills the view.
-void frameView(Sandbox& sandbox, const Eigen::AlignedBox3d& box);
 /// Text in columns: runs of three or more blanks begin a cell at the same place in every line; lines in
 /// square brackets are the rows of a matrix. font: null, the small one. size: of the type in pixels, where
 /// tables and matrices that would be wider than the window are set smaller; 0: the font's own.
