@@ -2,6 +2,8 @@
 
 #include <imgui_impl_opengl3.h>
 
+#include <cmath>
+
 #include "apps/render/mathematics.h"
 #include "apps/render/rulers.h"
 #include "skinning/gpu/gl.h"
@@ -20,7 +22,9 @@ void writeWords(const LabelPen& pen, ImVec2 at, const ImVec4& colour, const std:
   ImFont* font = pen.font;
   ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
   if (isFormula) size = {mathExtent(font, font->FontSize, text).width, size.y};
-  LabelBox box{at.x - 5 * pen.scale, at.y - 2 * pen.scale, size.x + 10 * pen.scale, size.y + 4 * pen.scale};
+  // In whole pixels: sharp, and the same wherever the picture lies.
+  LabelBox box{std::floor(at.x - 5 * pen.scale), std::floor(at.y - 2 * pen.scale),
+               std::ceil(size.x + 10 * pen.scale), std::ceil(size.y + 4 * pen.scale)};
   if (!pen.places->place(box)) return;
   at = {box.x + 5 * pen.scale, box.y + 2 * pen.scale};
   pen.draw->AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + box.height},

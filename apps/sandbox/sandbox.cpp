@@ -422,6 +422,7 @@ void Sandbox::select(std::optional<int> joint) { state_->session->selectJoint(jo
 
 void Sandbox::say(const std::string& sentence, bool isError) {
   State& s = *state_;
+  std::erase_if(s.notices, [&](const Notice& notice) { return notice.words == sentence; });
   s.notices.push_back({sentence, isError, s.time + (isError ? errorSeconds : noticeSeconds)});
   if (s.notices.size() > 4) s.notices.erase(s.notices.begin());
 }
