@@ -28,7 +28,9 @@ Goal targetGoal(const std::vector<double>& t, int joint) {
     throw std::invalid_argument(
         fmt::format("--target wants X Y Z or X Y Z QW QX QY QZ, {} values given", t.size()));
   for (double value : t)
-    if (!std::isfinite(value)) throw std::invalid_argument("--target must be finite numbers");
+    if (!(std::abs(value) <= 1e9))
+      throw std::invalid_argument(
+          fmt::format("--target wants numbers up to 1e9 in size (metres), found {}", value));
   Goal goal{.joint = joint, .target = {t[0], t[1], t[2]}};
   if (t.size() == 3) return goal;
   goal.kind = GoalKind::Pose;

@@ -45,11 +45,12 @@ struct Told {
   unsigned free;
 };
 
-/// "joints 4 and 6 turn together: dq = (0, 0, 0, 0.71, 0, -0.71)"
+/// "joints 4, 6 move together along dq = (0, 0, 0, 0.707, 0, -0.707)", "joint 3 may stand anywhere"
 std::string familyText(const Told& t) {
   std::vector<int> joints;
   for (int i = 0; i < t.q.size(); ++i)
     if (std::abs(t.singularity.direction[i]) > 1e-6) joints.push_back(i + 1);
+  if (joints.size() == 1 && t.free != 0) return fmt::format("joint {} may stand anywhere", joints[0]);
   VectorXd d = t.singularity.direction;
   for (double& x : d)
     if (std::abs(x) < 5e-4) x = 0.0;
@@ -71,7 +72,7 @@ std::vector<Told> tell(const CompleteSet& set, const ArmSolutions& found, const 
     t.position = verdict.goals[0].position;
     t.orientation = verdict.goals[0].orientation;
     t.distance = (t.q - near).norm();
-    t.singularity = singularity(set.chain(), t.q);
+    t.singularity = set.singularity(t.q);
     t.images = 1;
     for (int i = 0; i < n; ++i)
       if (set.chain().constants.revolute[i] > 0.5)
@@ -259,7 +260,11 @@ bool run(const Request& request) {
     return !list.empty();
   }
   fmt::print("{}, tip {}: {}\n", model.name, model.skeleton.joint(joint).name, set.arm().describe());
-  if (!found.complete) fmt::print("the set may lack members: the elimination was ill-conditioned here\n");
+  const bool hasFamilies = std::any_of(list.begin(), list.end(), [](const Told& t) { return t.free != 0; });
+  if (!found.complete)
+    fmt::print("the set may lack members: {}\n",
+               hasFamilies ? "there are curves of solutions, and a member of some is told"
+                           : "the elimination was ill-conditioned here");
   fmt::print("{} solution{}{}\n", list.size(), list.size() == 1 ? "" : "s",
              request.limits ? fmt::format(" within limits, {} outside", outside) : "");
   int number = 0;

@@ -345,7 +345,7 @@ py::dict solutions(const ModelPtr& model, const py::object& target, const py::ob
     q.col(i) = all;
     error[i] = judge(problem, all).goals[0].position;
     away[i] = distance(list[i]);
-    sigma[i] = singularity(set->chain(), list[i]->q.head(n)).sigmaMin;
+    sigma[i] = set->singularity(list[i]->q.head(n)).sigmaMin;
     within.mutable_at(i) = list[i]->withinLimits;
     branch.mutable_at(i, 0) = list[i]->shoulder;
     branch.mutable_at(i, 1) = list[i]->elbow;

@@ -92,7 +92,9 @@ SixJointArm::SixJointArm(const SerialChain& chain) : chain_(chain) {
   triple_.emplace(decomposition_.kind, cutAt(fixed_, decomposition_.cut), goalLink(decomposition_.cut));
   if (fixed_.slides && !hasFiniteSets())
     throw std::invalid_argument(
-        "the joints that slide leave families of solutions, or none, wherever the arm stands");
+        "the joints that slide leave families of solutions, or none, wherever the arm stands, or need "
+        "another "
+        "method than three turning joints that meet behind them");
   const bool shoulderAndElbow = !parallel(fixed_.link[0]) && parallel(fixed_.link[1]);
   named_ = shoulderAndElbow && !fixed_.slides &&
            ((decomposition_.kind == LoopClass::SphericalTriple && decomposition_.firstOfThree == 3) ||

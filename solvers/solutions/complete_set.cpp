@@ -2,8 +2,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
+
+#include "solvers/solutions/lanes.h"
 
 namespace gelenk {
 namespace {
@@ -12,6 +15,8 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+
+constexpr double turn = 2.0 * M_PI;
 
 int conditions(TipTask task) { return task == TipTask::Pose ? 6 : task == TipTask::Axis ? 5 : 3; }
 
@@ -73,6 +78,108 @@ SixJointArm armOf(const Skeleton& skeleton, int tipJoint, const SerialChain& cha
   return SixJointArm(result.chain);
 }
 
+/// The tip's point and axes, world, and how they move with each joint: the place over the arm's length, then
+/// what the task asks of the orientation.
+struct Motion {
+  Isometry3d tip;
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 8> J;
+};
+
+Motion motionOf(const SerialChain& chain, const CompleteSetTask& task, const VectorXd& q) {
+  const ChainConstants& C = chain.constants;
+  Motion motion;
+  motion.J.resize(6, chain.n);
+  std::array<Vector3d, 8> axis, origin;
+  Isometry3d frame = chain.worldFromBase;
+  for (int i = 0; i < chain.n; ++i) {
+    Isometry3d link = Isometry3d::Identity();
+    link.linear() << 1, 0, 0, 0, C.cosAlpha[i], -C.sinAlpha[i], 0, C.sinAlpha[i], C.cosAlpha[i];
+    const double shift = C.d[i] + (1.0 - C.revolute[i]) * q[i];
+    link.translation() = Vector3d(C.a[i], 0, 0) + link.linear().col(2) * shift;
+    frame = frame * link;
+    axis[i] = frame.linear().col(2);
+    origin[i] = frame.translation();
+    frame.rotate(Eigen::AngleAxisd(C.theta[i] + C.revolute[i] * q[i], Vector3d::UnitZ()));
+  }
+  motion.tip = frame * chain.lastFromTip;
+  motion.tip.translation() = motion.tip * task.pointInTip;
+  for (int i = 0; i < chain.n; ++i) {
+    const bool turns = C.revolute[i] > 0.5;
+    Vector3d turn = turns ? axis[i] : Vector3d::Zero();
+    const Vector3d way = turns ? axis[i].cross(motion.tip.translation() - origin[i]) : axis[i];
+    if (task.task == TipTask::Position) turn.setZero();
+    if (task.task == TipTask::Axis) turn = turn.cross(motion.tip.linear() * task.axisInTip).eval();
+    motion.J.col(i) << way / chain.length, turn;
+  }
+  return motion;
+}
+
+Singularity leastMotion(const Eigen::MatrixXd& J, int conditions) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullV);
+  const int n = static_cast<int>(J.cols());
+  return {svd.singularValues()[std::min(conditions, n) - 1], svd.matrixV().col(n - 1)};
+}
+
+/// What is missing at the tip, in the rows of Motion.
+Vector6d missing(const SerialChain& chain, const CompleteSetTask& task, const Isometry3d& target,
+                 const Isometry3d& tip) {
+  Vector6d r = Vector6d::Zero();
+  r.head<3>() = (target.translation() - tip.translation()) / chain.length;
+  if (task.task == TipTask::Pose) {
+    const Eigen::AngleAxisd turn(Matrix3d(target.linear() * tip.linear().transpose()));
+    r.tail<3>() = turn.angle() * turn.axis();
+  }
+  if (task.task == TipTask::Axis) r.tail<3>() = (target.linear() - tip.linear()) * task.axisInTip;
+  return r;
+}
+
+constexpr double reachedError = 1e-11;  ///< lengths of the arm and radians
+
+/// Levenberg and Marquardt from q; with a direction the way along it from the start is one more condition.
+bool approach(const SerialChain& chain, const CompleteSetTask& task, const Isometry3d& target, VectorXd& q,
+              const VectorXd* along = nullptr, double way = 0.0) {
+  using Rows = Eigen::Matrix<double, 7, Eigen::Dynamic, Eigen::ColMajor, 7, 8>;
+  const VectorXd start = q;
+  const auto errorAt = [&](const VectorXd& at, const Motion& motion) {
+    Eigen::Matrix<double, 7, 1> r;
+    r << missing(chain, task, target, motion.tip), along ? way - along->dot(at - start) : 0.0;
+    return r;
+  };
+  Motion motion = motionOf(chain, task, q);
+  Eigen::Matrix<double, 7, 1> r = errorAt(q, motion);
+  double damping = 1e-2;
+  for (int step = 0; step < 80 && r.norm() > reachedError && damping < 1e8; ++step) {
+    Rows A(7, chain.n);
+    A << motion.J, along ? Eigen::RowVectorXd(along->transpose()) : Eigen::RowVectorXd::Zero(chain.n);
+    Eigen::MatrixXd normal = A.transpose() * A;
+    normal.diagonal().array() += damping * r.squaredNorm();
+    const VectorXd next = q + normal.ldlt().solve(A.transpose() * r);
+    const Motion there = motionOf(chain, task, next);
+    const Eigen::Matrix<double, 7, 1> after = errorAt(next, there);
+    if (after.norm() < r.norm()) {
+      q = next, motion = there, r = after;
+      damping *= 0.3;
+    } else {
+      damping *= 8.0;
+    }
+  }
+  return r.norm() <= reachedError;
+}
+
+/// Whether the last joint turns about the very axis that the task asks for: it may stand anywhere, and the
+/// pose asked for decides nothing more than the axis.
+bool rollsAboutTheAxis(const SerialChain& chain, const CompleteSetTask& task) {
+  if (task.task != TipTask::Axis || chain.constants.revolute[chain.n - 1] < 0.5) return false;
+  const Vector3d point = chain.lastFromTip * task.pointInTip,
+                 axis = chain.lastFromTip.linear() * task.axisInTip;
+  return point.head<2>().norm() < 1e-9 * chain.length && axis.head<2>().norm() < 1e-9;
+}
+
+CompleteSetTask asTheArmSolvesIt(const SerialChain& chain, CompleteSetTask task) {
+  if (rollsAboutTheAxis(chain, task)) task.task = TipTask::Pose;
+  return task;
+}
+
 }  // namespace
 
 std::string CompleteSet::whyNot(const Skeleton& skeleton, int tipJoint, const CompleteSetTask& task) {
@@ -91,11 +198,14 @@ std::string CompleteSet::whyNot(const Skeleton& skeleton, int tipJoint, const Co
 }
 
 CompleteSet::CompleteSet(const Skeleton& skeleton, int tipJoint, const CompleteSetTask& task)
-    : task_(task), chain_(chainOf(skeleton, tipJoint, task)), arm_(armOf(skeleton, tipJoint, chain_, task)) {}
+    : task_(task),
+      chain_(chainOf(skeleton, tipJoint, task)),
+      solved_(asTheArmSolvesIt(chain_, task)),
+      arm_(armOf(skeleton, tipJoint, chain_, solved_)) {}
 
 void CompleteSet::solve(const Isometry3d& target, const Vector6d& reference, ArmSolutions& out) const {
   arm_.solve(target, reference, out);
-  const int n = chain_.n, bound = conditions(task_.task);
+  const int n = chain_.n, bound = conditions(solved_.task);
   if (n == 6) return;
   int kept = 0;
   for (int k = 0; k < out.count; ++k) {
@@ -105,44 +215,90 @@ void CompleteSet::solve(const Isometry3d& target, const Vector6d& reference, Arm
     if (!own) continue;
     s.q.tail(6 - n).setZero();
     s.free &= static_cast<unsigned char>((1u << n) - 1u);
-    for (int i = 0; i < kept && own; ++i) {  // the same arm with another turn of what is free
-      double apart = 0.0;
-      for (int j = 0; j < n; ++j)
-        apart = std::max(apart, chain_.constants.revolute[j] > 0.5
-                                    ? std::abs(std::remainder(out.list[i].q[j] - s.q[j], 2.0 * M_PI))
-                                    : std::abs(out.list[i].q[j] - s.q[j]));
-      own = apart > 1e-7;
-    }
-    if (own) out.list[kept++] = s;
+    tellFamily(target, reference, s, out);
+    if (!isThere(out, kept, s.q)) out.list[kept++] = s;
   }
   out.count = kept;
+  if (kept == 0) search(target, reference, out);
+}
+
+/// The same arm with another turn of what is free.
+bool CompleteSet::isThere(const ArmSolutions& out, int count, const Vector6d& q) const {
+  for (int i = 0; i < count; ++i) {
+    double apart = 0.0;
+    for (int j = 0; j < chain_.n; ++j) {
+      const double d = out.list[i].q[j] - q[j];
+      apart = std::max(apart, std::abs(chain_.constants.revolute[j] > 0.5 ? std::remainder(d, turn) : d));
+    }
+    if (apart <= 1e-7) return true;
+  }
+  return false;
+}
+
+/// Joints that do not move what is asked for take the reference's value. Where joints can move together and
+/// the target stays reached the solution is one of a curve, of which others may be missing.
+void CompleteSet::tellFamily(const Isometry3d& target, const Vector6d& reference, ArmSolution& s,
+                             ArmSolutions& out) const {
+  constexpr double still = 1e-9, singular = 1e-6;
+  const int n = chain_.n;
+  Eigen::MatrixXd J = motionOf(chain_, task_, s.q.head(n)).J;
+  for (int i = 0; i < n; ++i) {
+    if (J.col(i).norm() > still) continue;
+    J.col(i) = Vector6d::Unit(i);  // not to be found once more below
+    s.q[i] = std::clamp(reference[i], chain_.lower[i], chain_.upper[i]);
+    s.free |= static_cast<unsigned char>(1u << i);
+  }
+  s.withinLimits = true;
+  for (int i = 0; i < n; ++i)
+    s.withinLimits &= s.q[i] >= chain_.lower[i] - 1e-9 && s.q[i] <= chain_.upper[i] + 1e-9;
+  const Singularity where = leastMotion(J, n);
+  if (where.sigmaMin > singular) return;
+  for (const double way : {0.01, -0.01}) {
+    VectorXd q = s.q.head(n);
+    if (!approach(chain_, task_, target, q, &where.direction, way)) continue;
+    for (int i = 0; i < n; ++i)
+      if (std::abs(where.direction[i]) > singular) s.free |= static_cast<unsigned char>(1u << i);
+    out.complete = false;
+    return;
+  }
+}
+
+/// Where the elimination found nothing: it may be blind to families of solutions (axes in line). One member
+/// is looked for from the reference and from places spread over the ranges.
+void CompleteSet::search(const Isometry3d& target, const Vector6d& reference, ArmSolutions& out) const {
+  constexpr int starts = 24;
+  const int n = chain_.n;
+  for (int k = 0; k < starts; ++k) {
+    VectorXd q = reference.head(n);
+    for (int i = 0; i < n && k > 0; ++i) {
+      const double lower = std::max(chain_.lower[i], q[i] - M_PI),
+                   upper = std::min(chain_.upper[i], q[i] + M_PI),
+                   share = std::fmod(k * std::sqrt(i + 2.0), 1.0);
+      q[i] = lower + share * std::max(upper - lower, 0.0);
+    }
+    if (!approach(chain_, task_, target, q)) continue;
+    ArmSolution s;
+    s.q.setZero();
+    s.q.head(n) = q;
+    s.error = missing(chain_, task_, target, motionOf(chain_, task_, q).tip).norm();
+    for (int i = 0; i < n; ++i)
+      if (chain_.constants.revolute[i] > 0.5)
+        lanes::toNearestImage(s.q[i], chain_.lower[i], chain_.upper[i], reference[i]);
+    tellFamily(target, reference, s, out);
+    out.complete = false;
+    if (isThere(out, out.count, s.q)) continue;
+    const bool isFirst = out.count == 0;
+    if (isFirst || !out.list[0].withinLimits) out.list[0] = s, out.count = 1;
+    if (s.withinLimits) return;
+  }
 }
 
 Singularity singularity(const SerialChain& chain, const VectorXd& q) {
-  const ChainConstants& C = chain.constants;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, chain.n);
-  std::vector<Vector3d> axis, origin;
-  Isometry3d frame = Isometry3d::Identity();
-  for (int i = 0; i < chain.n; ++i) {
-    Isometry3d link = Isometry3d::Identity();
-    link.linear() << 1, 0, 0, 0, C.cosAlpha[i], -C.sinAlpha[i], 0, C.sinAlpha[i], C.cosAlpha[i];
-    const double shift = C.d[i] + (1.0 - C.revolute[i]) * q[i];
-    link.translation() = Vector3d(C.a[i], 0, 0) + link.linear().col(2) * shift;
-    frame = frame * link;
-    axis.push_back(frame.linear().col(2));
-    origin.push_back(frame.translation());
-    frame.rotate(Eigen::AngleAxisd(C.theta[i] + C.revolute[i] * q[i], Vector3d::UnitZ()));
-  }
-  const Vector3d tip = frame * chain.lastFromTip.translation();
-  for (int i = 0; i < chain.n; ++i) {
-    if (C.revolute[i] > 0.5)
-      J.col(i) << axis[i].cross(tip - origin[i]) / chain.length, axis[i];
-    else
-      J.col(i) << axis[i] / chain.length, Vector3d::Zero();
-  }
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullV);
-  const int rank = std::min(6, chain.n);
-  return {svd.singularValues()[rank - 1], svd.matrixV().col(chain.n - 1)};
+  return leastMotion(motionOf(chain, {}, q).J, 6);
+}
+
+Singularity CompleteSet::singularity(const VectorXd& q) const {
+  return leastMotion(motionOf(chain_, task_, q).J, conditions(task_.task));
 }
 
 }  // namespace gelenk

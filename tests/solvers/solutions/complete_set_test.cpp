@@ -508,6 +508,117 @@ TEST(CompleteSet, FewerJointsThanSixAreExactWhereTheSetIsFinite) {
   }
 }
 
+/// An arm by rows of standard Denavit-Hartenberg parameters.
+Skeleton armOfRows(std::vector<DhRow> rows) {
+  return toSkeleton(DhTable{.name = "rows", .convention = DhConvention::Standard, .rows = std::move(rows)});
+}
+
+/// The set of the last joint's task at the pose that q makes; each solution is judged by forward kinematics.
+ArmSolutions judgedSet(const Skeleton& skeleton, const CompleteSetTask& task, const VectorXd& q,
+                       const Vector6d& reference) {
+  const int tip = skeleton.jointCount() - 1;
+  const CompleteSet set(skeleton, tip, task);
+  const Isometry3d made = forwardKinematics(skeleton, q)[tip];
+  ArmSolutions found;
+  set.solve(made, reference, found);
+  for (const ArmSolution& s : found.all()) {
+    VectorXd all = q;
+    for (int i = 0; i < set.joints(); ++i) all[set.chain().qIndex[i]] = s.q[i];
+    const Isometry3d reached = forwardKinematics(skeleton, all)[tip];
+    EXPECT_LT((reached.translation() - made.translation()).norm(), 1e-8);
+    if (task.task == TipTask::Pose) {
+      EXPECT_LT((reached.linear() - made.linear()).norm(), 1e-8);
+    }
+    if (task.task == TipTask::Axis) {
+      EXPECT_LT(((reached.linear() - made.linear()) * task.axisInTip).norm(), 1e-8);
+    }
+    if (s.free != 0) {
+      EXPECT_LT(set.singularity(s.q.head(set.joints())).sigmaMin, 1e-6);
+    }
+  }
+  return found;
+}
+
+TEST(CompleteSet, AToolThatRollsAboutItsOwnAxisHasAllPosesAndKeepsTheReferencesRoll) {
+  const Skeleton torch = armOfRows({{.alpha = M_PI / 2, .d = 0.3},
+                                    {.a = 0.4},
+                                    {.a = 0.3},
+                                    {.alpha = M_PI / 2, .phi = M_PI / 2},
+                                    {.d = 0.1}});
+  std::mt19937_64 random(5);
+  for (int t = 0; t < 60; ++t) {
+    const VectorXd q = randomAngles(random).head(5);
+    Vector6d reference = Vector6d::Zero();
+    reference[4] = 0.7;
+    const ArmSolutions pose = judgedSet(torch, {}, q, reference),
+                       axis = judgedSet(torch, {.task = TipTask::Axis}, q, reference);
+    EXPECT_EQ(axis.count, pose.count);
+    EXPECT_TRUE(axis.complete);
+    double nearest = INFINITY;
+    for (const ArmSolution& s : axis.all()) {
+      EXPECT_EQ(s.q[4], 0.7);
+      EXPECT_TRUE(s.free >> 4 & 1);
+      nearest = std::min(nearest, apart(VectorXd(s.q.head(4)), VectorXd(q.head(4))));
+    }
+    EXPECT_LT(nearest, 1e-6);
+  }
+}
+
+TEST(CompleteSet, CurvesOfFewerJointsAreToldAsCurvesAndNeverAsOutOfReach) {
+  const auto planar = [](int n) {
+    std::vector<DhRow> rows;
+    for (int i = 0; i < n; ++i) rows.push_back({.a = 1.0 - 0.15 * i});
+    return armOfRows(rows);
+  };
+  const Skeleton coaxial = armOfRows({{.d = 0.3}, {.d = 0.1}, {.a = 0.4}});
+  std::mt19937_64 random(6);
+  for (int t = 0; t < 40; ++t) {
+    const Vector6d q = randomAngles(random), reference = randomAngles(random);
+    for (const auto& [skeleton, task] : {std::pair{planar(3), TipTask::Position},
+                                         {planar(4), TipTask::Pose},
+                                         {planar(5), TipTask::Pose},
+                                         {coaxial, TipTask::Position}}) {
+      SCOPED_TRACE(skeleton.nq());
+      const ArmSolutions found = judgedSet(skeleton, {.task = task}, q.head(skeleton.nq()), reference);
+      EXPECT_GT(found.count, 0);
+      EXPECT_FALSE(found.complete);
+      for (const ArmSolution& s : found.all()) EXPECT_NE(s.free, 0);
+    }
+    // Three conditions in the plane and three joints: finite, and complete.
+    const ArmSolutions exact = judgedSet(planar(3), {}, q.head(3), reference);
+    EXPECT_EQ(exact.count, 2);
+    EXPECT_TRUE(exact.complete);
+  }
+}
+
+TEST(CompleteSet, AJointThatDoesNotMoveThePointKeepsTheReference) {
+  const Skeleton ur5 = toSkeleton(robotTable("ur5"));
+  for (const char* tip : {"joint1", "joint3"}) {
+    const int joint = ur5.jointIndex(tip);
+    const CompleteSet set(ur5, joint, {.task = TipTask::Position});
+    const VectorXd q = VectorXd::Constant(ur5.nq(), 0.4);
+    Vector6d reference = Vector6d::Zero();
+    reference[set.joints() - 1] = 0.25;
+    ArmSolutions found;
+    set.solve(forwardKinematics(ur5, q)[joint], reference, found);
+    EXPECT_EQ(found.count, set.joints() == 1 ? 1 : 2) << tip;
+    for (const ArmSolution& s : found.all()) {
+      EXPECT_EQ(s.q[set.joints() - 1], 0.25);
+      EXPECT_NE(s.free, 0);
+    }
+  }
+}
+
+TEST(CompleteSet, AStretchedArmIsSingularInWhatIsAskedOfIt) {
+  const Skeleton arm = armOfRows({{.a = 1.0}, {.a = 0.8}});
+  const CompleteSet set(arm, arm.jointCount() - 1, {.task = TipTask::Position});
+  EXPECT_LT(set.singularity(Eigen::Vector2d(0.3, 0.0)).sigmaMin, 1e-12);
+  EXPECT_GT(set.singularity(Eigen::Vector2d(0.3, 1.0)).sigmaMin, 0.1);
+  const ArmSolutions merged = judgedSet(arm, {.task = TipTask::Position}, Eigen::Vector2d(0.3, 0.0), {});
+  ASSERT_GT(merged.count, 0);
+  EXPECT_EQ(merged.list[0].free, 0);  // branches merge, and no curve is told
+}
+
 TEST(CompleteSet, FamiliesAndSlidingJointsAreRefusedWithAReason) {
   const Skeleton panda = toSkeleton(robotTable("panda")), scara = toSkeleton(robotTable("scara"));
   EXPECT_NE(CompleteSet::whyNot(panda, panda.jointCount() - 1).find("families"), std::string::npos);
