@@ -20,21 +20,27 @@ namespace gelenk {
 /// An option or a positional argument of a command; refinements can be chained.
 class Option {
  public:
-  explicit Option(CLI::Option* option) : option_(option) {}
+  /// number: what an error calls its value, "a whole number"; empty where it is no number.
+  explicit Option(CLI::Option* option, std::string number = "")
+      : option_(option), number_(std::move(number)) {}
   Option& required();
   Option& showDefault();  ///< the value that it has now stands in the help text
   Option& oneOf(const std::vector<std::string>& words);  ///< other words are refused with the list
   Option& positive();                                    ///< a number above zero
   Option& nonNegative();
   Option& range(double low, double high);
-  Option& count(int values);              ///< so many values, not more or fewer
+  Option& frameRate() { return range(0.01, 10000.0); }  ///< frames a second
+  Option& count(int values);                            ///< so many values, not more or fewer
   Option& commas();                       ///< of a list: several values in one word, between commas
   Option& oneAtATime();                   ///< of a list: every value wants the option's name before it
   Option& excludes(const Option& other);  ///< refused beside the other
   Option& needs(const Option& other);     ///< refused where the other is not given
 
  private:
+  Option& demand(const std::string& where, std::function<bool(double)> holds);
+
   CLI::Option* option_;
+  std::string number_;
 };
 
 /// The program or one of its commands.
@@ -44,8 +50,9 @@ class Command {
   Command command(const std::string& name, const std::string& help);
 
   /// names: "--name", "-n,--name", or "name" of a positional argument. value is set by parsing and must
-  /// outlive it. Value: std::string, int, double, float, std::uint64_t, std::vector or std::optional of them
-  /// as listed in command_line.cpp.
+  /// outlive it. Value: std::string, int, double, std::uint64_t, std::vector or std::optional of them as
+  /// listed in command_line.cpp. Refused are what is no finite number where a number is wanted, and empty
+  /// words.
   template <typename Value>
   Option option(const std::string& names, Value& value, const std::string& help);
   Option flag(const std::string& names, bool& value, const std::string& help);

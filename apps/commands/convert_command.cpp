@@ -156,7 +156,7 @@ void addConvertCommand(Command& app) {
       .option("--bvh-positions", request->bvhPositions,
               "What position channels mean: stand in place of OFFSET or are added to it")
       .oneOf({"auto", "replace", "add"});
-  command.option("--fps", request->fps, "Frame rate of an AMC; default 120").positive();
+  command.option("--fps", request->fps, "Frame rate of an AMC; default 120").frameRate();
   command.option("--clip", files.clip,
                  "Which motion of a file that names several; default: all to glTF, else the first");
   command.option(

@@ -221,7 +221,7 @@ void addMotionCommand(Command& app) {
               "A ball of the foot slower than this stands, m/s")
       .positive()
       .showDefault();
-  command.option("--fps", request->rate, "Resample to this frame rate").positive();
+  command.option("--fps", request->rate, "Resample to this frame rate").frameRate();
   const Option bake = command.flag(
       "--bake-skin", request->bake,
       "Write the body's vertices of every frame to a .glb, for viewers that only know linear blending");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kinematics/io/text_file.h"
+#include "skinning/io/gltf_key_times.h"
 
 namespace gelenk {
 namespace {
@@ -100,11 +101,10 @@ void writeBakedGltf(const std::string& path, const Mesh& mesh, int frames, doubl
          "skin\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":"
       << positionArray << ",\"NORMAL\":" << normalArray << "},\"indices\":" << indexArray;
   if (frames > 1) {
-    std::vector<float> times, weights;
-    for (int f = 0; f < frames; ++f) {
-      times.push_back(static_cast<float>(f / framesPerSecond));
+    const std::vector<float> times = gltfKeyTimes(frames, framesPerSecond);
+    std::vector<float> weights;
+    for (int f = 0; f < frames; ++f)
       for (int t = 1; t < frames; ++t) weights.push_back(t == f ? 1.0f : 0.0f);
-    }
     std::ostringstream range;
     range.precision(9);
     range << ",\"min\":[0],\"max\":[" << times.back() << "]";

@@ -20,6 +20,7 @@
 #include "kinematics/io/text_file.h"
 #include "kinematics/rotation.h"
 #include "skinning/io/gltf_joints.h"
+#include "skinning/io/gltf_key_times.h"
 #include "skinning/io/picture.h"
 
 namespace gelenk {
@@ -1033,8 +1034,7 @@ class Writer {
   void addClip(const Skeleton& skeleton, const GltfClip& source) {
     validate(skeleton, source.clip);
     const int count = source.clip.frameCount();
-    std::vector<float> times(count);
-    for (int f = 0; f < count; ++f) times[f] = static_cast<float>(f / source.clip.framesPerSecond);
+    const std::vector<float> times = gltfKeyTimes(count, source.clip.framesPerSecond);
     std::vector<std::vector<float>> rotations(skeleton.jointCount()), translations(skeleton.jointCount());
     std::vector<Quaterniond> last(skeleton.jointCount(), Quaterniond::Identity());
     Frames frames;

@@ -73,6 +73,8 @@ TEST(BakedGltf, WhatCannotBeBakedIsRefused) {
   const auto at = [&](int f) { return baked.at(f); };
   EXPECT_THROW(bake(0, 30.0, at), std::invalid_argument);
   EXPECT_THROW(bake(2, 0.0, at), std::invalid_argument);
+  EXPECT_THROW(bake(2, 1e-300, at), std::invalid_argument);  // infinite in single precision
+  EXPECT_THROW(bake(2, 1e60, at), std::invalid_argument);    // both frames at 0
   EXPECT_THROW(bake(2, 30.0, [](int) { return SkinnedVertices{}; }), std::invalid_argument);
 }
 

@@ -273,5 +273,17 @@ TEST(Gltf, MotionsThatAreNoneAreRefused) {
       [](const std::string& text, const std::string& file) { parseGltf(text, file); });
 }
 
+TEST(Gltf, KeyTimesThatSinglePrecisionDoesNotHoldAreRefused) {
+  const Skeleton figure = mannequin();
+  MotionClip clip{.framesPerSecond = 30.0, .q = figure.rest().replicate(1, 3)};
+  const auto write = [&](double rate) {
+    clip.framesPerSecond = rate;
+    formatGlb(figure, nullptr, {{"clip", clip}});
+  };
+  EXPECT_NO_THROW(write(0.01));
+  EXPECT_THROW(write(1e-300), std::invalid_argument);  // infinite
+  EXPECT_THROW(write(1e60), std::invalid_argument);    // all at 0
+}
+
 }  // namespace
 }  // namespace gelenk
