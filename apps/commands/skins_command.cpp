@@ -186,9 +186,22 @@ void print(const SkinComparison& comparison) {
   }
 }
 
-void run(const Options& options) {
+/// Throws std::invalid_argument where two are the same: tables and pictures are named after them.
+std::vector<SkinChoice> chosenMethods(const std::vector<std::string>& texts) {
   std::vector<SkinChoice> methods;
-  for (const std::string& text : options.methods) methods.push_back(parseSkinChoice(text));
+  std::map<std::string, std::string> textOf;
+  for (const std::string& text : texts) {
+    methods.push_back(parseSkinChoice(text));
+    const auto [before, isNew] = textOf.try_emplace(toString(methods.back()), text);
+    if (!isNew)
+      throw std::invalid_argument(fmt::format("--method: '{}' and '{}' are both {}; name each method once",
+                                              before->second, text, before->first));
+  }
+  return methods;
+}
+
+void run(const Options& options) {
+  std::vector<SkinChoice> methods = chosenMethods(options.methods);
   const Model model = importFiles(options.model, options.files).model;
   sayNotes(options.model, model.notes);
   if (!model.skin) throw std::runtime_error("model '" + model.name + "' has no skin to deform");
@@ -206,7 +219,7 @@ void run(const Options& options) {
     sayNotes(options.poses, motion.notes);
     if (!motion.clip || motion.skeleton.nq() != model.skeleton.nq())
       throw std::runtime_error("'" + options.poses + "' is no motion of the skeleton of '" + model.name +
-                               "'; `gelenk motion --retarget` makes one");
+                               "'; `gelenk motion --onto` makes one");
     trials = motionTrials(model, *motion.clip, 18);
   }
   std::error_code error;

@@ -451,9 +451,12 @@ std::string toCsv(const std::vector<SkinCost>& costs) {
   std::string csv =
       "method,prepare_s,times_lbs_gradient_normals,times_lbs_cheap_normals,ns_a_vertex,bytes_a_vertex,"
       "largest_step_mm_per_0.1_deg\n";
-  for (const SkinCost& c : costs)
-    csv += fmt::format("{},{:.3f},{:.2f},{:.2f},{:.2f},{},{:.3f}\n", c.method, c.prepareSeconds, c.timesLbs,
-                       c.timesLbsCheap, c.nanoseconds, c.bytes, c.largestStep);
+  for (const SkinCost& c : costs) {
+    const auto timed = [&](double value) { return c.timesLbs > 0.0 ? fmt::format("{:.2f}", value) : ""; };
+    csv += fmt::format("{},{:.3f},{},{},{},{},{}\n", c.method, c.prepareSeconds, timed(c.timesLbs),
+                       timed(c.timesLbsCheap), timed(c.nanoseconds), c.bytes,
+                       c.largestStep < 0.0 ? "" : fmt::format("{:.3f}", c.largestStep));
+  }
   return csv;
 }
 

@@ -85,6 +85,6 @@ SkinComparison compareSkins(const Model& model, const std::vector<SkinChoice>& m
                                                      const SkinnedVertices&)>& picture = {});
 
 std::string toCsv(const std::vector<SkinCell>& cells);
-std::string toCsv(const std::vector<SkinCost>& costs);
+std::string toCsv(const std::vector<SkinCost>& costs);  ///< what was not measured is an empty cell
 
 }  // namespace gelenk

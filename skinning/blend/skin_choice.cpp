@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -15,10 +16,14 @@ SkinChoice parseSkinChoice(std::string_view text) {
   const std::string_view whole = text;
   std::size_t plus = text.find('+');
   SkinChoice choice{.method = skinMethodNamed(text.substr(0, plus)).kind};
+  std::set<std::string_view> said;  // twist, layers, smooth: whatever value they have
   while (plus != std::string_view::npos) {
     text.remove_prefix(plus + 1);
     plus = text.find('+');
     const std::string_view word = text.substr(0, plus);
+    if (!said.insert(word.substr(0, word.find('='))).second)
+      throw std::invalid_argument("'" + std::string(word) + "' in '" + std::string(whole) +
+                                  "': said for the second time");
     if (word == "twist" && skinMethod(choice.method).twists) {
       choice.twist = true;
     } else if ((word == "layers" || word == "layers=muscle") && !skinMethod(choice.method).shader.empty()) {

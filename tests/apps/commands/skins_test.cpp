@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "apps/commands/command_line.h"
+#include "apps/commands/commands.h"
 #include "apps/commands/skins_report.h"
 #include "skinning/blend/skin_measures.h"
 
@@ -51,6 +53,40 @@ TEST(Skins, TheTableShowsWhatEachMethodIsFor) {
   }
   const std::string csv = toCsv(comparison.cells);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 7);
+}
+
+TEST(Skins, WhatWasNotMeasuredIsAnEmptyCell) {
+  SkinCost cost{.method = "lbs", .prepareSeconds = 0.25, .bytes = 12};
+  const auto row = [&] {
+    const std::string csv = toCsv(std::vector{cost});
+    return csv.substr(csv.find('\n') + 1);
+  };
+  EXPECT_EQ(row(), "lbs,0.250,,,,12,\n");
+  cost.timesLbs = 1.5;
+  cost.timesLbsCheap = 1.25;
+  cost.nanoseconds = 3.0;
+  EXPECT_EQ(row(), "lbs,0.250,1.50,1.25,3.00,12,\n");  // no forearm
+  cost.largestStep = 0.0;
+  EXPECT_EQ(row(), "lbs,0.250,1.50,1.25,3.00,12,0.000\n");
+}
+
+TEST(Skins, EachMethodIsComparedOnce) {
+  const auto error = [](const std::string& methods) -> std::string {
+    CommandLine line("", "");
+    Command program = line.root();
+    addCommands(program);
+    try {
+      line.parse({"skins", "figure", "--method", methods, "--out", "/dev/null/nowhere"});
+    } catch (const std::exception& problem) {
+      return problem.what();
+    }
+    return "";
+  };
+  for (const auto& [methods, said] : {std::pair{"lbs,cor,lbs", "'lbs' and 'lbs' are both lbs"},
+                                      {"lbs+smooth=0,lbs", "'lbs+smooth=0' and 'lbs' are both lbs"},
+                                      {"cor+smooth+twist,cor+twist+smooth=45", "are both cor+twist+smooth"},
+                                      {"lbs,lbs+twist", "cannot make the folder"}})  // taken
+    EXPECT_NE(error(methods).find(said), std::string::npos) << methods << ": " << error(methods);
 }
 
 TEST(Skins, CentresOfRotationThatGoUpKeepARaisedShouldersVolume) {

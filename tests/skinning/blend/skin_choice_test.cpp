@@ -28,6 +28,10 @@ TEST(SkinChoice, WhatIsWrongIsNamed) {
                                     {"ddm-v0+twist", "twist"},
                                     {"ddm-v0+layers", "layers"},
                                     {"cor+layers=fat", "layers=fat"},
+                                    {"lbs+twist+twist", "'twist' in 'lbs+twist+twist': said for the second"},
+                                    {"lbs+smooth=10+smooth=20", "'smooth=20'"},
+                                    {"lbs+smooth+twist+smooth", "'smooth'"},
+                                    {"cor+layers+layers=muscle", "'layers=muscle'"},
                                     {"COR", "cor"}})
     try {
       parseSkinChoice(text);
