@@ -2,12 +2,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
+#include "apps/commands/arm_path.h"
 #include "apps/commands/arm_request.h"
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
+#include "apps/document/file_format.h"
 #include "apps/document/model.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
@@ -35,11 +39,21 @@ struct Request {
   bool compare = false;
 };
 
-/// Lines X Y Z QW QX QY QZ, between commas or blanks; a first line without numbers is a heading, # a comment.
+/// Whoever wrote it meant a number, be it infinite or too large for one.
+bool meansNumber(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error != std::errc::invalid_argument && end == word.data() + word.size();
+}
+
+/// Lines X Y Z QW QX QY QZ, between commas or blanks; a first line without any number is a heading, # a
+/// comment.
 std::vector<Isometry3d> readPoses(const std::string& path) {
   const std::string text = readFile(path);
   std::vector<Isometry3d> poses;
   int number = 0;
+  bool first = true;
   for (const std::string_view line : splitLines(plainText(text, path))) {
     ++number;
     std::string words(line.substr(0, line.find('#')));
@@ -47,7 +61,8 @@ std::vector<Isometry3d> readPoses(const std::string& path) {
     std::replace(words.begin(), words.end(), ';', ' ');
     const auto list = splitWords(words);
     if (list.empty()) continue;
-    if (poses.empty() && !parseNumber(list[0])) continue;
+    const bool heading = std::none_of(list.begin(), list.end(), meansNumber);
+    if (std::exchange(first, false) && heading) continue;
     double v[7];
     if (list.size() != 7)
       throw ParseError(path, number, "X Y Z QW QX QY QZ", fmt::format("{} values", list.size()));
@@ -90,10 +105,20 @@ Stray stray(const SerialChain& chain, const PathPlan& plan, const std::vector<Is
   return most;
 }
 
+bool isTable(const std::string& out) { return out.ends_with(".csv"); }
+
+void demandWritable(const std::string& out) {
+  if (out.empty() || isTable(out)) return;
+  const auto kind = fileKind(out);
+  if (!kind || !fileFormat(*kind).writeMotion)
+    throw std::invalid_argument(
+        fmt::format("'{}': the motion can be written as .csv, {}", out, motionEndings()));
+}
+
 void write(const Request& request, const Model& model, const SerialChain& chain, const PathPlan& plan) {
   const VectorXd rest = model.skeleton.rest();
   const std::string& out = request.out;
-  if (out.size() > 4 && out.substr(out.size() - 4) == ".csv") {
+  if (isTable(out)) {
     std::string text = "pose";
     for (int i = 0; i < chain.n; ++i) text += fmt::format(",q{}", i + 1);
     text += "\n";
@@ -149,6 +174,7 @@ void printGreedy(const Model& model, int joint, const SerialChain& chain, const 
 
 /// True if the whole path can be followed without a jump.
 bool run(const Request& request) {
+  demandWritable(request.out);
   const Model model = openModel(request.model);
   sayNotes(request.model, model.notes);
   const int joint = effectorOf(model, request.joint);
@@ -163,19 +189,21 @@ bool run(const Request& request) {
     for (int i = 0; i < chain.n; ++i) start[i] = all[chain.qIndex[i]];
   }
   const auto begin = std::chrono::steady_clock::now();
-  const PathPlan plan = planner.plan(poses, request.options, request.start.empty() ? nullptr : &start);
-  const double ms = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() * 1e3;
-  if (plan.unreachable) {
-    const auto& p = poses[*plan.unreachable].translation();
-    fmt::print("pose {} of {} at ({:.4f}, {:.4f}, {:.4f}) has no solution within limits: no path\n",
-               *plan.unreachable + 1, poses.size(), p.x(), p.y(), p.z());
+  PathPlan plan;
+  try {
+    plan = planArmPath(planner, poses, request.options, request.start.empty() ? nullptr : &start);
+  } catch (const NoPath& none) {
+    fmt::print("{}\n", none.what());
     return false;
   }
+  const double ms = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() * 1e3;
   fmt::print("{} poses, {} jump{}, length {:.4f} rad, largest step {:.4f} rad, {:.2f} ms\n", poses.size(),
              plan.jumps.size(), plan.jumps.size() == 1 ? "" : "s", plan.length, plan.largestStep, ms);
-  for (const PathJump& jump : plan.jumps)
-    fmt::print("  jump between poses {} and {}: a joint turns by {:.4f} rad; {}\n", jump.pose + 1,
-               jump.pose + 2, jump.turn, jump.reason);
+  for (const PathJump& jump : plan.jumps) {
+    const std::string where =
+        jump.pose < 0 ? "the start and pose 1" : fmt::format("poses {} and {}", jump.pose + 1, jump.pose + 2);
+    fmt::print("  jump between {}: a joint turns by {:.4f} rad; {}\n", where, jump.turn, jump.reason);
+  }
   const Stray most = stray(chain, plan, poses, request.options.jump);
   fmt::print("between the poses the tip strays by {:.3e} m and {:.3e} rad at most\n", most.place, most.angle);
   if (request.compare) printGreedy(model, joint, chain, plan, poses, request.options.jump);
@@ -196,7 +224,9 @@ void addPathCommand(Command& app) {
   command.option("--joint", request->joint, "Joint that follows the path; default: the model's only end");
   command.option("--keys", request->keys, "The file's poses are keys of a spline; take this many poses of it")
       .positive();
-  command.option("--start", request->start, "Configuration before the first pose; motion from there counts");
+  command.option(
+      "--start", request->start,
+      "Configuration before the first pose, within limits; the way from there counts in length and jumps");
   command
       .option("--jump", request->options.jump, "A joint that turns farther between two poses jumps, radians")
       .positive()
@@ -206,7 +236,7 @@ void addPathCommand(Command& app) {
       .positive()
       .showDefault();
   command.option("-o,--out", request->out, "Write the motion: .csv, .bvh, .gltf or .glb");
-  command.option("--fps", request->rate, "Poses a second in a motion file").positive().showDefault();
+  command.option("--fps", request->rate, "Poses a second in a motion file").frameRate().showDefault();
   command.flag("--compare", request->compare,
                "Also lets every solver follow the path, started where it ended");
   command.run([request] {

@@ -42,6 +42,8 @@ GELENK_FILE_FORMATS(GELENK_DECLARE)
 #undef GELENK_DECLARE
 
 const FileFormat& fileFormat(FileKind kind);
+/// Of the formats that hold a motion: ".bvh, .glb, ...".
+std::string motionEndings();
 
 // What the formats share.
 

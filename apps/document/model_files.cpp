@@ -322,17 +322,20 @@ void exportFile(const std::string& path, Imported& imported, const ExportOptions
   format.writeMotion(path, motion);
 }
 
+std::string motionEndings() {
+  std::string endings;
+  for (const FileFormat* format : table)
+    if (format->writeMotion)
+      for (const std::string_view ending : words(format->endings))
+        endings += (endings.empty() ? "" : ", ") + std::string(ending);
+  return endings;
+}
+
 void exportMotion(const std::string& path, const Skeleton& skeleton, const Skin* skin,
                   const std::string& name, const MotionClip& clip) {
   const auto kind = fileKind(path);
-  if (!kind || !fileFormat(*kind).writeMotion) {
-    std::string endings;
-    for (const FileFormat* format : table)
-      if (format->writeMotion)
-        for (const std::string_view ending : words(format->endings))
-          endings += (endings.empty() ? "" : ", ") + std::string(ending);
-    throw std::invalid_argument("'" + path + "': a motion can be written as " + endings);
-  }
+  if (!kind || !fileFormat(*kind).writeMotion)
+    throw std::invalid_argument("'" + path + "': a motion can be written as " + motionEndings());
   fileFormat(*kind).writeMotion(path, {.skeleton = skeleton, .skin = skin, .clips = {{name, clip}}});
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "apps/commands/arm_path.h"
 #include "apps/commands/solve_batch.h"
 #include "apps/python/goal_value.h"
 #include "kinematics/configuration.h"
@@ -366,8 +367,7 @@ py::dict path(const ModelPtr& model, const py::object& poses, const py::object& 
   std::vector<Eigen::Isometry3d> wanted;
   for (std::size_t i = 0; i < list.count(); ++i)
     wanted.push_back(Eigen::Translation3d(list.places[i]) * list.turns[i]);
-  if (wanted.empty()) throw std::invalid_argument("poses: at least one");
-  if (!(jump > 0.0)) throw std::invalid_argument("jump must be above 0");
+  if (!(jump > 0.0) || !std::isfinite(jump)) throw std::invalid_argument("jump must be above 0");
   const VectorXd rest = start.is_none() ? skeleton.rest() : configuration(skeleton, start, "start");
   PathPlan plan;
   std::vector<int> where;
@@ -377,12 +377,11 @@ py::dict path(const ModelPtr& model, const py::object& poses, const py::object& 
     VectorXd begin(planner.chain().n);
     where = planner.chain().qIndex;
     for (int k = 0; k < planner.chain().n; ++k) begin[k] = rest[where[k]];
-    plan = planner.plan(wanted, {.jump = jump}, start.is_none() ? nullptr : &begin);
+    plan = planArmPath(planner, wanted, {.jump = jump}, start.is_none() ? nullptr : &begin);
   }
   MatrixXd q = rest.replicate(1, static_cast<Eigen::Index>(wanted.size()));
   for (std::size_t i = 0; i < plan.q.size(); ++i)
-    for (std::size_t k = 0; k < where.size(); ++k)
-      q(where[k], i) = plan.q[i].size() ? plan.q[i][k] : std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t k = 0; k < where.size(); ++k) q(where[k], i) = plan.q[i][k];
   if (!skeleton.followers().empty())
     for (Eigen::Index i = 0; i < q.cols(); ++i) {
       VectorXd one = q.col(i);
@@ -392,8 +391,7 @@ py::dict path(const ModelPtr& model, const py::object& poses, const py::object& 
   py::list jumps;
   for (const PathJump& one : plan.jumps) jumps.append(py::make_tuple(one.pose, one.turn, one.reason));
   return py::dict("q"_a = samples(std::move(q)), "jumps"_a = jumps, "length"_a = plan.length,
-                  "largest_step"_a = plan.largestStep,
-                  "unreachable"_a = plan.unreachable ? py::object(py::int_(*plan.unreachable)) : py::none());
+                  "largest_step"_a = plan.largestStep);
 }
 
 // ---- frame by frame
@@ -507,11 +505,14 @@ void addSolve(py::module_& m) {
       "4 x 4), nearest to `near` first: a dict of q (k, nq), position_error, distance, sigma_min (k,),\n"
       "within_limits (k,), branch (k, 3), complete, class, outside_limits. axis: only this axis of the tip\n"
       "must point as the target says.");
-  m.def(
-      "path", &path, modelArgument(), "poses"_a, py::kw_only(), "joint"_a = py::none(),
-      "start"_a = py::none(), "jump"_a = 0.5,
-      "Joint motion along poses (n, 7) or (n, 4, 4) with the fewest jumps: a dict of q (n, nq; nan where a\n"
-      "pose has no solution), jumps (pose, turn, reason), length, largest_step, unreachable.");
+  m.def("path", &path, modelArgument(), "poses"_a, py::kw_only(), "joint"_a = py::none(),
+        "start"_a = py::none(), "jump"_a = 0.5,
+        "Joint motion along two poses or more, (n, 7) or (n, 4, 4), with the fewest jumps: a dict of q (n, "
+        "nq),\n"
+        "jumps (pose, turn, reason), length, largest_step. ValueError where a pose has no solution within "
+        "limits.\n"
+        "start: the configuration before the first pose; the way from there counts, a jump on it is of pose "
+        "-1.");
   m.def("judge", &judged, modelArgument(), "goals"_a, "q"_a, py::kw_only(), "joint"_a = py::none(),
         "tolerance"_a = 1e-6, "rod_masses"_a = false,
         "What is true of q, whoever proposed it: a dict of solved, finite (and quaternions\n"

@@ -203,8 +203,37 @@ def test_a_path_has_no_needless_jumps():
     n = 30
     line = np.c_[np.full(n, 0.4), np.linspace(-0.2, 0.2, n), np.full(n, 0.4), np.tile([0, 1, 0, 0], (n, 1))]
     plan = gelenk.path(ur5, line)
-    assert plan["unreachable"] is None and not plan["jumps"]
+    assert not plan["jumps"]
     assert np.allclose(ur5.fk(plan["q"])[:, -1, :3, 3], line[:, :3], atol=1e-8)
+
+
+def test_a_path_counts_the_way_from_its_start():
+    ur5 = gelenk.model("ur5")
+    line = np.c_[np.full(9, 0.4), np.linspace(-0.2, 0.2, 9), np.full(9, 0.4), np.tile([0, 1, 0, 0], (9, 1))]
+    first = gelenk.path(ur5, line)["q"][0]
+    near, far = first + 0.01, first + np.array([0.9, 0, 0, 0, 0, 0])
+    for start, jumps in ((near, []), (far, [-1])):
+        plan = gelenk.path(ur5, line, start=start)
+        ways = np.diff(np.vstack([start, plan["q"]]), axis=0)
+        assert np.isclose(plan["length"], np.linalg.norm(ways, axis=1).sum())
+        assert [pose for pose, _, _ in plan["jumps"]] == jumps
+        small = np.abs(ways[len(jumps):])  # the jump is the first way
+        assert np.isclose(plan["largest_step"], small.max())
+    with pytest.raises(ValueError, match="start: joint 1 of the arm is at 7, outside its limits"):
+        gelenk.path(ur5, line, start=[7, 0, 0, 0, 0, 0])
+
+
+def test_a_path_that_cannot_be_followed_is_refused_in_the_programs_words(program, tmp_path):
+    ur5 = gelenk.model("ur5")
+    line = [[0.4, 0, 0.4, 0, 1, 0, 0], [9, 0, 0.4, 0, 1, 0, 0]]
+    np.savetxt(tmp_path / "path.csv", line)
+    told = program("path", "--model", "ur5", "--path", tmp_path / "path.csv").strip()
+    assert told.startswith("pose 2 of 2 at (9.0000")
+    with pytest.raises(ValueError) as error:
+        gelenk.path(ur5, line)
+    assert str(error.value) == told
+    with pytest.raises(ValueError, match="two poses at least, found 1"):
+        gelenk.path(ur5, line[:1])
 
 
 def test_a_drag_follows_frame_by_frame(figure):
