@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
@@ -92,7 +93,7 @@ void run(const Options& options) {
 
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  if (error) throw std::runtime_error("cannot make the folder " + options.out + ": " + error.message());
+  if (error) throw std::system_error(error, "cannot make the folder " + options.out);
   std::vector<DeformationRow> all;
   for (const Limb& limb : limbs) {
     if (limb.name.starts_with("right ")) continue;  // the mirror image of the left

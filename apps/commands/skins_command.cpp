@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <system_error>
 
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
@@ -224,7 +225,7 @@ void run(const Options& options) {
   }
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  if (error) throw std::runtime_error("cannot make the folder " + options.out + ": " + error.message());
+  if (error) throw std::system_error(error, "cannot make the folder " + options.out);
 
   Sheets sheets(trials, options.pictureSize);
   const bool terminal = isatty(STDERR_FILENO);

@@ -217,6 +217,22 @@ Frames framesOf(py::handle value, int count, const char* what) {
   return frames;
 }
 
+std::uint64_t wholeSeed(py::handle value, const char* what) {
+  const auto refuse = [&] {
+    throw std::invalid_argument(fmt::format("{}: a seed is a whole number from 0 to 2^64 - 1, found {}", what,
+                                            std::string(py::repr(value))));
+  };
+  if (!PyIndex_Check(value.ptr()) || PyBool_Check(value.ptr())) refuse();
+  const py::object number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  if (!number) throw py::error_already_set();
+  const std::uint64_t seed = PyLong_AsUnsignedLongLong(number.ptr());
+  if (PyErr_Occurred()) {
+    PyErr_Clear();
+    refuse();
+  }
+  return seed;
+}
+
 std::uint64_t seedOf(py::handle rng) {
   const py::object numpy = py::module_::import("numpy");
   py::object generator = py::reinterpret_borrow<py::object>(rng);
@@ -225,13 +241,7 @@ std::uint64_t seedOf(py::handle rng) {
     return generator.attr("integers")(0, std::uint64_t{1} << 63).cast<std::uint64_t>();
   if (!PyIndex_Check(rng.ptr()) || PyBool_Check(rng.ptr()))
     throw std::invalid_argument("rng: expected None, a seed, or a numpy random Generator");
-  const py::object number = py::reinterpret_steal<py::object>(PyNumber_Index(rng.ptr()));
-  const std::uint64_t seed = PyLong_AsUnsignedLongLong(number.ptr());
-  if (PyErr_Occurred()) {
-    PyErr_Clear();
-    throw std::invalid_argument("rng: a seed is a whole number from 0 to 2^64 - 1");
-  }
-  return seed;
+  return wholeSeed(rng, "rng");
 }
 
 // ---- out

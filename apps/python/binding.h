@@ -90,6 +90,11 @@ Configurations configurations(const Skeleton& skeleton, py::handle q, const char
 int jointOf(const Skeleton& skeleton, py::handle joint, const char* what = "joint");
 /// One frame a joint, (joints, 4, 4), last rows 0, 0, 0, 1.
 Frames framesOf(py::handle frames, int count, const char* what = "frames");
+/// The argument `seed`: a whole number from 0 to 2^64 - 1, anything else is a ValueError.
+struct Seed {
+  std::uint64_t value = 1;
+};
+std::uint64_t wholeSeed(py::handle number, const char* what);
 /// A seed from None (the system's randomness), a whole number, or a numpy random Generator.
 std::uint64_t seedOf(py::handle rng);
 
@@ -126,3 +131,12 @@ void addSkin(py::module_& m);
 void addMotion(py::module_& m);
 
 }  // namespace gelenk::python
+
+template <>
+struct pybind11::detail::type_caster<gelenk::python::Seed> {
+  PYBIND11_TYPE_CASTER(gelenk::python::Seed, const_name("int"));
+  bool load(handle number, bool) {
+    value.value = gelenk::python::wholeSeed(number, "seed");
+    return true;
+  }
+};

@@ -63,15 +63,15 @@ ReportStyle style() {
 
 /// Columns of the results, one row a solver and problem; the folder holds the same as `gelenk compare --out`.
 py::dict compare(const ModelPtr& model, const std::vector<std::string>& solvers,
-                 const std::vector<std::string>& sets, int problems, std::uint64_t seed, double tolerance,
+                 const std::vector<std::string>& sets, int problems, Seed seed, double tolerance,
                  int maxIterations, std::optional<int> restarts, const std::vector<std::string>& effectors,
                  const std::string& goal, const std::string& folder, bool report,
                  const py::object& progress) {
   if (!model) throw py::type_error("compare wants a Model");
   ComparisonPlan plan{
-      .sets = sets, .solvers = {}, .problems = problems, .seed = seed, .tolerance = tolerance};
+      .sets = sets, .solvers = {}, .problems = problems, .seed = seed.value, .tolerance = tolerance};
   plan.budget.maxIterations = maxIterations;
-  plan.budget.seed = seed;
+  plan.budget.seed = seed.value;
   if (restarts) {
     plan.budget.restarts = *restarts;
   } else {  // as `gelenk compare`: one attempt, and the restarts that solve() has

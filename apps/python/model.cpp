@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <system_error>
 
 #include "apps/commands/solve_batch.h"
 #include "apps/document/chain_models.h"
@@ -72,9 +73,9 @@ ModelPtr load(const py::object& path, const py::object& skeleton, const py::obje
     std::vector<Goal> goals = Session(opened.model, opened.document).problem().goals;
     return std::make_shared<SharedModel>(opened.model, std::move(pose), std::move(goals), reference);
   }
-  if (!std::filesystem::exists(reference.nameOrFile))
-    throw std::invalid_argument("'" + reference.nameOrFile +
-                                "' is no file; built-in models are opened by gelenk.model");
+  if (std::error_code error; !std::filesystem::exists(reference.nameOrFile, error))
+    throw std::system_error(ENOENT, std::generic_category(),
+                            "'" + reference.nameOrFile + "' (built-in models are opened by gelenk.model)");
   Model model = importFiles(reference.nameOrFile, reference.files, options).model;
   // What files do not say no other process can be told by their names alone.
   const bool asFilesSay = !options.metresPerUnit && !fps && !sampleAt && !zUp;

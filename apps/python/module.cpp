@@ -1,3 +1,5 @@
+#include <system_error>
+
 #include "apps/python/binding.h"
 #include "kinematics/io/parse_error.h"
 
@@ -24,6 +26,22 @@ void addParseError(py::module_& m) {
   });
 }
 
+/// What the system refuses, such as a file that is not there, is an OSError, of the class that goes with its
+/// number, with the program's sentence.
+void addSystemErrors() {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const std::system_error& error) {
+      const int number = error.code().value();
+      const py::object type = py::type::of(py::reinterpret_borrow<py::object>(PyExc_OSError)(number, ""));
+      py::object value = type(error.what());
+      value.attr("errno") = number;
+      PyErr_SetObject(type.ptr(), value.ptr());
+    }
+  });
+}
+
 }  // namespace
 }  // namespace gelenk::python
 
@@ -31,6 +49,7 @@ PYBIND11_MODULE(_gelenk, m) {
   using namespace gelenk::python;
   m.attr("version") = GELENK_VERSION;
   addParseError(m);
+  addSystemErrors();
   addModel(m);
   addGoals(m);
   addMathematics(m);

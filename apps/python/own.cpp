@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "apps/python/goal_value.h"
 #include "kinematics/configuration.h"
@@ -65,6 +66,13 @@ using MethodPtr = std::shared_ptr<const Method>;
 
 // ---- step rules
 
+/// How often the rules of this process returned a step that is not finite, by name: the iteration only stops
+/// there, and gelenk.check() tells. With the interpreter's lock held.
+std::map<std::string, int>& stepsNotFinite() {
+  static std::map<std::string, int> times;
+  return times;
+}
+
 struct PythonRule {
   using Parameters = MethodPtr;
   static constexpr bool monotone = false;
@@ -80,6 +88,7 @@ struct PythonRule {
       throw std::invalid_argument(
           fmt::format("the step rule '{}' must return dq of shape ({},)", method_->name, J.cols()));
     dq = VectorXd::Map(step.data(), step.size());
+    if (!dq.allFinite()) ++stepsNotFinite()[method_->name];
   }
 
  private:
@@ -282,6 +291,7 @@ py::tuple evaluate(const SharedModel& model, const py::object& goals, const py::
 void addOwn(py::module_& m) {
   addProblem(m);
   m.def("_add_solver", &addOwnSolver);
+  m.def("_steps_not_finite", [](const std::string& name) { return stepsNotFinite()[name]; });
   m.def("evaluate", &evaluate, modelArgument(), "goals"_a, "q"_a, py::kw_only(), "joint"_a = py::none(),
         "rod_masses"_a = false,
         "(r, J): the stacked, weighted residual target minus current (m,) and its Jacobian (m, nv), dr = -J "

@@ -39,15 +39,14 @@ std::string solverText(const std::string& solver, const py::kwargs& parameters) 
   return toText(choice);
 }
 
-Budget budgetOf(int maxIterations, int restarts, std::uint64_t seed,
-                const std::optional<double>& maxSeconds) {
+Budget budgetOf(int maxIterations, int restarts, Seed seed, const std::optional<double>& maxSeconds) {
   if (maxIterations < 1) throw std::invalid_argument("max_iterations must be at least 1");
   if (restarts < 0) throw std::invalid_argument("restarts must not be negative");
   if (maxSeconds && !(*maxSeconds > 0.0)) throw std::invalid_argument("max_seconds must be above 0");
   return {.maxIterations = maxIterations,
           .maxSeconds = maxSeconds.value_or(1e9),
           .restarts = restarts,
-          .seed = seed};
+          .seed = seed.value};
 }
 
 void demandTolerance(double tolerance) {
@@ -78,7 +77,7 @@ struct Result {
 
 Result solve(const ModelPtr& model, const py::object& goals, const std::string& solver,
              const py::object& joint, const py::object& start, double tolerance, int maxIterations,
-             int restarts, std::uint64_t seed, const std::optional<double>& maxSeconds, bool trace, bool rods,
+             int restarts, Seed seed, const std::optional<double>& maxSeconds, bool trace, bool rods,
              const py::kwargs& parameters) {
   demandTolerance(tolerance);
   const Budget budget = budgetOf(maxIterations, restarts, seed, maxSeconds);
@@ -202,8 +201,8 @@ struct BatchResult {
 
 BatchResult solveBatchOf(const ModelPtr& model, const py::object& targets, const std::string& solver,
                          const py::object& joint, const py::object& start, double tolerance,
-                         int maxIterations, int restarts, std::uint64_t seed,
-                         const std::optional<double>& maxSeconds, const py::kwargs& parameters) {
+                         int maxIterations, int restarts, Seed seed, const std::optional<double>& maxSeconds,
+                         const py::kwargs& parameters) {
   demandTolerance(tolerance);
   const Skeleton& skeleton = model->skeleton();
   const BatchTargets wanted = targetsOf(targets);
@@ -239,8 +238,8 @@ bool areManyPoses(const py::object& goals) {
 
 py::object solveAny(const ModelPtr& model, const py::object& goals, const std::string& solver,
                     const py::object& joint, const py::object& start, double tolerance, int maxIterations,
-                    int restarts, std::uint64_t seed, const std::optional<double>& maxSeconds, bool trace,
-                    bool rods, const py::kwargs& parameters) {
+                    int restarts, Seed seed, const std::optional<double>& maxSeconds, bool trace, bool rods,
+                    const py::kwargs& parameters) {
   if (!areManyPoses(goals))
     return py::cast(solve(model, goals, solver, joint, start, tolerance, maxIterations, restarts, seed,
                           maxSeconds, trace, rods, parameters));

@@ -9,10 +9,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <memory>
 #include <stdexcept>
+#include <system_error>
 
 #include "kinematics/io/parse_error.h"
 
@@ -21,22 +21,22 @@ namespace gelenk {
 std::string readFile(const std::string& path) {
   struct stat status;
   if (stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
-    throw std::runtime_error("cannot read " + path + ": it is a folder");
+    throw std::system_error(EISDIR, std::generic_category(), "cannot read " + path);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) throw std::runtime_error("cannot open " + path + ": " + std::strerror(errno));
+  if (!file) throw std::system_error(errno, std::generic_category(), "cannot open " + path);
   std::string content;
   char block[1 << 16];
   while (const std::size_t n = std::fread(block, 1, sizeof block, file.get())) content.append(block, n);
-  if (std::ferror(file.get())) throw std::runtime_error("cannot read " + path + ": " + std::strerror(errno));
+  if (std::ferror(file.get())) throw std::system_error(errno, std::generic_category(), "cannot read " + path);
   return content;
 }
 
 void writeFile(const std::string& path, std::string_view content) {
   const std::string temporary = path + ".tmp" + std::to_string(getpid());
   const auto fail = [&](const char* what) {
-    const std::string reason = std::strerror(errno);
+    const int reason = errno;
     std::remove(temporary.c_str());
-    throw std::runtime_error(std::string(what) + " " + path + ": " + reason);
+    throw std::system_error(reason, std::generic_category(), std::string(what) + " " + path);
   };
   std::FILE* file = std::fopen(temporary.c_str(), "wb");
   if (!file) fail("cannot write");

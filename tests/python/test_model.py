@@ -1,5 +1,6 @@
 """Models and their mathematics: against the definitions, differences, and the command line to the bit."""
 
+import errno
 import os
 from pathlib import Path
 
@@ -266,3 +267,16 @@ def test_centre_of_mass(figure):
     assert np.array_equal(figure.centre_of_mass([figure.rest] * 3)[2], figure.centre_of_mass(figure.rest))
     with pytest.raises(ValueError, match="no masses"):
         gelenk.model("planar").centre_of_mass(gelenk.model("planar").rest)
+
+
+@pytest.mark.parametrize("ending", ["glb", "gltf", "bvh", "asf", "amc", "skel", "obj", "json"])
+def test_files_that_cannot_be_opened_or_written_are_os_errors(ending, tmp_path):
+    figure = gelenk.model("figure")
+    clip = gelenk.Clip(figure, figure.rest[None], 30) if ending in ("bvh", "amc") else None
+    (tmp_path / "file").write_text("")
+    for place, kind in ((tmp_path / "nowhere" / f"a.{ending}", FileNotFoundError), (tmp_path / "file" / f"a.{ending}", NotADirectoryError)):
+        with pytest.raises(kind, match="cannot write .*a." + ending) as error:
+            gelenk.save(place, figure, clip)
+        assert error.value.errno in (errno.ENOENT, errno.ENOTDIR)
+        with pytest.raises(FileNotFoundError if kind is FileNotFoundError else OSError, match="a." + ending):
+            gelenk.load(place)

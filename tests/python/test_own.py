@@ -84,6 +84,15 @@ def test_the_rules_are_seen_to_be_broken():
     assert "the same seed gives the same bits, traced or not" in rules
 
 
+def test_steps_that_are_not_finite_are_seen():
+    @gelenk.step_rule("divides")
+    def divides(J, r, q):
+        return np.full(J.shape[1], np.nan) if np.linalg.norm(r) < 0.5 else J.T @ r
+
+    found = gelenk.check("divides", problems=5)
+    assert "steps of a step rule are finite" in {rule for rule, _, _ in found.faults}, found
+
+
 def test_what_a_rule_raises_arrives(panda):
     @gelenk.step_rule("raising")
     def raising(J, r, q):

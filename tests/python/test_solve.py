@@ -255,3 +255,13 @@ def test_the_judge_does_not_ask_who_proposed(panda):
     target = panda.fk(q)[-1]
     assert gelenk.judge(panda, target, q)["solved"]
     assert not gelenk.judge(panda, target, panda.rest)["solved"]
+
+
+@pytest.mark.parametrize("seed", [-1, 2**64, 1.5, "1", True, None])
+def test_a_seed_is_a_whole_number(panda, seed):
+    calls = [lambda: gelenk.solve(panda, [0.4, 0.1, 0.5], seed=seed), lambda: gelenk.compare(panda, ["dls"], problems=1, seed=seed),
+             lambda: gelenk.solve_batch(panda, [[0.4, 0.1, 0.5]], seed=seed)]
+    for call in calls:
+        with pytest.raises(ValueError, match=r"^seed: a seed is a whole number from 0 to 2\^64 - 1, found "):
+            call()
+    assert gelenk.solve(panda, [0.4, 0.1, 0.5], seed=np.uint64(2**64 - 1)).solved

@@ -61,7 +61,7 @@ def _problems(model, rng, count):
 def check(solver, problems=30, seed=1, **parameters):
     """Holds a solver of the catalogue to the rules of all of them, on that many problems of each of seven models: a Contract.
 
-    Answers are finite, with quaternions of length 1, and within limits; the residual reported is the one recomputed; 'converged' is said where the judge
+    Answers and a step rule's steps are finite, quaternions of length 1, all within limits; the residual reported is the one recomputed; 'converged' is said where the judge
     says so, and only there; the same seed gives the same bits; tracing changes nothing; joints off the goal's path keep
     every bit; no goals are met at once; every parameter changes something.
     """
@@ -81,7 +81,11 @@ def check(solver, problems=30, seed=1, **parameters):
 
     for model in _models():
         for where, joint, goal, start in _problems(model, rng, problems):
+            not_finite = _gelenk._steps_not_finite(solver)
             result = _gelenk.solve(model, goal, start=start, **ask, **parameters)
+            not_finite = _gelenk._steps_not_finite(solver) - not_finite
+            if not_finite:
+                fault("steps of a step rule are finite", where, f"{not_finite} of them not")
             found.problems += 1
             if result.status == "unsupported":
                 found.unsupported += 1
