@@ -383,7 +383,7 @@ void addRenderCommand(Command& app, std::function<void(const FilmOrder&)> film) 
   command.option("--azimuth", request->azimuth, "Degrees about the vertical, 0 from the front");
   command.option("--elevation", request->elevation, "Degrees above the horizon").range(-90.0, 90.0);
   command.option("--focus", request->focus, "Close-up of this joint");
-  command.option("--zoom", request->zoom, "Factor").positive();
+  command.option("--zoom", request->zoom, "Factor").range(0.001, 1000.0);
   command.flag("--orthographic", request->orthographic, "Without perspective");
   command.option("--q", request->q,
                  "The whole configuration (radians, metres, quaternions w x y z); otherwise the rest pose");
@@ -417,7 +417,9 @@ void addRenderCommand(Command& app, std::function<void(const FilmOrder&)> film) 
       .option("--smoothing", request->smoothing,
               "Draw n x n pixels for one; otherwise what suits the renderer")
       .range(1, 4);
-  command.option("--seconds", request->seconds, "Video: length of one turn").positive().showDefault();
+  command.option("--seconds", request->seconds, "Video: length of one turn")
+      .range(0.01, 3600.0)
+      .showDefault();
   command.option("--frames", request->frames, "Video: number of frames instead of --seconds").positive();
   command.option("--fps", request->framesPerSecond, "Video: frames a second").range(1, 240).showDefault();
   command.option(

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import gelenk
+from gelenk import _show
 
 
 @pytest.fixture(autouse=True)
@@ -107,6 +108,26 @@ def test_a_solver_of_ones_own_runs_in_the_window(panda):
         view.set_goal("tool", target - [0, 0.05, 0])
         assert until(lambda: np.linalg.norm(panda.fk(view.q)[tool][:3, 3] - target + [0, 0.05, 0]) < 1e-3)
         assert "whole" in asked
+
+
+def test_a_picture_that_cannot_be_made_is_refused_with_the_reason(panda):
+    nan, inf = float("nan"), float("inf")
+    for name in ("scale", "zoom", "azimuth", "elevation"):
+        for value, found in ((nan, "'nan' (not a number)"), (-inf, "'-inf' (infinity)")):
+            with pytest.raises(ValueError) as error:
+                gelenk.render(panda, size=(64, 64), **{name: value})
+            assert str(error.value) == f"--{name}: expected a number, found {found}"
+    for name, value, range_ in (("scale", 9, "0.1 to 8"), ("zoom", 0, "0.001 to 1000"), ("elevation", 91, "-90 to 90")):
+        with pytest.raises(ValueError) as error:
+            gelenk.render(panda, size=(64, 64), **{name: value})
+        assert str(error.value) == f"--{name}: expected a number from {range_}, found {value}"
+    with pytest.raises(ValueError, match=r"^q: expected shape \(7,\), found \(2, 7\)$"):
+        gelenk.render(panda, np.zeros((2, 7)))
+
+
+def test_notes_are_not_in_front_of_an_errors_reason():
+    told = "note: the file has no up axis\nnote: another\ngelenk: a picture of 0 x 0\nRun with --help for more information.\n"
+    assert _show._reason(told) == "a picture of 0 x 0"
 
 
 def test_a_picture_is_that_of_the_program(panda, program, tmp_path):

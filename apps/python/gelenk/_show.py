@@ -34,6 +34,8 @@ def _write_scene(model, q, folder, handles=True, theme=None):
         _absolute(tree["model"])
     if q is not None:
         q = np.asarray(q, dtype=float)
+        if q.shape != (model.nq,):  # fk would take several
+            raise ValueError(f"q: expected shape ({model.nq},), found {q.shape}")
         model.fk(q)  # says what is wrong with it
         tree["q"] = q.tolist()
     if not handles and "show" in tree.get("view", {}):
@@ -315,7 +317,13 @@ def render(model, q=None, *, size=(1280, 800), scale=1.0, theme=None, view=None,
 def _run(words):
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode != 0:
-        raise ValueError(done.stderr.strip().removeprefix("gelenk: "))
+        raise ValueError(_reason(done.stderr) or f"the program ended with {done.returncode}")
+
+
+def _reason(told):
+    """The error's sentence among what the program told on standard error: without notes about files, and where to read on."""
+    lines = [line for line in told.splitlines() if not line.startswith(("note: ", "Run with --help"))]
+    return "\n".join(lines).strip().removeprefix("gelenk: ")
 
 
 def _read_ppm(data):
