@@ -223,7 +223,7 @@ void addPathCommand(Command& app) {
   command.option("--path", request->path, "File of poses, a line each: X Y Z QW QX QY QZ, metres").required();
   command.option("--joint", request->joint, "Joint that follows the path; default: the model's only end");
   command.option("--keys", request->keys, "The file's poses are keys of a spline; take this many poses of it")
-      .positive();
+      .range(2, 1e6);
   command.option(
       "--start", request->start,
       "Configuration before the first pose, within limits; the way from there counts in length and jumps");
@@ -233,7 +233,7 @@ void addPathCommand(Command& app) {
       .showDefault();
   command
       .option("--slices", request->options.slices, "Seven joints: solutions looked at along each self-motion")
-      .positive()
+      .range(1, 1e5)
       .showDefault();
   command.option("-o,--out", request->out, "Write the motion: .csv, .bvh, .gltf or .glb");
   command.option("--fps", request->rate, "Poses a second in a motion file").frameRate().showDefault();

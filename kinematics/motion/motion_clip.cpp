@@ -196,6 +196,9 @@ VectorXd sample(const Skeleton& skeleton, const MotionClip& clip, double seconds
 
 MotionClip resampled(const Skeleton& skeleton, const MotionClip& clip, double framesPerSecond) {
   if (!(framesPerSecond > 0.0)) throw std::invalid_argument("a frame rate must be positive");
+  constexpr double most = 1e7;  // frames: four days at 30 Hz
+  if (!(clip.duration() * framesPerSecond < most))
+    throw std::invalid_argument("resampling would make more than ten million frames");
   const int count = static_cast<int>(std::lround(clip.duration() * framesPerSecond)) + 1;
   MotionClip result{.framesPerSecond = framesPerSecond, .q = Eigen::MatrixXd(clip.q.rows(), count)};
   VectorXd q;

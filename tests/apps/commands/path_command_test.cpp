@@ -84,6 +84,7 @@ TEST_F(PathCommand, NoOptionTakesNan) {
   for (const char* option : {"--jump", "--fps", "--start"})
     EXPECT_THAT(follow(poses, {option, "nan"}).output,
                 HasSubstr(std::string(option) + ": expected a number, found 'nan'"));
+  EXPECT_THAT(follow(poses, {"--keys", "1"}).output, HasSubstr("expected a whole number from 2 to 1000000"));
   EXPECT_THAT(follow(poses, {"--fps", "1e-300"}).output, HasSubstr("expected a number from 0.01 to 10000"));
 }
 

@@ -111,6 +111,8 @@ TEST(Resampled, TwiceTheRateKeepsEveryOldFrame) {
                  b = forwardKinematics(skeleton, twice.q.col(2 * f));
     for (int i = 0; i < skeleton.jointCount(); ++i) EXPECT_LE((a[i].matrix() - b[i].matrix()).norm(), 1e-9);
   }
+  for (const double rate : {0.0, std::nan(""), 1e12, 1e300})  // frames that nothing could hold
+    EXPECT_THROW(resampled(skeleton, clip, rate), std::invalid_argument) << rate;
 }
 
 }  // namespace
