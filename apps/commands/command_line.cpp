@@ -1,8 +1,10 @@
 #include "apps/commands/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
@@ -45,7 +47,11 @@ std::string whyNotWhole(const std::string& word) {
 Option& Option::required() { return option_->required(), *this; }
 Option& Option::showDefault() { return option_->capture_default_str(), *this; }
 Option& Option::oneOf(const std::vector<std::string>& words) {
-  return option_->check(CLI::IsMember(words)), *this;
+  const auto fault = [words](const std::string& word) -> std::string {
+    if (std::ranges::count(words, word) > 0) return "";
+    return fmt::format("expected one of {}, found '{}'", fmt::join(words, ", "), word);
+  };
+  return option_->check(fault, fmt::format("{{{}}}", fmt::join(words, ","))), *this;
 }
 Option& Option::positive() {
   return demand("above 0", [](double value) { return value > 0.0; });

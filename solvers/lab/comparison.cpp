@@ -15,6 +15,7 @@
 #include <set>
 #include <span>
 #include <stdexcept>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -250,21 +251,21 @@ std::string differences(const Record& there, const Record& asked) {
 /// True where the folder holds results of this very plan.
 bool claimFolder(const std::string& folder, const Record& record) {
   if (fs::exists(folder) && !fs::is_directory(folder))
-    throw std::runtime_error(folder + " is a file, not a folder for results");
+    throw std::invalid_argument(folder + " is a file, not a folder for results");
   if (fs::exists(folder + '/' + markerName)) {
     const Record found = readRecord(folder);
     if (found.empty())
-      throw std::runtime_error(
+      throw std::invalid_argument(
           folder + '/' + markerName +
           " is not the mark of a Gelenk comparison of this version; nothing was changed");
     if (found != record)
-      throw std::runtime_error(folder + " holds the results of another comparison; nothing was changed" +
-                               differences(found, record));
+      throw std::invalid_argument(folder + " holds the results of another comparison; nothing was changed" +
+                                  differences(found, record));
     return true;
   }
   if (fs::exists(folder) && !fs::is_empty(folder))
-    throw std::runtime_error(folder + " is not empty and holds no Gelenk comparison (" + markerName +
-                             " is missing); nothing was changed");
+    throw std::invalid_argument(folder + " is not empty and holds no Gelenk comparison (" + markerName +
+                                " is missing); nothing was changed");
   fs::create_directories(folder);
   writeRecord(folder, record);
   return false;
@@ -274,7 +275,7 @@ bool claimFolder(const std::string& folder, const Record& record) {
 class Appender {
  public:
   explicit Appender(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "ab")) {
-    if (!file_) throw std::runtime_error("cannot append to " + path);
+    if (!file_) throw std::system_error(errno, std::generic_category(), "cannot append to " + path);
   }
   ~Appender() { std::fclose(file_); }
   Appender(const Appender&) = delete;

@@ -48,7 +48,7 @@ Record recordOf(const ComparisonPlan& plan, const LabModel& model);
 /// Runs the plan into `folder` (created where absent) and continues there after an interruption: results.csv,
 /// solutions.csv, goals.csv, traces.csv, seeds.csv, preparation.csv, problem_sets.csv, solvers.csv and the
 /// marker gelenk-comparison.txt with the record. A run that was killed at any time leaves complete lines up
-/// to there. Throws std::runtime_error, and changes nothing, where the folder holds anything else or the
+/// to there. Throws std::invalid_argument, and changes nothing, where the folder holds anything else or the
 /// results of another plan; the settings that differ are named. progress(done, total, what): after every
 /// sequence.
 Results runComparison(const ComparisonPlan& plan, const LabModel& model, const std::string& folder,

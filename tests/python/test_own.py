@@ -180,6 +180,10 @@ def test_progress_and_a_folder(tmp_path):
                    progress=lambda done, total, what: seen.append((done, total)))
     assert seen[-1][0] == seen[-1][1] and (tmp_path / "here/report.html").exists()
 
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match="is a file, not a folder for results"):
+        gelenk.compare(gelenk.model("planar"), ["dls"], problems=5, out=tmp_path / "file")
+
     def stop(done, total, what):
         raise InterruptedError
 

@@ -21,7 +21,7 @@ struct Numbers {
   std::optional<double> angle;
   std::optional<int> layers;
   std::vector<double> q;
-  std::string name;
+  std::string name, view;
 };
 
 /// The error's sentence; empty where the words are taken.
@@ -38,6 +38,7 @@ std::string sentence(std::vector<std::string> words, Numbers* read = nullptr) {
   command.option("--layers", numbers.layers, "").range(1, 4);
   command.option("--q", numbers.q, "");
   command.option("--name", numbers.name, "");
+  command.option("--view", numbers.view, "").oneOf({"front", "side"});
   words.insert(words.begin(), "count");
   try {
     line.parse(words);
@@ -77,6 +78,11 @@ TEST(CommandLine, ErrorsOfRangesSayWhatIsExpectedAndFound) {
 TEST(CommandLine, AnEmptyWordIsNotTakenForNone) {
   EXPECT_EQ(sentence({"--name", ""}), "--name: expected a word, found ''");
   EXPECT_EQ(sentence({"--name", " "}), "");
+}
+
+TEST(CommandLine, AWordThatIsNoneOfTheListIsToldWithTheList) {
+  EXPECT_EQ(sentence({"--view", "back"}), "--view: expected one of front, side, found 'back'");
+  EXPECT_EQ(sentence({"--view", "side"}), "");
 }
 
 TEST(CommandLine, NumbersAreReadAsTheyStand) {
