@@ -454,13 +454,13 @@ TEST_F(Comparison, ErrorsWrittenAreThoseOfTheSolutionsWritten) {
 TEST_F(Comparison, ForeignFoldersAndOtherPlansAreLeftUntouched) {
   fs::create_directories(path("letters"));
   std::ofstream(path("letters") + "/results.csv") << "dear\n";
-  EXPECT_THROW(run(plan(), "letters"), std::runtime_error);
+  EXPECT_THROW(run(plan(), "letters"), std::invalid_argument);
   EXPECT_EQ(readFile(path("letters") + "/results.csv"), "dear\n");
   run(plan(), "a");
   const std::string before = readFile(path("a") + "/results.csv");
   ComparisonPlan other = plan();
   other.seed = 10;
-  EXPECT_THROW(run(other, "a"), std::runtime_error);
+  EXPECT_THROW(run(other, "a"), std::invalid_argument);
   EXPECT_EQ(readFile(path("a") + "/results.csv"), before);
   EXPECT_THROW(mergeComparisons({path("letters")}, path("joined")), std::runtime_error);
 }
@@ -527,7 +527,7 @@ TEST_F(Comparison, ParametersStandInTheRecordOfEveryResult) {
   // another value is another comparison, also where only a default was left out before
   ComparisonPlan other = p;
   other.solvers.back() = "dls[lambda=2,largest-step=1]";
-  EXPECT_THROW(run(other, "a"), std::runtime_error);
+  EXPECT_THROW(run(other, "a"), std::invalid_argument);
   // answers differ between values, and stay what one value gives alone
   ComparisonPlan alone = p;
   alone.solvers = {"dls[lambda=1,largest-step=1]"};
