@@ -44,30 +44,81 @@ struct Stance {
   const MirrorPlane* plane;
 };
 
-std::vector<Stance> stancesOf(const SurfaceSamples& samples, const std::vector<MirrorPlane>& planes,
-                              const PlacementWishes& wishes) {
+/// The directions in which most of a flat body's points lie spread, both ways round.
+std::vector<Vector2d> principalAxes(const std::vector<Vector2d>& points) {
+  Vector2d mean = Vector2d::Zero();
+  for (const Vector2d& p : points) mean += p / static_cast<double>(points.size());
+  Matrix2d spread = Matrix2d::Zero();
+  for (const Vector2d& p : points) spread += (p - mean) * (p - mean).transpose();
+  const Matrix2d axes = Eigen::SelfAdjointEigenSolver<Matrix2d>(spread).eigenvectors();
+  return {axes.col(0), -axes.col(0), axes.col(1), -axes.col(1)};
+}
+
+/// The corners of the convex hull, anticlockwise (Andrew 1979).
+std::vector<Vector2d> convexHull(std::vector<Vector2d> points) {
+  std::sort(points.begin(), points.end(), [](const Vector2d& a, const Vector2d& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  std::vector<Vector2d> hull;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t first = hull.size();
+    for (const Vector2d& p : points) {
+      while (hull.size() >= first + 2) {
+        const Vector2d u = hull.back() - hull[hull.size() - 2], v = p - hull.back();
+        if (u.x() * v.y() - u.y() * v.x() > 0.0) break;
+        hull.pop_back();
+      }
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+/// What lies flat on its four feet lies on one of the long sides of its hull: the directions away from the
+/// three longest, edges within five degrees taken together.
+std::vector<Vector2d> awayFromLongSides(const std::vector<Vector2d>& points) {
+  const std::vector<Vector2d> hull = convexHull(points);
+  const double together = std::cos(5.0 * M_PI / 180.0), apart = std::cos(12.0 * M_PI / 180.0);
+  std::vector<std::pair<double, Vector2d>> sides;
+  const auto edge = [&](std::size_t i) { return Vector2d(hull[(i + 1) % hull.size()] - hull[i]); };
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    Vector2d sum = Vector2d::Zero();
+    for (std::size_t j = 0; j < hull.size(); ++j)
+      if (edge(j).normalized().dot(edge(i).normalized()) > together) sum += edge(j);
+    sides.emplace_back(sum.norm(), Vector2d(-sum.y(), sum.x()).normalized());
+  }
+  std::stable_sort(sides.begin(), sides.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<Vector2d> out;
+  for (const auto& [length, inwards] : sides)
+    if (out.size() < 3 &&
+        std::none_of(out.begin(), out.end(), [&, d = inwards](const auto& o) { return o.dot(d) > apart; }))
+      out.push_back(inwards);
+  return out;
+}
+
+std::vector<Stance> stancesOf(const TemplateBody& body, const SurfaceSamples& samples,
+                              const std::vector<MirrorPlane>& planes, const PlacementWishes& wishes) {
   std::vector<Stance> out;
   for (const MirrorPlane& plane : planes) {
     const Vector3d n = plane.normal, u = n.unitOrthogonal(), v = n.cross(u);
-    Vector2d mean = Vector2d::Zero();
-    for (const Vector3d& p : samples.points) mean += Vector2d(u.dot(p), v.dot(p));
-    mean /= static_cast<double>(samples.points.size());
-    Matrix2d spread = Matrix2d::Zero();
-    for (const Vector3d& p : samples.points) {
-      const Vector2d d = Vector2d(u.dot(p), v.dot(p)) - mean;
-      spread += d * d.transpose();
-    }
-    const Matrix2d principal = Eigen::SelfAdjointEigenSolver<Matrix2d>(spread).eigenvectors();
-    for (int k = 0; k < 2; ++k)
-      for (const double sign : {1.0, -1.0})
-        for (const double side : {1.0, -1.0}) {
-          const Vector3d up = sign * (principal(0, k) * u + principal(1, k) * v), left = side * n;
-          Matrix3d axes;
-          axes << left, up, left.cross(up);
-          if (wishes.up && up.dot(*wishes.up) < 0.8) continue;
-          if (wishes.front && axes.col(2).dot(*wishes.front) < 0.8) continue;
-          out.push_back({axes, &plane});
-        }
+    std::vector<Vector2d> flat;
+    for (const Vector3d& p : samples.points) flat.emplace_back(u.dot(p), v.dot(p));
+    std::vector<Vector2d> uprights = principalAxes(flat);
+    if (body.fourLegged)
+      for (const Vector2d& up : awayFromLongSides(flat)) uprights.push_back(up);
+    if (wishes.up)
+      if (const Vector2d up(u.dot(*wishes.up), v.dot(*wishes.up)); up.norm() > 0.8) uprights = {up.normalized()};
+    for (const Vector2d& upright : uprights)
+      for (const double side : {1.0, -1.0}) {
+        const Vector3d up = upright.x() * u + upright.y() * v, left = side * n;
+        Matrix3d axes;
+        axes << left, up, left.cross(up);
+        if (wishes.up && up.dot(*wishes.up) < 0.8) continue;
+        if (wishes.front && axes.col(2).dot(*wishes.front) < 0.8) continue;
+        out.push_back({axes, &plane});
+      }
   }
   return out;
 }
@@ -120,7 +171,7 @@ std::vector<Placement> placeBody(const TemplateBody& body, const SurfaceSamples&
   std::vector<Trial> trials;
   std::vector<std::vector<Vector3d>> posed;
   for (const TemplatePose& pose : body.poses) posed.push_back(deformed(body, pose.maps));
-  for (const Stance& stance : stancesOf(samples, planes, wishes)) {
+  for (const Stance& stance : stancesOf(body, samples, planes, wishes)) {
     if (symmetric && stance.plane->misfit > std::max(symmetricMisfit, 3.0 * planes[0].misfit)) continue;
     for (std::size_t k = 0; k < body.poses.size(); ++k) {
       if (symmetric && !body.poses[k].symmetric) continue;

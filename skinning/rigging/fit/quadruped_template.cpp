@@ -51,6 +51,7 @@ std::string otherSide(std::string name) {
 
 TemplateBody makeQuadruped() {
   TemplateBody body;
+  body.fourLegged = true;
   body.variety = 0.12;
   std::vector<BodyPart> parts;
   const auto joint = [&](const std::string& name) {

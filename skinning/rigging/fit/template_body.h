@@ -60,6 +60,7 @@ struct TemplateBody {
   std::vector<double> importance;                              ///< of each vertex in a fit, about 1
   std::vector<TemplateJoint> joints;
   std::vector<TemplatePose> poses;
+  bool fourLegged = false;
   int crotch =
       -1;  ///< the vertex between the legs, where the cut in the middle is lowest; -1: not looked for
   double variety = 0.04;    ///< strain (shapeStrain) that is ordinary among bodies of the kind
