@@ -48,13 +48,15 @@ class Stages {
   Clock::time_point start_ = Clock::now();
 };
 
-const TemplateBody& templateOf(RigTemplate which) {
-  return which == RigTemplate::Quadruped ? quadrupedTemplate() : humanTemplate();
+/// The bodies that may lie in the mesh; they have the same joints.
+std::vector<const TemplateBody*> templatesOf(RigTemplate which) {
+  if (which == RigTemplate::Quadruped) return {&hoofedTemplate(), &cattleTemplate(), &pawedTemplate()};
+  return {&humanTemplate()};
 }
 
 /// The skeleton of the template as it stands by itself.
 Skeleton restingSkeleton(RigTemplate which) {
-  const TemplateBody& body = templateOf(which);
+  const TemplateBody& body = *templatesOf(which).front();
   std::vector<Vector3d> positions;
   for (const TemplateJoint& joint : body.joints) positions.push_back(joint.position);
   Placement atRest;
@@ -132,6 +134,7 @@ void tellRepairs(const SurfaceAir& air, const MeshTopology& shape, RigReport& re
 }
 
 struct Fit {
+  const TemplateBody* body;
   Placement placement;
   std::shared_ptr<FitTarget> target;
   double misfit = 1.0;
@@ -144,7 +147,7 @@ Fit fitBest(const TemplateBody& body, const Mesh& mesh, const SurfaceSamples& sa
             const std::vector<Placement>& placements, Stages& stages) {
   std::vector<Fit> fits;
   for (const Placement& placement : placements) {
-    Fit fit{placement, std::make_shared<FitTarget>(inBodySpace(samples, placement.frame), 0.05)};
+    Fit fit{&body, placement, std::make_shared<FitTarget>(inBodySpace(samples, placement.frame), 0.05)};
     for (int k = 0; k < 2; ++k) {
       FitStage stage = schedule[k];
       stage.symmetric = placement.symmetric;
@@ -255,7 +258,7 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
 
   stages.begin("template", 0.0);
   const RigTemplate kind = options.own ? kindOf(*options.own) : options.skeleton;
-  const TemplateBody& body = templateOf(kind);
+  const std::vector<const TemplateBody*> bodies = templatesOf(kind);
 
   stages.begin("surface", 0.1);
   SurfaceSamples samples = sampleSurface(mesh, 6000);
@@ -266,11 +269,20 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   tellRepairs(air, topology(mesh), report);
 
   stages.begin("placing", 0.15);
-  const std::vector<Placement> placements = placeBody(body, samples, {options.up, options.front});
-  if (placements.empty()) throw RigRefused("the body stands in none of the ways that were asked for");
+  std::vector<std::vector<Placement>> placements;
+  for (const TemplateBody* body : bodies)
+    placements.push_back(placeBody(*body, samples, {options.up, options.front}));
 
   stages.begin("fit", 0.35);
-  Fit fit = fitBest(body, mesh, samples, placements, stages);
+  std::optional<Fit> best;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (placements[k].empty()) continue;
+    Fit fit = fitBest(*bodies[k], mesh, samples, placements[k], stages);
+    if (!best || fit.body->handicap * fit.misfit < best->body->handicap * best->misfit) best = std::move(fit);
+  }
+  if (!best) throw RigRefused("the body stands in none of the ways that were asked for");
+  const Fit& fit = *best;
+  const TemplateBody& body = *fit.body;
   report.limbs = countLimbs(VoxelBody(mesh, 64));
   judge(body, fit, samples, report);
   const Placement& placement = fit.placement;

@@ -89,7 +89,8 @@ std::vector<Vector2d> awayFromLongSides(const std::vector<Vector2d>& points) {
       if (edge(j).normalized().dot(edge(i).normalized()) > together) sum += edge(j);
     sides.emplace_back(sum.norm(), Vector2d(-sum.y(), sum.x()).normalized());
   }
-  std::stable_sort(sides.begin(), sides.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<Vector2d> out;
   for (const auto& [length, inwards] : sides)
     if (out.size() < 3 &&
@@ -109,7 +110,8 @@ std::vector<Stance> stancesOf(const TemplateBody& body, const SurfaceSamples& sa
     if (body.fourLegged)
       for (const Vector2d& up : awayFromLongSides(flat)) uprights.push_back(up);
     if (wishes.up)
-      if (const Vector2d up(u.dot(*wishes.up), v.dot(*wishes.up)); up.norm() > 0.8) uprights = {up.normalized()};
+      if (const Vector2d up(u.dot(*wishes.up), v.dot(*wishes.up)); up.norm() > 0.8)
+        uprights = {up.normalized()};
     for (const Vector2d& upright : uprights)
       for (const double side : {1.0, -1.0}) {
         const Vector3d up = upright.x() * u + upright.y() * v, left = side * n;

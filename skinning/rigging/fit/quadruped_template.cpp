@@ -13,8 +13,7 @@ using Eigen::Vector3d;
 namespace {
 
 /// A joint of a four-legged animal of length 1 from nose to tail: z from the tail to the nose, y from the
-/// ground up. Proportions between a horse, a cow, a dog and a fox (means of drawn figures, rounded). Each
-/// joint but an end begins a piece that reaches to `to`, as a round cone of the two radii.
+/// ground up. Each joint but an end begins a piece that reaches to `to`, as a round cone of the two radii.
 struct JointRow {
   const char *name, *parent;
   double x, y, z;
@@ -23,24 +22,67 @@ struct JointRow {
   double bond = 0.0;
 };
 
-constexpr JointRow rows[] = {
+/// Horses, cattle, deer: straight forelegs, of which figures in drawings bend at the carpus.
+constexpr JointRow hoofed[] = {
     {"pelvis", "", 0.0, 0.42, 0.22, "spine", 0.095, 0.10, 0.1},
     {"spine", "pelvis", 0.0, 0.40, 0.42, "withers", 0.10, 0.11, 0.2},
     {"withers", "spine", 0.0, 0.41, 0.64},
-    {"fshoulder_l", "spine", 0.070, 0.35, 0.635, "felbow_l", 0.055, 0.032, 0.1},
-    {"felbow_l", "fshoulder_l", 0.074, 0.19, 0.635, "fankle_l", 0.030, 0.022},
-    {"fankle_l", "felbow_l", 0.075, 0.06, 0.635, "ffoot_l", 0.022, 0.022, 0.2},
+    {"fshoulder_l", "spine", 0.070, 0.349, 0.636, "felbow_l", 0.055, 0.032, 0.1},
+    {"felbow_l", "fshoulder_l", 0.074, 0.178, 0.65, "fankle_l", 0.030, 0.022},
+    {"fankle_l", "felbow_l", 0.075, 0.055, 0.635, "ffoot_l", 0.022, 0.022, 0.2},
     {"ffoot_l", "fankle_l", 0.075, 0.022, 0.655},
     {"neck", "spine", 0.0, 0.44, 0.68, "head", 0.075, 0.055, 0.1},
     {"head", "neck", 0.0, 0.58, 0.835, "nose", 0.055, 0.032, 0.1},
     {"nose", "head", 0.0, 0.50, 0.965},
     {"tail_root", "pelvis", 0.0, 0.45, 0.145, "tail", 0.020, 0.015, 0.05},
     {"tail", "tail_root", 0.0, 0.28, 0.045},
-    {"hip_l", "pelvis", 0.070, 0.42, 0.22, "knee_l", 0.080, 0.050, 0.1},
-    {"knee_l", "hip_l", 0.073, 0.29, 0.27, "hock_l", 0.048, 0.026},
-    {"hock_l", "knee_l", 0.073, 0.165, 0.12, "hankle_l", 0.024, 0.021},
-    {"hankle_l", "hock_l", 0.073, 0.06, 0.135, "hfoot_l", 0.021, 0.022, 0.2},
-    {"hfoot_l", "hankle_l", 0.073, 0.022, 0.158},
+    {"hip_l", "pelvis", 0.072, 0.42, 0.22, "knee_l", 0.080, 0.042, 0.1},
+    {"knee_l", "hip_l", 0.074, 0.298, 0.274, "hock_l", 0.041, 0.026},
+    {"hock_l", "knee_l", 0.073, 0.19, 0.125, "hankle_l", 0.024, 0.021},
+    {"hankle_l", "hock_l", 0.073, 0.055, 0.14, "hfoot_l", 0.021, 0.022, 0.2},
+    {"hfoot_l", "hankle_l", 0.073, 0.022, 0.16},
+};
+
+/// Cattle and other heavy bodies on short legs.
+constexpr JointRow cattle[] = {
+    {"pelvis", "", 0.0, 0.41, 0.13, "spine", 0.135, 0.15, 0.1},
+    {"spine", "pelvis", 0.0, 0.395, 0.36, "withers", 0.15, 0.15, 0.2},
+    {"withers", "spine", 0.0, 0.40, 0.61},
+    {"fshoulder_l", "spine", 0.075, 0.325, 0.605, "felbow_l", 0.065, 0.036, 0.1},
+    {"felbow_l", "fshoulder_l", 0.076, 0.148, 0.627, "fankle_l", 0.034, 0.024},
+    {"fankle_l", "felbow_l", 0.076, 0.055, 0.605, "ffoot_l", 0.024, 0.024, 0.2},
+    {"ffoot_l", "fankle_l", 0.076, 0.024, 0.62},
+    {"neck", "spine", 0.0, 0.42, 0.66, "head", 0.10, 0.07, 0.1},
+    {"head", "neck", 0.0, 0.48, 0.86, "nose", 0.065, 0.04, 0.1},
+    {"nose", "head", 0.0, 0.40, 0.96},
+    {"tail_root", "pelvis", 0.0, 0.50, 0.05, "tail", 0.020, 0.015, 0.05},
+    {"tail", "tail_root", 0.0, 0.28, 0.01},
+    {"hip_l", "pelvis", 0.078, 0.385, 0.118, "knee_l", 0.09, 0.055, 0.1},
+    {"knee_l", "hip_l", 0.076, 0.257, 0.168, "hock_l", 0.05, 0.028},
+    {"hock_l", "knee_l", 0.073, 0.155, 0.067, "hankle_l", 0.026, 0.022},
+    {"hankle_l", "hock_l", 0.071, 0.055, 0.074, "hfoot_l", 0.022, 0.024, 0.2},
+    {"hfoot_l", "hankle_l", 0.071, 0.024, 0.09},
+};
+
+/// Dogs, foxes, cats: elbows close under the chest, hind legs well bent, long feet.
+constexpr JointRow pawed[] = {
+    {"pelvis", "", 0.0, 0.415, 0.22, "spine", 0.090, 0.095, 0.1},
+    {"spine", "pelvis", 0.0, 0.40, 0.42, "withers", 0.095, 0.11, 0.2},
+    {"withers", "spine", 0.0, 0.41, 0.64},
+    {"fshoulder_l", "spine", 0.083, 0.346, 0.615, "felbow_l", 0.055, 0.038, 0.1},
+    {"felbow_l", "fshoulder_l", 0.087, 0.260, 0.592, "fankle_l", 0.034, 0.022},
+    {"fankle_l", "felbow_l", 0.087, 0.055, 0.66, "ffoot_l", 0.024, 0.024, 0.2},
+    {"ffoot_l", "fankle_l", 0.087, 0.024, 0.69},
+    {"neck", "spine", 0.0, 0.46, 0.70, "head", 0.075, 0.060, 0.1},
+    {"head", "neck", 0.0, 0.60, 0.82, "nose", 0.060, 0.030, 0.1},
+    {"nose", "head", 0.0, 0.55, 0.965},
+    {"tail_root", "pelvis", 0.0, 0.45, 0.145, "tail", 0.025, 0.035, 0.05},
+    {"tail", "tail_root", 0.0, 0.33, 0.03},
+    {"hip_l", "pelvis", 0.094, 0.398, 0.235, "knee_l", 0.078, 0.046, 0.1},
+    {"knee_l", "hip_l", 0.096, 0.285, 0.308, "hock_l", 0.044, 0.026},
+    {"hock_l", "knee_l", 0.092, 0.168, 0.07, "hankle_l", 0.024, 0.021},
+    {"hankle_l", "hock_l", 0.090, 0.050, 0.11, "hfoot_l", 0.022, 0.024, 0.2},
+    {"hfoot_l", "hankle_l", 0.090, 0.024, 0.145},
 };
 
 bool sided(const std::string& name) { return name.ends_with("_l"); }
@@ -49,7 +91,7 @@ std::string otherSide(std::string name) {
   return name;
 }
 
-TemplateBody makeQuadruped() {
+TemplateBody makeQuadruped(std::span<const JointRow> rows) {
   TemplateBody body;
   body.fourLegged = true;
   body.variety = 0.12;
@@ -60,8 +102,7 @@ TemplateBody makeQuadruped() {
     return -1;
   };
   const auto rowOf = [&](const std::string& name) -> const JointRow& {
-    return *std::find_if(std::begin(rows), std::end(rows),
-                         [&](const JointRow& row) { return name == row.name; });
+    return *std::find_if(rows.begin(), rows.end(), [&](const JointRow& row) { return name == row.name; });
   };
   std::vector<int> pieceOfJoint;
   for (const JointRow& row : rows)
@@ -134,8 +175,22 @@ TemplateBody makeQuadruped() {
 
 }  // namespace
 
-const TemplateBody& quadrupedTemplate() {
-  static const TemplateBody body = makeQuadruped();
+const TemplateBody& hoofedTemplate() {
+  static const TemplateBody body = makeQuadruped(hoofed);
+  return body;
+}
+
+const TemplateBody& cattleTemplate() {
+  static const TemplateBody body = makeQuadruped(cattle);
+  return body;
+}
+
+const TemplateBody& pawedTemplate() {
+  static const TemplateBody body = [] {
+    TemplateBody dog = makeQuadruped(pawed);
+    dog.handicap = 0.92;  // shaggy coats and curled tails are far from any template
+    return dog;
+  }();
   return body;
 }
 

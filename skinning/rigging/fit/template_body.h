@@ -61,6 +61,7 @@ struct TemplateBody {
   std::vector<TemplateJoint> joints;
   std::vector<TemplatePose> poses;
   bool fourLegged = false;
+  double handicap = 1.0;  ///< factor on its misfit beside other templates of the same joints
   int crotch =
       -1;  ///< the vertex between the legs, where the cut in the middle is lowest; -1: not looked for
   double variety = 0.04;    ///< strain (shapeStrain) that is ordinary among bodies of the kind
@@ -80,7 +81,9 @@ void aim(const TemplateBody& body, PieceMaps& maps, const std::string& left,
 
 /// The built-in figure with its 53 joints and 12 end sites.
 const TemplateBody& humanTemplate();
-/// A four-legged animal between horse, cow, dog and fox.
-const TemplateBody& quadrupedTemplate();
+/// Four-legged animals with the same joints: between horse, cow and deer; between dog, wolf and fox.
+const TemplateBody& hoofedTemplate();
+const TemplateBody& cattleTemplate();
+const TemplateBody& pawedTemplate();
 
 }  // namespace gelenk

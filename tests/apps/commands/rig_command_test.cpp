@@ -36,7 +36,7 @@ class RigCommand : public ::testing::Test {
 };
 
 TEST_F(RigCommand, WritesSkeletonWeightsAndModelThatReadBack) {
-  writeObj(path("animal.obj"), quadrupedTemplate().surface);
+  writeObj(path("animal.obj"), hoofedTemplate().surface);
   const auto finished = runProgram({testing::programFile(), "rig", path("animal.obj"), "--skeleton",
                                     "quadruped", "-o", path("out"), "--json"});
   ASSERT_EQ(finished.status, 0) << finished.output;

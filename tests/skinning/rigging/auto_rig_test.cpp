@@ -306,7 +306,7 @@ TEST(AutoRig, WhatHasNoLimbsIsRefused) {
 TEST(Limbs, AreTheSlenderBranchesOfABody) {
   EXPECT_EQ(countLimbs(VoxelBody(ball(0.0, 1.0), 64)), 0);
   EXPECT_EQ(countLimbs(VoxelBody(posedFigure({}).mesh, 64)), 4);  // the head is too short
-  EXPECT_GE(countLimbs(VoxelBody(quadrupedTemplate().surface, 64)), 4);
+  EXPECT_GE(countLimbs(VoxelBody(hoofedTemplate().surface, 64)), 4);
 }
 
 // Neck and shoulders are wide: what the bone from the trunk to the neck heats is the trunk's skin, so it
@@ -373,7 +373,7 @@ TEST(AutoRig, SameInputSameBitsAndItCanBeStopped) {
 }
 
 TEST(AutoRig, FindsTheLegsOfALongAnimal) {
-  const TemplateBody& animal = quadrupedTemplate();
+  const TemplateBody& animal = hoofedTemplate();
   const auto reshaped = [](const Vector3d& p) { return Vector3d(1.1 * p.x(), 0.85 * p.y(), 1.15 * p.z()); };
   Mesh mesh = animal.surface;
   for (Vector3d& p : mesh.positions) p = reshaped(p);
