@@ -93,8 +93,9 @@ double windingNumber(const Mesh& mesh, const Vector3d& p) {
   return sum / (2.0 * M_PI);
 }
 
-/// Joints that came to lie outside go towards the middle of their neighbours until they are inside. Where
-/// faces disagree about that the air decides (voxels).
+/// Joints that came to lie outside go towards the middle of their neighbours until they are inside; the
+/// end of a curled tail towards where its parent went. Where faces disagree about that the air decides
+/// (voxels).
 void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh, const VoxelBody* voxels) {
   const auto isInside = [&](const Vector3d& p) {
     return voxels ? !voxels->isOutside(p) : std::abs(windingNumber(mesh, p)) > 0.5;
@@ -108,12 +109,16 @@ void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh, const VoxelBody
         home += before[i].position, ++neighbours;
     if (neighbours == 0) continue;
     home /= neighbours;
-    for (int step = 0; step <= 18; ++step) {
-      const Vector3d p = before[k].position + 0.05 * step * (home - before[k].position);
-      if (!isInside(p)) continue;
-      joints[k].position = p;
-      break;
-    }
+    const auto moved = [&](const Vector3d& towards) {
+      for (int step = 0; step <= 19; ++step) {
+        const Vector3d p = before[k].position + 0.05 * step * (towards - before[k].position);
+        if (!isInside(p)) continue;
+        joints[k].position = p;
+        return true;
+      }
+      return false;
+    };
+    if (!moved(home) && neighbours == 1 && joints[k].parent >= 0) moved(joints[joints[k].parent].position);
   }
 }
 
@@ -174,8 +179,23 @@ Fit fitBest(const TemplateBody& body, const Mesh& mesh, const SurfaceSamples& sa
   return best;
 }
 
+/// What tells which of several templates lies in the mesh: the misfit of the whole times that of trunk and
+/// legs, every piece counted alike. Manes, antlers and tails say little about it.
+double kindMisfit(const Fit& fit) {
+  const std::vector<double> misfits = pieceMisfits(*fit.body, *fit.target, fit.placement.maps);
+  double sum = 0.0;
+  int counted = 0;
+  for (std::size_t k = 0; k < misfits.size(); ++k) {
+    const std::string& name = fit.body->pieces[k].name;
+    if (name == "neck" || name == "head" || name == "tail_root") continue;
+    sum += misfits[k];
+    ++counted;
+  }
+  return fit.misfit * sum / counted;
+}
+
 /// 1 for a surface as near as that of people, 0 for one that is not the template's.
-double likenessOf(double misfit) { return std::clamp((0.03 - misfit) / 0.02, 0.0, 1.0); }
+double likenessOf(double misfit, double none) { return std::clamp((none - misfit) / 0.02, 0.0, 1.0); }
 
 /// The confidence in each joint: the whole body's, and how near the surface lies around the joint.
 std::vector<double> jointConfidences(const TemplateBody& body, const Fit& fit,
@@ -185,7 +205,7 @@ std::vector<double> jointConfidences(const TemplateBody& body, const Fit& fit,
   for (const RigJoint& joint : joints) {
     const int above = body.pieces[joint.piece].parent;
     const double near = std::max(misfits[joint.piece], above < 0 ? 0.0 : misfits[above]);
-    out.push_back(whole * likenessOf(near));
+    out.push_back(whole * likenessOf(near, 0.03));
   }
   return out;
 }
@@ -200,7 +220,7 @@ void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& sampl
   report.front = pelvis.col(0).cross(report.up).normalized();
   report.pose = placement.pose;
   report.symmetric = placement.symmetric;
-  report.misfit = fit.misfit;
+  report.misfit = surfaceMisfit(body, *fit.target, placement.maps);
   report.strain = shapeStrain(body, placement.maps);
   double low = unlimited, high = -unlimited;
   for (const Vector3d& p : samples.points) {
@@ -208,7 +228,7 @@ void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& sampl
     high = std::max(high, report.up.dot(p));
   }
   report.height = high - low;
-  const double likeness = likenessOf(report.misfit),
+  const double likeness = likenessOf(report.misfit, 0.0255),
                proportion = std::clamp((3.0 * body.variety - report.strain) / (2.0 * body.variety), 0.0, 1.0),
                margin = std::clamp((fit.rival - 1.0) / 0.1, 0.0, 1.0);
   report.confidence = likeness * proportion * (0.3 + 0.7 * margin);
@@ -220,7 +240,7 @@ void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& sampl
     throw RigRefused(
         "no such body is in this mesh: no limbs stand out of it, and its surface is unlike the "
         "template's");
-  if (report.misfit > 0.05 || report.strain > 1.2)
+  if (report.misfit > 0.0455 || report.strain > 1.2)
     throw RigRefused("no such body is in this mesh: the template's surface stays " +
                      std::to_string(std::lround(100.0 * report.misfit)) +
                      " % of its height away, with its proportions changed by a factor of " +
@@ -278,7 +298,7 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     if (placements[k].empty()) continue;
     Fit fit = fitBest(*bodies[k], mesh, samples, placements[k], stages);
-    if (!best || fit.body->handicap * fit.misfit < best->body->handicap * best->misfit) best = std::move(fit);
+    if (!best || kindMisfit(fit) < kindMisfit(*best)) best = std::move(fit);
   }
   if (!best) throw RigRefused("the body stands in none of the ways that were asked for");
   const Fit& fit = *best;
@@ -290,6 +310,7 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
       rigJoints(body, kind, placement,
                 refineJoints(body, *fit.target, placement.maps, {.symmetric = placement.symmetric}));
   moveInside(joints, mesh, flipped ? &voxels : nullptr);
+  addFingers(joints, mesh, placement);
   out.skeleton = rigSkeleton(joints);
   report.jointConfidence = jointConfidences(body, fit, joints, report.confidence);
   if (options.own) {

@@ -286,27 +286,55 @@ double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
   return error;
 }
 
+namespace {
+
+/// Visits the nearest pairs in both directions, either way with a total weight of 1: visit(vertex, sample,
+/// weight).
+template <class Visit>
+void eachPair(const FitTarget& target, const std::vector<Vector3d>& now, const std::vector<Vector3d>& normals,
+              Visit visit) {
+  const SurfaceSamples& samples = target.samples();
+  const int n = static_cast<int>(now.size()), m = static_cast<int>(samples.points.size());
+  std::vector<KdTree<6>::Point> points;
+  for (int v = 0; v < n; ++v) {
+    visit(v, target.nearest(now[v], normals[v]), 1.0 / n);
+    points.push_back(lifted(now[v], normals[v], target.normalReach()));
+  }
+  const KdTree<6> tree(std::move(points));
+  for (int s = 0; s < m; ++s)
+    visit(tree.nearest(lifted(samples.points[s], samples.normals[s], target.normalReach())), s, 1.0 / m);
+}
+
+}  // namespace
+
 std::vector<double> pieceMisfits(const TemplateBody& body, const FitTarget& target, const PieceMaps& maps) {
   const std::vector<Vector3d> now = deformed(body, maps), normals = normalsOf(body.surface, now);
   const SurfaceSamples& samples = target.samples();
-  std::vector<double> square(maps.size(), 0.0), weight(maps.size(), 1e-9);
-  const auto pair = [&](int v, int s, double share) {
+  std::vector<double> square(maps.size(), 0.0), weight(maps.size(), 1e-12);
+  eachPair(target, now, normals, [&](int v, int s, double share) {
     const double across = 0.5 * (normals[v] + samples.normals[s]).dot(samples.points[s] - now[v]);
     for (const auto& [k, w] : body.weights[v]) {
       square[k] += share * w * across * across;
       weight[k] += share * w;
     }
-  };
-  const int n = static_cast<int>(now.size()), m = static_cast<int>(samples.points.size());
-  for (int v = 0; v < n; ++v) pair(v, target.nearest(now[v], normals[v]), 1.0);
-  std::vector<KdTree<6>::Point> points;
-  for (int v = 0; v < n; ++v) points.push_back(lifted(now[v], normals[v], target.normalReach()));
-  const KdTree<6> tree(std::move(points));
-  for (int s = 0; s < m; ++s)
-    pair(tree.nearest(lifted(samples.points[s], samples.normals[s], target.normalReach())), s,
-         static_cast<double>(n) / m);
+  });
   for (std::size_t k = 0; k < square.size(); ++k) square[k] = std::sqrt(square[k] / weight[k]);
   return square;
+}
+
+double surfaceMisfit(const TemplateBody& body, const FitTarget& target, const PieceMaps& maps) {
+  constexpr double grain = 0.02, farthest = 0.06;
+  const std::vector<Vector3d> now = deformed(body, maps), normals = normalsOf(body.surface, now);
+  const SurfaceSamples& samples = target.samples();
+  double square = 0.0;
+  eachPair(target, now, normals, [&](int v, int s, double share) {
+    const Vector3d gap = samples.points[s] - now[v];
+    const double across = 0.5 * (normals[v] + samples.normals[s]).dot(gap),
+                 along = std::max(0.0, gap.norm() - grain), d = std::hypot(across, along);
+    const bool facing = normals[v].dot(samples.normals[s]) > 0.2;
+    square += 0.5 * share * (facing ? std::min(d * d, farthest * farthest) : farthest * farthest);
+  });
+  return std::sqrt(square);
 }
 
 double shapeStrain(const TemplateBody& body, const PieceMaps& maps) {

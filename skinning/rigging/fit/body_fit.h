@@ -59,6 +59,10 @@ double fitPieces(const TemplateBody& body, const FitTarget& target, PieceMaps& m
 /// carries.
 std::vector<double> pieceMisfits(const TemplateBody& body, const FitTarget& target, const PieceMaps& maps);
 
+/// Root mean square distance between the whole surfaces, both ways, up to 0.06: the part across the surface,
+/// and along it only what is beyond the spacing of the samples, so that finer triangles change nothing.
+double surfaceMisfit(const TemplateBody& body, const FitTarget& target, const PieceMaps& maps);
+
 /// How much the pieces' lengths and girths differ from those of the template in one size: the root mean
 /// square of the logarithms of their stretches about the mean. About 0.15 among people, infinite where a
 /// piece lost all extent.

@@ -186,11 +186,7 @@ const TemplateBody& cattleTemplate() {
 }
 
 const TemplateBody& pawedTemplate() {
-  static const TemplateBody body = [] {
-    TemplateBody dog = makeQuadruped(pawed);
-    dog.handicap = 0.92;  // shaggy coats and curled tails are far from any template
-    return dog;
-  }();
+  static const TemplateBody body = makeQuadruped(pawed);
   return body;
 }
 

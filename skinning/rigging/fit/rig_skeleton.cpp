@@ -8,6 +8,7 @@
 #include "kinematics/configuration.h"
 #include "kinematics/forward_kinematics.h"
 #include "kinematics/notation/mannequin.h"
+#include "skinning/rigging/fit/fingers.h"
 
 namespace gelenk {
 
@@ -155,6 +156,64 @@ std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, 
   else
     for (const LayoutRow& row : humanLayout) add(row);
   return joints;
+}
+
+void addFingers(std::vector<RigJoint>& joints, const Mesh& mesh, const Placement& placement) {
+  const auto find = [&](const std::string& name) {
+    for (std::size_t k = 0; k < joints.size(); ++k)
+      if (joints[k].name == name) return static_cast<int>(k);
+    return -1;
+  };
+  std::vector<FingerJoints> hands[2];
+  for (int side = 0; side < 2; ++side) {
+    const std::string suffix = side == 0 ? "_l" : "_r";
+    const int elbow = find("elbow" + suffix), wrist = find("wrist" + suffix),
+              knuckles = find("hand" + suffix);
+    if (std::min({elbow, wrist, knuckles}) < 0) return;
+    if (side == 1 && placement.symmetric)
+      for (FingerJoints finger : hands[0]) {
+        for (Vector3d& p : finger) {
+          Vector3d image = placement.frame.toBody(p);
+          image.x() = -image.x();
+          p = placement.frame.toWorld(image);
+        }
+        hands[1].push_back(finger);
+      }
+    else
+      hands[side] =
+          findFingers(mesh, {joints[elbow].position, joints[wrist].position, joints[knuckles].position});
+  }
+  if (hands[0].size() != hands[1].size()) return;
+
+  const Skeleton figure = mannequin();
+  const Frames rest = restFrames(figure);
+  for (int side = 0; side < 2; ++side) {
+    const std::string suffix = side == 0 ? "_l" : "_r";
+    const RigJoint wrist = joints[find("wrist" + suffix)];
+    for (std::size_t f = 0; f < hands[side].size(); ++f) {
+      constexpr const char* fingers[] = {"thumb", "index", "middle", "ring", "pinky"};
+      constexpr const char* parts[] = {"_01", "_02", "_03", "_end"};
+      int parent = find("wrist" + suffix);
+      Matrix3d turn = wrist.turn;
+      for (int k = 0; k < 4; ++k) {
+        const std::string name = fingers[f] + std::string(parts[k]) + suffix;
+        RigJoint joint{.name = name, .parent = parent, .position = hands[side][f][k]};
+        joint.piece = wrist.piece;
+        joint.figureJoint = figure.jointIndex(name);
+        if (k < 3) {  // the hinge goes along with its bone
+          const std::string next = fingers[f] + std::string(parts[k + 1]) + suffix;
+          const Vector3d was = wrist.turn * (rest[figure.jointIndex(next)].translation() -
+                                             rest[joint.figureJoint].translation());
+          turn =
+              Quaterniond::FromTwoVectors(was, hands[side][f][k + 1] - hands[side][f][k]).toRotationMatrix() *
+              wrist.turn;
+        }
+        joint.turn = turn;
+        parent = static_cast<int>(joints.size());
+        joints.push_back(std::move(joint));
+      }
+    }
+  }
 }
 
 Skeleton rigSkeleton(const std::vector<RigJoint>& joints) {

@@ -23,6 +23,10 @@ struct RigJoint {
 std::vector<RigJoint> rigJoints(const TemplateBody& body, RigTemplate skeleton, const Placement& placement,
                                 const std::vector<Eigen::Vector3d>& positions);
 
+/// Adds the fingers that are seen in the mesh to both hands of the figure's joints: as many left as right, in
+/// a symmetric body mirrored from the left. Nothing where a hand is a mitten.
+void addFingers(std::vector<RigJoint>& joints, const Mesh& mesh, const Placement& placement);
+
 /// Joints that rest where the body stands. Those of the figure keep its axes, zeros and limits: the rest
 /// angles say how the body is posed; what a hinge cannot turn goes into its offset.
 Skeleton rigSkeleton(const std::vector<RigJoint>& joints);

@@ -61,7 +61,6 @@ struct TemplateBody {
   std::vector<TemplateJoint> joints;
   std::vector<TemplatePose> poses;
   bool fourLegged = false;
-  double handicap = 1.0;  ///< factor on its misfit beside other templates of the same joints
   int crotch =
       -1;  ///< the vertex between the legs, where the cut in the middle is lowest; -1: not looked for
   double variety = 0.04;    ///< strain (shapeStrain) that is ordinary among bodies of the kind
@@ -81,7 +80,7 @@ void aim(const TemplateBody& body, PieceMaps& maps, const std::string& left,
 
 /// The built-in figure with its 53 joints and 12 end sites.
 const TemplateBody& humanTemplate();
-/// Four-legged animals with the same joints: between horse, cow and deer; between dog, wolf and fox.
+/// Four-legged animals with the same joints: horse and deer; heavy cattle on short legs; dog, wolf and fox.
 const TemplateBody& hoofedTemplate();
 const TemplateBody& cattleTemplate();
 const TemplateBody& pawedTemplate();

@@ -9,6 +9,7 @@
 #include "kinematics/notation/mannequin.h"
 #include "skinning/blend/linear_blend.h"
 #include "skinning/bodies/mannequin_body.h"
+#include "skinning/rigging/fit/body_fit.h"
 #include "skinning/rigging/fit/landmarks.h"
 #include "skinning/rigging/fit/limbs.h"
 #include "skinning/rigging/fit/template_body.h"
@@ -338,6 +339,64 @@ TEST(AutoRig, AStrangeHandLowersTheConfidenceThere) {
   for (const double c : rigged.report.jointConfidence) EXPECT_TRUE(c >= 0.0 && c <= 1.0);
 }
 
+/// Every triangle cut into four at the middles of its edges, the last one first.
+Mesh cutIntoFour(const Mesh& mesh) {
+  Mesh out;
+  out.positions = mesh.positions;
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle = [&](int a, int b) {
+    const auto [at, fresh] = middles.emplace(std::minmax(a, b), static_cast<int>(out.positions.size()));
+    if (fresh) out.positions.push_back(0.5 * (mesh.positions[a] + mesh.positions[b]));
+    return at->second;
+  };
+  for (auto t = mesh.triangles.rbegin(); t != mesh.triangles.rend(); ++t) {
+    const auto& [a, b, c] = *t;
+    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const std::array<int, 3>& part : {std::array{ab, bc, ca}, {a, ab, ca}, {b, bc, ab}, {c, ca, bc}})
+      out.triangles.push_back(part);
+  }
+  return out;
+}
+
+TEST(AutoRig, TheConfidenceDoesNotDependOnHowFineTheTrianglesAre) {
+  const Mesh mesh = posedFigure({}).mesh;
+  const double before = rigBody(mesh).report.confidence;
+  EXPECT_GT(before, 0.9);
+  EXPECT_NEAR(rigBody(cutIntoFour(mesh)).report.confidence, before, 0.03);
+}
+
+// In per cent of the height; a finger is 5 long. The little finger's knuckle lies deep in the palm.
+TEST(AutoRig, FindsTheFingersOfTheFigure) {
+  const Skeleton figure = mannequin();
+  const Frames rest = restFrames(figure);
+  std::map<std::string, Vector3d> truth;
+  for (const char* finger : {"thumb", "index", "middle", "ring", "pinky"})
+    for (const char* part : {"_01", "_02", "_03"})
+      for (const char* side : {"_l", "_r"}) {
+        const std::string name = std::string(finger) + part + side;
+        truth[name] = rest[figure.jointIndex(name)].translation();
+      }
+  const RiggedBody rigged = rigBody(posedFigure({}).mesh);
+  const Error error = limbError(rigged.skeleton, truth);
+  EXPECT_LT(error.mean, 0.5);
+  EXPECT_LT(error.max, 0.8) << error.worst;
+  const Frames rigFrames = restFrames(rigged.skeleton);
+  for (const auto& [name, p] : truth) {  // hinges bend the way that the figure's do
+    const int joint = rigged.skeleton.jointIndex(name), own = figure.jointIndex(name);
+    const auto &axes = rigged.skeleton.joint(joint).axes, &ownAxes = figure.joint(own).axes;
+    ASSERT_EQ(axes.size(), ownAxes.size()) << name;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+      EXPECT_GT((rigFrames[joint].linear() * axes[k].axis).dot(rest[own].linear() * ownAxes[k].axis), 0.9)
+          << name;
+    }
+  }
+  Posed mitten = posedFigure({});
+  const Vector3d hand = mitten.truth.at("wrist_l") + Vector3d(0.05, -0.05, 0.06);
+  for (Vector3d& p : mitten.mesh.positions)
+    if (const double d = (p - hand).norm(); d < 0.16) p = hand + (p - hand) / std::max(d, 1e-9) * 0.16;
+  EXPECT_FALSE(rigBody(mitten.mesh).skeleton.findJoint("index_01_l"));
+}
+
 TEST(RigMending, AMovedJointLeavesTheOthersInTheirPlaces) {
   const RiggedBody rigged = rigBody(posedFigure({}).mesh);
   const Skeleton& before = rigged.skeleton;
@@ -350,7 +409,9 @@ TEST(RigMending, AMovedJointLeavesTheOthersInTheirPlaces) {
   for (int j = 0; j < before.jointCount(); ++j) {
     const Vector3d was = frames[j].translation();
     EXPECT_LT((aloneFrames[j].translation() - (j == elbow ? place : was)).norm(), 1e-12) << j;
-    if (j != other) EXPECT_LT((bothFrames[j].translation() - (j == elbow ? place : was)).norm(), 1e-12) << j;
+    if (j != other) {
+      EXPECT_LT((bothFrames[j].translation() - (j == elbow ? place : was)).norm(), 1e-12) << j;
+    }
     EXPECT_LT((aloneFrames[j].linear() - frames[j].linear()).norm(), 1e-12) << j;
   }
   const Vector3d image(-place.x(), place.y(), place.z());
@@ -385,6 +446,52 @@ TEST(AutoRig, FindsTheLegsOfALongAnimal) {
   const Error error = limbError(rigged.skeleton, truth, 1.15);
   EXPECT_LT(error.mean, 2.5);
   EXPECT_LT(error.max, 6.0);
+}
+
+/// The template with some of its pieces turned; legs as they were.
+Mesh posedAnimal(const TemplateBody& animal, const std::vector<std::pair<const char*, Vector3d>>& aims) {
+  PieceMaps maps = restMaps(animal);
+  for (const auto& [piece, direction] : aims) aim(animal, maps, piece, direction);
+  Mesh mesh = animal.surface;
+  mesh.positions = deformed(animal, maps);
+  mesh.normals.clear();
+  return mesh;
+}
+
+std::map<std::string, Vector3d> legsOf(const TemplateBody& animal) {
+  std::map<std::string, Vector3d> truth;
+  for (const TemplateJoint& joint : animal.joints)
+    if (joint.name.ends_with("_l") || joint.name.ends_with("_r")) truth[joint.name] = joint.position;
+  return truth;
+}
+
+// Of a body with a long upright neck neither principal axis is upright: the ground under its feet is level.
+TEST(AutoRig, AnUprightNeckDoesNotTiltAnAnimal) {
+  const TemplateBody& animal = hoofedTemplate();
+  Mesh mesh = posedAnimal(animal, {{"neck", {0.0, 1.0, 0.15}}, {"head", {0.0, 0.0, 1.0}}});
+  for (Vector3d& p : mesh.positions)  // twice as long
+    p.y() += std::max(0.0, p.y() - 0.55);
+  const RiggedBody rigged = rigBody(mesh, {.skeleton = RigTemplate::Quadruped});
+  EXPECT_GT(rigged.report.up.y(), 0.97);
+  EXPECT_GT(rigged.report.front.z(), 0.97);
+  const Error error = limbError(rigged.skeleton, legsOf(animal), 1.0);
+  EXPECT_LT(error.mean, 2.5);
+  EXPECT_LT(error.max, 6.0) << error.worst;
+}
+
+// A dog's foreleg bends under its chest, a horse's and a cow's half way down: which of them it is shows.
+TEST(AutoRig, TheForelegsOfDogsHorsesAndCattleBendWhereTheyDo) {
+  for (const TemplateBody* animal : {&hoofedTemplate(), &cattleTemplate(), &pawedTemplate()}) {
+    Mesh mesh = animal->surface;
+    std::map<std::string, Vector3d> truth = legsOf(*animal);
+    const auto reshaped = [](const Vector3d& p) { return Vector3d(1.1 * p.x(), 1.1 * p.y(), 0.95 * p.z()); };
+    for (Vector3d& p : mesh.positions) p = reshaped(p);
+    for (auto& [name, p] : truth) p = reshaped(p);
+    const RiggedBody rigged = rigBody(mesh, {.skeleton = RigTemplate::Quadruped});
+    const Error error = limbError(rigged.skeleton, truth, 0.95);
+    EXPECT_LT(error.mean, 2.5);
+    EXPECT_LT(error.max, 4.0) << error.worst;
+  }
 }
 
 }  // namespace
