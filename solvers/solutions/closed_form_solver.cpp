@@ -8,6 +8,7 @@
 #include "solvers/serial/same_joints.h"
 #include "solvers/serial/serial_pose.h"
 #include "solvers/solutions/complete_set.h"
+#include "solvers/solutions/self_motion.h"
 
 namespace gelenk {
 namespace {
@@ -27,22 +28,41 @@ CompleteSetTask taskOf(const Goal& goal) {
   return {.task = TipTask::Position, .pointInTip = goal.pointInJoint};
 }
 
+/// What an arm's solutions come from: a finite set, or the curves of seven joints. Neither: the reason.
+struct Arm {
+  std::unique_ptr<const CompleteSet> set;
+  std::unique_ptr<const SevenJointArm> seven;
+  std::string whyNot;
+
+  Arm(const Skeleton& skeleton, int joint, const CompleteSetTask& task)
+      : whyNot(CompleteSet::whyNot(skeleton, joint, task)) {
+    if (whyNot.empty()) {
+      set = std::make_unique<CompleteSet>(skeleton, joint, task);
+    } else if (task.task == TipTask::Pose) {
+      const SerialChainResult serial = extractSerialChain(skeleton, joint);
+      if (!serial.whyNot.empty() || serial.chain.n != 7 || serial.chain.hasPrismatic) return;
+      seven = std::make_unique<SevenJointArm>(serial.chain);
+      whyNot.clear();
+    }
+  }
+  const SerialChain& chain() const { return set ? set->chain() : seven->chain(); }
+};
+
 class ClosedForm final : public IkSolver {
  public:
-  /// A set for every joint that can have one; general arms take some milliseconds to rank their cuts.
+  /// An arm for every end; general ones take some milliseconds to rank their cuts.
   void prepare(const Skeleton& skeleton) override {
     prepared_ = skeleton.joints();
-    sets_.clear();
+    arms_.clear();
     for (int j = 0; j < skeleton.jointCount(); ++j)
-      sets_.push_back(skeleton.children(j).empty() && CompleteSet::whyNot(skeleton, j).empty()
-                          ? std::make_unique<CompleteSet>(skeleton, j)
-                          : nullptr);
+      arms_.push_back(skeleton.children(j).empty() ? std::make_unique<Arm>(skeleton, j, CompleteSetTask{})
+                                                   : nullptr);
   }
 
   std::string whyUnsupported(const IkProblem& problem) const override {
     const std::string reason = refusal(problem);
     if (!reason.empty()) return reason;
-    return CompleteSet::whyNot(*problem.skeleton, problem.goals[0].joint, taskOf(problem.goals[0]));
+    return Arm(*problem.skeleton, problem.goals[0].joint, taskOf(problem.goals[0])).whyNot;
   }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
@@ -52,46 +72,54 @@ class ClosedForm final : public IkSolver {
     report.why = Stop::Unsupported;
     if (!refusal(problem).empty()) return report;
     const Goal& goal = problem.goals[0];
-    std::unique_ptr<CompleteSet> fresh;
-    const CompleteSet* set = nullptr;
+    std::unique_ptr<const Arm> fresh;
+    const Arm* arm = nullptr;
     if (goal.kind == GoalKind::Pose && !prepared_.empty() &&
         sameJoints(prepared_, problem.skeleton->joints()))
-      set = sets_[goal.joint].get();
-    if (!set) {
-      if (!whyUnsupported(problem).empty()) return report;
-      fresh = std::make_unique<CompleteSet>(*problem.skeleton, goal.joint, taskOf(goal));
-      set = fresh.get();
+      arm = arms_[goal.joint].get();
+    if (!arm) {
+      fresh = std::make_unique<Arm>(*problem.skeleton, goal.joint, taskOf(goal));
+      arm = fresh.get();
     }
+    if (!arm->whyNot.empty()) return report;
     report.why = Stop::Failure;
     if (!problem.start.allFinite() || !goal.target.allFinite() || !goal.orientation.coeffs().allFinite())
       return report;
     report.q = projectToLimits(*problem.skeleton, problem.start);
-    if (!takeNearest(*set, problem, report)) takeClosest(problem, budget, trace, report);
+    if (!takeNearest(*arm, problem, report)) takeClosest(problem, budget, trace, report);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return report;
   }
 
  private:
-  static bool takeNearest(const CompleteSet& set, const IkProblem& problem, IkReport& report) {
+  static bool takeNearest(const Arm& arm, const IkProblem& problem, IkReport& report) {
     const Goal& goal = problem.goals[0];
-    const SerialChain& chain = set.chain();
+    const SerialChain& chain = arm.chain();
     Isometry3d target = Eigen::Translation3d(goal.target) * goal.orientation.normalized();
     if (goal.kind == GoalKind::Pose) target = target * Eigen::Translation3d(-goal.pointInJoint);
-    Vector6d start = Vector6d::Zero();
+    VectorXd start(chain.n), q = report.q, best;
     for (int i = 0; i < chain.n; ++i) start[i] = report.q[chain.qIndex[i]];
-    ArmSolutions found;
-    set.solve(target, start, found);
-    VectorXd q = report.q, best;
     double bestDistance = INFINITY;
-    for (const ArmSolution& s : found.all()) {
-      const double distance = (s.q - start).norm();
-      if (!s.withinLimits || distance >= bestDistance) continue;
-      for (int i = 0; i < chain.n; ++i) q[chain.qIndex[i]] = s.q[i];
+    const auto consider = [&](const auto& solution) {
+      const double distance = (solution.head(chain.n) - start).norm();
+      if (distance >= bestDistance) return;
+      for (int i = 0; i < chain.n; ++i) q[chain.qIndex[i]] = solution[i];
       problem.skeleton->couple(q);
       ++report.counters.forwardKinematics;
-      if (!judge(problem, q).solved) continue;
+      if (!judge(problem, q).solved) return;
       bestDistance = distance;
       best = q;
+    };
+    if (arm.seven) {
+      Vector7d nearest;
+      if (arm.seven->nearest(target, start, nearest)) consider(nearest);
+    } else {
+      Vector6d reference = Vector6d::Zero();
+      reference.head(chain.n) = start;
+      ArmSolutions found;
+      arm.set->solve(target, reference, found);
+      for (const ArmSolution& s : found.all())
+        if (s.withinLimits) consider(s.q);
     }
     if (!std::isfinite(bestDistance)) return false;
     report.q = best;
@@ -110,7 +138,7 @@ class ClosedForm final : public IkSolver {
   }
 
   std::vector<Joint> prepared_;
-  std::vector<std::unique_ptr<CompleteSet>> sets_;
+  std::vector<std::unique_ptr<const Arm>> arms_;
 };
 
 }  // namespace

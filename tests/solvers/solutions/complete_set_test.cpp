@@ -736,7 +736,7 @@ TEST(SlidingJoints, FewerThanSixJointsHaveTheirSetsToo) {
 }
 
 TEST(ClosedForm, TheNearestSolutionWithinLimitsIsTaken) {
-  for (const char* name : {"puma560", "ur5"}) {
+  for (const char* name : {"puma560", "ur5", "panda"}) {
     const Skeleton skeleton = toSkeleton(robotTable(name));
     const auto solver = makeSolver("closed-form");
     solver->prepare(skeleton);
