@@ -396,7 +396,9 @@ TEST(SixJointArm, AFamilyThatEndsBeforeTheReferenceIsToldByTheNearestOfIt) {
           }
           EXPECT_EQ(empty, 0);
           // Between these rounding moves the pose that made the target farther than to another of the set.
-          if (wrist <= 1e-12 || (wrist >= 1e-8 && noise < 1e-15)) EXPECT_EQ(lost, 0);
+          if (wrist <= 1e-12 || (wrist >= 1e-8 && noise < 1e-15)) {
+            EXPECT_EQ(lost, 0);
+          }
         }
   }
 }
