@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "kinematics/configuration.h"
 #include "solvers/problem/judge.h"
@@ -28,22 +29,29 @@ CompleteSetTask taskOf(const Goal& goal) {
   return {.task = TipTask::Position, .pointInTip = goal.pointInJoint};
 }
 
-/// What an arm's solutions come from: a finite set, or the curves of seven joints. Neither: the reason.
+/// The chain of seven turning joints that shall reach a pose; none where it is no such task.
+std::optional<SerialChain> sevenJoints(const Skeleton& skeleton, int joint, const CompleteSetTask& task) {
+  SerialChainResult serial = extractSerialChain(skeleton, joint);
+  if (task.task != TipTask::Pose || !serial.whyNot.empty() || serial.chain.n != 7 ||
+      serial.chain.hasPrismatic)
+    return std::nullopt;
+  return std::move(serial.chain);
+}
+
+std::string whyNoArm(const Skeleton& skeleton, int joint, const CompleteSetTask& task) {
+  return sevenJoints(skeleton, joint, task) ? "" : CompleteSet::whyNot(skeleton, joint, task);
+}
+
+/// What an arm's solutions come from: a finite set, or the curves of seven joints.
 struct Arm {
   std::unique_ptr<const CompleteSet> set;
   std::unique_ptr<const SevenJointArm> seven;
-  std::string whyNot;
 
-  Arm(const Skeleton& skeleton, int joint, const CompleteSetTask& task)
-      : whyNot(CompleteSet::whyNot(skeleton, joint, task)) {
-    if (whyNot.empty()) {
+  Arm(const Skeleton& skeleton, int joint, const CompleteSetTask& task) {
+    if (const std::optional<SerialChain> chain = sevenJoints(skeleton, joint, task))
+      seven = std::make_unique<SevenJointArm>(*chain);
+    else
       set = std::make_unique<CompleteSet>(skeleton, joint, task);
-    } else if (task.task == TipTask::Pose) {
-      const SerialChainResult serial = extractSerialChain(skeleton, joint);
-      if (!serial.whyNot.empty() || serial.chain.n != 7 || serial.chain.hasPrismatic) return;
-      seven = std::make_unique<SevenJointArm>(serial.chain);
-      whyNot.clear();
-    }
   }
   const SerialChain& chain() const { return set ? set->chain() : seven->chain(); }
 };
@@ -55,14 +63,15 @@ class ClosedForm final : public IkSolver {
     prepared_ = skeleton.joints();
     arms_.clear();
     for (int j = 0; j < skeleton.jointCount(); ++j)
-      arms_.push_back(skeleton.children(j).empty() ? std::make_unique<Arm>(skeleton, j, CompleteSetTask{})
-                                                   : nullptr);
+      arms_.push_back(skeleton.children(j).empty() && whyNoArm(skeleton, j, {}).empty()
+                          ? std::make_unique<Arm>(skeleton, j, CompleteSetTask{})
+                          : nullptr);
   }
 
   std::string whyUnsupported(const IkProblem& problem) const override {
     const std::string reason = refusal(problem);
     if (!reason.empty()) return reason;
-    return Arm(*problem.skeleton, problem.goals[0].joint, taskOf(problem.goals[0])).whyNot;
+    return whyNoArm(*problem.skeleton, problem.goals[0].joint, taskOf(problem.goals[0]));
   }
 
   IkReport solve(const IkProblem& problem, const Budget& budget, TraceLevel trace) const override {
@@ -78,10 +87,10 @@ class ClosedForm final : public IkSolver {
         sameJoints(prepared_, problem.skeleton->joints()))
       arm = arms_[goal.joint].get();
     if (!arm) {
+      if (!whyUnsupported(problem).empty()) return report;
       fresh = std::make_unique<Arm>(*problem.skeleton, goal.joint, taskOf(goal));
       arm = fresh.get();
     }
-    if (!arm->whyNot.empty()) return report;
     report.why = Stop::Failure;
     if (!problem.start.allFinite() || !goal.target.allFinite() || !goal.orientation.coeffs().allFinite())
       return report;

@@ -278,13 +278,11 @@ double nearestTouch(const double (&values)[5]) {
 /// Branches out of reach of the bend only because a hinge that could take any value has the reference's, or
 /// one that rounding chose: such a hinge is put where the bend is just reached, at the nearest such place.
 /// The cosine of the bend is a wave of degree two of each hinge.
-template <class Make>
-[[gnu::noinline]] void moveIntoReach(const Make& frontAt, int base, const Isometry3d* const X[3],
-                                     const Isometry3d& back, const TripleBend& bend,
-                                     const Vector6d& reference, First& first) {
-  using Front = decltype(frontAt(reference));
-  const Front front = frontAt(reference);
-  const Left left = leftBehind<Front::spherical>(first, X, back, bend);
+template <class Make, class Front>
+[[gnu::noinline]] void moveIntoReach(const Make& frontAt, const Front& front, int base,
+                                     const Isometry3d* const X[3], const Isometry3d& back,
+                                     const TripleBend& bend, const Vector6d& reference, const Left& left,
+                                     First& first) {
   const First near = front.at(base, *X[0], *X[1], reference, nearAxis);
   for (int l = 0; l < 4 && base + l < front.count; ++l) {
     if (left.reached[l]) continue;
@@ -339,7 +337,7 @@ GELENK_INLINE void TripleLoop::solveBehind(const Make& frontAt, const Isometry3d
     Left left = leftBehind<spherical>(first, X, back, bend_);
     const Mask missed = ~left.reached & ((first.free != 0) | (magnitude(left.x) < 1.0 + nearReach));
     if (bends && any(missed)) {
-      moveIntoReach(frontAt, base, X, back, bend_, reference, first);
+      moveIntoReach(frontAt, front, base, X, back, bend_, reference, left, first);
       left = leftBehind<spherical>(first, X, back, bend_);
     }
     if (!any(left.reached)) continue;

@@ -120,6 +120,48 @@ Singularity leastMotion(const Eigen::MatrixXd& J, int conditions) {
   return {svd.singularValues()[std::min(conditions, n) - 1], svd.matrixV().col(n - 1)};
 }
 
+/// leastMotion of the joints that move what is asked for at all; `still` tells the others, bit by bit.
+Singularity leastMotionOf(const Motion& motion, unsigned& still) {
+  const int n = static_cast<int>(motion.J.cols());
+  std::vector<int> moving;
+  still = 0;
+  for (int i = 0; i < n; ++i)
+    if (motion.J.col(i).norm() > 1e-9)
+      moving.push_back(i);
+    else
+      still |= 1u << i;
+  if (moving.empty()) return {1.0, VectorXd::Zero(n)};
+  const Singularity least =
+      leastMotion(Eigen::MatrixXd(motion.J)(Eigen::all, moving), static_cast<int>(moving.size()));
+  Singularity all{least.sigmaMin, VectorXd::Zero(n)};
+  all.direction(moving) = least.direction;
+  return all;
+}
+
+/// Whether the joints can move and leave what is asked for wherever the arm stands: axes in line, more joints
+/// in a plane than it has conditions.
+bool hasCurvesEverywhere(const SerialChain& chain, const CompleteSetTask& task) {
+  for (int k = 1; k <= 3; ++k) {
+    VectorXd q(chain.n);
+    for (int i = 0; i < chain.n; ++i) q[i] = std::sin(2.0 * k + 3.0 * i + 0.5);
+    unsigned still;
+    if (leastMotionOf(motionOf(chain, task, q), still).sigmaMin > 1e-9) return false;
+  }
+  return true;
+}
+
+/// How far the task's point can be from the base at most.
+double reachOf(const SerialChain& chain, const CompleteSetTask& task) {
+  const ChainConstants& C = chain.constants;
+  double reach = (chain.lastFromTip * task.pointInTip).norm();
+  for (int i = 0; i < chain.n; ++i) {
+    const double slide =
+        C.revolute[i] > 0.5 ? 0.0 : std::max(std::abs(chain.lower[i]), std::abs(chain.upper[i]));
+    reach += std::hypot(C.a[i], std::abs(C.d[i]) + slide);
+  }
+  return reach;
+}
+
 /// What is missing at the tip, in the rows of Motion.
 Vector6d missing(const SerialChain& chain, const CompleteSetTask& task, const Isometry3d& target,
                  const Isometry3d& tip) {
@@ -201,7 +243,9 @@ CompleteSet::CompleteSet(const Skeleton& skeleton, int tipJoint, const CompleteS
     : task_(task),
       chain_(chainOf(skeleton, tipJoint, task)),
       solved_(asTheArmSolvesIt(chain_, task)),
-      arm_(armOf(skeleton, tipJoint, chain_, solved_)) {}
+      arm_(armOf(skeleton, tipJoint, chain_, solved_)),
+      reach_(reachOf(chain_, task)),
+      mayBeBlind_(chain_.n < 6 && (chain_.hasPrismatic || hasCurvesEverywhere(chain_, task))) {}
 
 void CompleteSet::solve(const Isometry3d& target, const Vector6d& reference, ArmSolutions& out) const {
   arm_.solve(target, reference, out);
@@ -219,7 +263,8 @@ void CompleteSet::solve(const Isometry3d& target, const Vector6d& reference, Arm
     if (!isThere(out, kept, s.q)) out.list[kept++] = s;
   }
   out.count = kept;
-  if (kept == 0) search(target, reference, out);
+  const double away = (target.translation() - chain_.worldFromBase.translation()).norm();
+  if (kept == 0 && mayBeBlind_ && away < reach_ + 1e-9 * chain_.length) search(target, reference, out);
 }
 
 /// The same arm with another turn of what is free.
@@ -239,19 +284,16 @@ bool CompleteSet::isThere(const ArmSolutions& out, int count, const Vector6d& q)
 /// the target stays reached the solution is one of a curve, of which others may be missing.
 void CompleteSet::tellFamily(const Isometry3d& target, const Vector6d& reference, ArmSolution& s,
                              ArmSolutions& out) const {
-  constexpr double still = 1e-9, singular = 1e-6;
+  constexpr double singular = 1e-6;
   const int n = chain_.n;
-  Eigen::MatrixXd J = motionOf(chain_, task_, s.q.head(n)).J;
-  for (int i = 0; i < n; ++i) {
-    if (J.col(i).norm() > still) continue;
-    J.col(i) = Vector6d::Unit(i);  // not to be found once more below
-    s.q[i] = std::clamp(reference[i], chain_.lower[i], chain_.upper[i]);
-    s.free |= static_cast<unsigned char>(1u << i);
-  }
+  unsigned still;
+  const Singularity where = leastMotionOf(motionOf(chain_, task_, s.q.head(n)), still);
+  for (int i = 0; i < n; ++i)
+    if (still >> i & 1) s.q[i] = std::clamp(reference[i], chain_.lower[i], chain_.upper[i]);
+  s.free |= static_cast<unsigned char>(still);
   s.withinLimits = true;
   for (int i = 0; i < n; ++i)
     s.withinLimits &= s.q[i] >= chain_.lower[i] - 1e-9 && s.q[i] <= chain_.upper[i] + 1e-9;
-  const Singularity where = leastMotion(J, n);
   if (where.sigmaMin > singular) return;
   for (const double way : {0.01, -0.01}) {
     VectorXd q = s.q.head(n);
@@ -263,8 +305,8 @@ void CompleteSet::tellFamily(const Isometry3d& target, const Vector6d& reference
   }
 }
 
-/// Where the elimination found nothing: it may be blind to families of solutions (axes in line). One member
-/// is looked for from the reference and from places spread over the ranges.
+/// Where the elimination found nothing and may be blind. One solution is looked for from the reference and
+/// from places spread over the ranges.
 void CompleteSet::search(const Isometry3d& target, const Vector6d& reference, ArmSolutions& out) const {
   constexpr int starts = 24;
   const int n = chain_.n;
@@ -286,9 +328,7 @@ void CompleteSet::search(const Isometry3d& target, const Vector6d& reference, Ar
         lanes::toNearestImage(s.q[i], chain_.lower[i], chain_.upper[i], reference[i]);
     tellFamily(target, reference, s, out);
     out.complete = false;
-    if (isThere(out, out.count, s.q)) continue;
-    const bool isFirst = out.count == 0;
-    if (isFirst || !out.list[0].withinLimits) out.list[0] = s, out.count = 1;
+    if (out.count == 0 || s.withinLimits) out.list[0] = s, out.count = 1;
     if (s.withinLimits) return;
   }
 }

@@ -66,6 +66,8 @@ class CompleteSet {
   SerialChain chain_;
   CompleteSetTask solved_;  ///< as the arm with joints of no weight solves it
   SixJointArm arm_;
+  double reach_;     ///< of the task's point from the base at most, metres
+  bool mayBeBlind_;  ///< the elimination, to curves of solutions and to roots where joints slide
 };
 
 }  // namespace gelenk

@@ -577,12 +577,15 @@ TEST(CompleteSet, CurvesOfFewerJointsAreToldAsCurvesAndNeverAsOutOfReach) {
   std::mt19937_64 random(6);
   for (int t = 0; t < 40; ++t) {
     const Vector6d q = randomAngles(random), reference = randomAngles(random);
-    for (const auto& [skeleton, task] : {std::pair{planar(3), TipTask::Position},
-                                         {planar(4), TipTask::Pose},
-                                         {planar(5), TipTask::Pose},
-                                         {coaxial, TipTask::Position}}) {
+    const CompleteSetTask place{.task = TipTask::Position}, pose,
+        heading{.task = TipTask::Axis, .axisInTip = Vector3d::UnitX()};
+    for (const auto& [skeleton, task] : {std::pair{planar(3), place},
+                                         {planar(4), pose},
+                                         {planar(5), pose},
+                                         {planar(4), heading},
+                                         {coaxial, place}}) {
       SCOPED_TRACE(skeleton.nq());
-      const ArmSolutions found = judgedSet(skeleton, {.task = task}, q.head(skeleton.nq()), reference);
+      const ArmSolutions found = judgedSet(skeleton, task, q.head(skeleton.nq()), reference);
       EXPECT_GT(found.count, 0);
       EXPECT_FALSE(found.complete);
       for (const ArmSolution& s : found.all()) EXPECT_NE(s.free, 0);
