@@ -3,7 +3,6 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <numeric>
 #include <random>
 
 #include "apps/lecture/derivations.h"
@@ -30,8 +29,7 @@ NewtonRun planarNewton(const PlanarChain& chain, const VectorXd& phi, const Vect
 const NewtonRun& lectureNewtonRun() {
   const PlanarChain chain = lecturePlanarChain();
   static const NewtonRun run =
-      planarNewton(chain, slide::startAngles, slide::newTarget,
-                   1e-12 * std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0));
+      planarNewton(chain, slide::startAngles, slide::newTarget, 1e-12 * chain.reach());
   return run;
 }
 

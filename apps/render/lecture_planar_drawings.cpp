@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -24,10 +23,6 @@ constexpr double degree = M_PI / 180.0;
 const Vector3d ex = Vector3d::UnitX(), ey = Vector3d::UnitY();
 
 Vector3d inSpace(const Vector2d& p) { return {p.x(), p.y(), 0.0}; }
-
-double reachOf(const PlanarChain& chain) {
-  return std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0);
-}
 
 std::string pair(const Vector2d& p, const char* format = "({:.5g}, {:.5g})") {
   return fmt::format(fmt::runtime(format), std::abs(p.x()) < 1e-12 ? 0.0 : p.x(),
@@ -74,7 +69,7 @@ void PlanarDrawing::links(Overlay& overlay, const VectorXd& phi, const Colour& c
 
 void PlanarDrawing::cross(const LectureCanvas& canvas, const Vector2d& at, const std::string& text) const {
   const Colour colour = coloursOf(canvas).target;
-  const double a = 0.022 * reachOf(chain);
+  const double a = 0.022 * chain.reach();
   const Vector3d p = inSpace(at);
   canvas.overlay.line(p - a * (ex + ey), p + a * (ex + ey), colour, 2.5f);
   canvas.overlay.line(p - a * (ex - ey), p + a * (ex - ey), colour, 2.5f);
@@ -104,7 +99,7 @@ void ForwardDrawing::draw(const LectureCanvas& canvas) {
                        std::max(sum, sum + turn));
     sum += phi[i];
     if (!frames) continue;
-    const double length = 0.12 * reachOf(chain);
+    const double length = 0.12 * chain.reach();
     const Vector3d at = inSpace(P[i]);
     canvas.overlay.line(at, at + length * inSpace(K[i].linear().col(0)), {0.83f, 0.24f, 0.20f, 1}, 2.5f);
     canvas.overlay.line(at, at + length * inSpace(K[i].linear().col(1)), {0.20f, 0.60f, 0.25f, 1}, 2.5f);
@@ -112,7 +107,7 @@ void ForwardDrawing::draw(const LectureCanvas& canvas) {
   links(canvas.overlay, phi, colours.first);
   for (std::size_t i = 0; i < P.size(); ++i)
     label(canvas,
-          inSpace(P[i]) + reachOf(chain) * (i % 2 ? Vector3d(0.035, 0.045, 0) : Vector3d(0.035, -0.075, 0)),
+          inSpace(P[i]) + chain.reach() * (i % 2 ? Vector3d(0.035, 0.045, 0) : Vector3d(0.035, -0.075, 0)),
           fmt::format("{}{} {}", i + 1 < P.size() ? "P" : "X = P", i + 1, pair(P[i], "({:.3f}, {:.3f})")),
           colours.text);
 }
@@ -188,7 +183,7 @@ void OneDimensionDrawing::restart() {
 
 void OneDimensionDrawing::draw(const LectureCanvas& canvas) {
   const LectureColours colours = coloursOf(canvas);
-  const double r = 1.1 * reachOf(chain);
+  const double r = 1.1 * chain.reach();
   canvas.overlay.dashedLine({-r, target, 0}, {r, target, 0}, 0.3, colours.target, 2.0f);
   label(canvas, {-r, target + 0.5, 0}, fmt::format("height X = {:g}", target), colours.target);
   for (std::size_t i = 0; i < run.size() && i <= at; ++i) {
@@ -229,7 +224,7 @@ void NewtonDrawing::setSlide() {
 }
 
 void NewtonDrawing::restart() {
-  run = planarNewton(chain, start, target, 1e-12 * reachOf(chain));
+  run = planarNewton(chain, start, target, 1e-12 * chain.reach());
   best_.reset();
   at = 0;
 }
@@ -261,15 +256,15 @@ void NewtonDrawing::draw(const LectureCanvas& canvas) {
   links(over, now.phi, colours.first, 3.0f);
   if (now.step.size() > 0) {
     links(over, now.phi + now.step, colours.second, 2.0f);
-    over.dashedLine(inSpace(now.f), inSpace(now.linearised), 0.018 * reachOf(chain), colours.linear, 2.5f);
+    over.dashedLine(inSpace(now.f), inSpace(now.linearised), 0.018 * chain.reach(), colours.linear, 2.5f);
     truePath(over, at, colours.truth, 2.5f);
     const Vector2d end = run.steps[at + 1].f;
     if (now.step.norm() > 0.05)
-      label(canvas, inSpace(end) + Vector3d(0, -0.05 * reachOf(chain), 0),
+      label(canvas, inSpace(end) + Vector3d(0, -0.05 * chain.reach(), 0),
             fmt::format("f(phi^{}) {}", at + 1, pair(end, "({:.2f}, {:.2f})")), colours.truth);
   }
-  if (now.g.norm() > 0.1 * reachOf(chain))
-    label(canvas, inSpace(now.f) + Vector3d(-0.02, 0.045, 0) * reachOf(chain),
+  if (now.g.norm() > 0.1 * chain.reach())
+    label(canvas, inSpace(now.f) + Vector3d(-0.02, 0.045, 0) * chain.reach(),
           fmt::format("f(phi^{}) {}", at, pair(now.f, "({:.2f}, {:.2f})")), colours.first);
   cross(canvas, target, "X^neu " + pair(target, "({:g}, {:g})"));
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "apps/render/facts.h"
 #include "apps/render/overlay_gl.h"
 #include "skinning/gpu/driver.h"
 #include "skinning/gpu/render_target.h"
@@ -511,26 +512,19 @@ void Renderer::State::prepareLight(const RenderScene& scene, Lighting& light, bo
 
 /// All that shadows follow from.
 std::string Renderer::State::castersOf(const RenderScene& scene, const Lighting& light) const {
-  std::string facts;
-  const auto add = [&](const auto&... values) {
-    (facts.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
-  };
-  const auto addAll = [&](const auto& list) {
-    add(list.size());
-    facts.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof *list.data());
-  };
-  add(quick, light.size, light.up, light.groundX, light.groundY, light.groundHeight, light.shadowFromWorld,
-      light.patchCentre, light.patchHalf);
+  Facts facts;
+  facts.add(quick, light.size, light.up, light.groundX, light.groundY, light.groundHeight,
+            light.shadowFromWorld, light.patchCentre, light.patchHalf);
   for (const BodyInstance& body : scene.bodies) {
     if (body.tint.a < 1.0f) continue;
-    add(body.mesh->shapeVersion(), body.look, body.pose->sculpted);
-    addAll(body.pose->method);
-    addAll(body.pose->rows);
-    addAll(body.pose->layers);
+    facts.add(body.mesh->shapeVersion(), body.look, body.pose->sculpted);
+    facts.addAll(body.pose->method);
+    facts.addAll(body.pose->rows);
+    facts.addAll(body.pose->layers);
     if (body.hidden)
-      for (const std::string& part : *body.hidden) addAll(part);
+      for (const std::string& part : *body.hidden) facts.addAll(part);
   }
-  return facts;
+  return facts.bytes();
 }
 
 /// In quick pictures without what faces away, and with fewer triangles where those are a few pixels large.

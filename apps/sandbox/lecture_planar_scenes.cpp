@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "apps/document/chain_models.h"
 #include "apps/lecture/derivations.h"
@@ -25,12 +24,9 @@ constexpr double degree = M_PI / 180.0;
 
 Vector3d inSpace(const Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
-double reachOf(const PlanarChain& chain) {
-  return std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0);
-}
 /// Radius of the hole in the workspace: what the longest link keeps when all others are folded against it.
 double holeOf(const PlanarChain& chain) {
-  return std::max(0.0, 2.0 * *std::max_element(chain.lengths.begin(), chain.lengths.end()) - reachOf(chain));
+  return std::max(0.0, 2.0 * *std::max_element(chain.lengths.begin(), chain.lengths.end()) - chain.reach());
 }
 
 std::string nameOf(const PlanarChain& chain) {
@@ -52,7 +48,7 @@ class PlanarScene : public LectureScene {
     sandbox.openModel(planarModel(chain), {.nameOrFile = nameOf(chain)});
     sandbox.session().setPose(phi);
     sandbox.options().shadow = false;
-    const double r = 1.04 * reachOf(chain);
+    const double r = 1.04 * chain.reach();
     frameView(sandbox, Eigen::AlignedBox3d(inSpace(chain.base) - Vector3d(r, r, 0),
                                            inSpace(chain.base) + Vector3d(r, r, 0)));
   }
@@ -129,7 +125,7 @@ class TwoLinkScene final : public PlanarScene {
     valueRow(sandbox, "X", pair(X, "({:.4f}, {:.4f})"));
     valueRow(sandbox, "|X - P1|", fmt::format("{:.5f}", (X - drawing_.chain.base).norm()));
     valueRow(sandbox, "reachable",
-             fmt::format("{:g} to {:g}", holeOf(drawing_.chain), reachOf(drawing_.chain)));
+             fmt::format("{:g} to {:g}", holeOf(drawing_.chain), drawing_.chain.reach()));
     valueRow(sandbox, "case", toString(solution.kind));
     if (solution.gap > 0) valueRow(sandbox, "distance to the workspace", fmt::format("{:.4g}", solution.gap));
     headingRow(sandbox, "BRANCHES  phi_1, phi_2 in degrees");
@@ -326,7 +322,7 @@ class NewtonScene final : public PlanarScene {
     float target[2] = {static_cast<float>(drawing_.target.x()), static_cast<float>(drawing_.target.y())};
     ImGui::SetNextItemWidth(-46 * sandbox.scale());
     const bool moved = ImGui::DragFloat2("##X^neu", target,
-                                         0.002f * static_cast<float>(reachOf(drawing_.chain)), 0, 0, "%.2f");
+                                         0.002f * static_cast<float>(drawing_.chain.reach()), 0, 0, "%.2f");
     mathLabel("X^neu");
     if (moved) {
       drawing_.target = {target[0], target[1]};

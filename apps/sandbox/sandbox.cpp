@@ -12,6 +12,7 @@
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
+#include "apps/render/facts.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/driver.h"
 #include "skinning/gpu/render_target.h"
@@ -67,34 +68,27 @@ void followDocument(const Sandbox& sandbox) {
 /// Everything that the picture follows from; empty where that is not to be told from outside: colours and
 /// muscles live on the graphics card.
 std::string madeFrom(const Sandbox::State& s, const RenderScene& scene, const Viewport& viewport) {
-  std::string facts;
-  const auto add = [&](const auto&... values) {
-    (facts.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
-  };
-  const auto addAll = [&](const auto& list) {
-    add(list.size());
-    facts.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof *list.data());
-  };
-  const auto addVector = [&](const Eigen::Vector3d& v) { add(v.x(), v.y(), v.z()); };
+  Facts facts;
   const Camera& camera = s.session->document().view.camera;
-  addVector(camera.target), addVector(camera.up);
-  add(camera.distance, camera.azimuth, camera.elevation, camera.verticalFieldOfView, camera.orthographic);
-  add(viewport.width, viewport.height, s.scale, s.view.get(), s.session->weightsVersion());
-  facts += toString(s.session->document().skin);
-  add(scene.theme, scene.xray, scene.shadows, scene.lightFromViewer, scene.size, scene.ground.visible,
-      scene.ground.grid, scene.ground.height);
-  addVector(scene.bounds.min()), addVector(scene.bounds.max());
+  facts.add(camera.target), facts.add(camera.up);
+  facts.add(camera.distance, camera.azimuth, camera.elevation, camera.verticalFieldOfView,
+            camera.orthographic);
+  facts.add(viewport.width, viewport.height, s.scale, s.view.get(), s.session->weightsVersion());
+  facts.addAll(toString(s.session->document().skin));
+  facts.add(scene.theme, scene.xray, scene.shadows, scene.lightFromViewer, scene.size, scene.ground.visible,
+            scene.ground.grid, scene.ground.height);
+  facts.add(scene.bounds.min()), facts.add(scene.bounds.max());
   for (const Overlay* overlay : {&scene.overlay, &scene.overlayOnTop}) {
-    addAll(overlay->fills), addAll(overlay->lines), addAll(overlay->points);
+    facts.addAll(overlay->fills), facts.addAll(overlay->lines), facts.addAll(overlay->points);
   }
   for (const BodyInstance& body : scene.bodies) {
     if (body.surface == SurfaceColour::Vertex || !body.pose->layers.empty()) return {};
-    add(body.mesh, body.look, body.tint, body.wireframe, body.seeThrough);
-    addAll(body.pose->rows);
-    facts += body.pose->method;
+    facts.add(body.mesh, body.look, body.tint, body.wireframe, body.seeThrough);
+    facts.addAll(body.pose->rows);
+    facts.addAll(body.pose->method);
   }
-  for (const std::string& part : s.session->document().view.hidden) facts += part + '\n';
-  return facts;
+  for (const std::string& part : s.session->document().view.hidden) facts.addAll(part);
+  return facts.bytes();
 }
 
 /// Anew only where something changed. For a person who watches, what stands still is drawn once more, as

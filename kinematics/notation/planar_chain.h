@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <numeric>
 #include <vector>
 
 #include "kinematics/skeleton.h"
@@ -19,6 +20,7 @@ struct PlanarChain {
   std::vector<double> lengths;                     ///< l_1 ... l_n
 
   int linkCount() const { return static_cast<int>(lengths.size()); }
+  double reach() const { return std::accumulate(lengths.begin(), lengths.end(), 0.0); }  ///< l_1 + ... + l_n
 };
 
 /// The lecture's chain (10.1.4, example): P_1 = (50, 400), l = 150, 200, 100.

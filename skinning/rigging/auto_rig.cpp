@@ -295,10 +295,12 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
 
   stages.begin("fit", 0.35);
   std::optional<Fit> best;
+  double least = 0.0;  // its misfit
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     if (placements[k].empty()) continue;
     Fit fit = fitBest(*bodies[k], mesh, samples, placements[k], stages);
-    if (!best || kindMisfit(fit) < kindMisfit(*best)) best = std::move(fit);
+    const double misfit = bodies.size() > 1 ? kindMisfit(fit) : 0.0;
+    if (!best || misfit < least) best = std::move(fit), least = misfit;
   }
   if (!best) throw RigRefused("the body stands in none of the ways that were asked for");
   const Fit& fit = *best;

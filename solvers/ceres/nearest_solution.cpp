@@ -3,7 +3,6 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/LU>
-#include <numeric>
 #include <random>
 
 #include "kinematics/configuration.h"
@@ -82,7 +81,7 @@ const std::string_view nearestSolutionMethod = "augmented Lagrangian on Ceres";
 
 NearestSolution nearestSolution(const PlanarChain& chain, const VectorXd& phiOld, const Vector2d& X,
                                 const VectorXd& hint) {
-  const double size = std::accumulate(chain.lengths.begin(), chain.lengths.end(), 0.0);
+  const double size = chain.reach();
   std::mt19937_64 random(1);
   std::vector<VectorXd> starts{phiOld, hint};
   for (int i = 0; i < 16; ++i) {
