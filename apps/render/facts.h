@@ -4,8 +4,8 @@
 
 namespace gelenk {
 
-/// What a picture, or a part of it, was made of, byte by byte: where the facts are the same, so is the picture.
-/// Values must have no padding.
+/// What a picture, or a part of it, was made of, byte by byte: where the facts are the same, so is the
+/// picture. Values must have no padding.
 class Facts {
  public:
   template <class... Values>
