@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "skinning/cotangent.h"
+#include "skinning/rigging/short_edges.h"
 
 namespace gelenk {
 
@@ -204,6 +205,10 @@ void solveLanes(const SparseMatrix& L, const VectorXd& D, Lanes& X) {
   }
 }
 
+/// Edges of the surface that the heat spreads on, in diagonals of its box: a coarse triangle's corner would
+/// heat all of its share by its own bone, and two corners meet in a step where fine triangles have a slope.
+constexpr double longestEdge = 0.02;
+
 std::vector<int> ownBones(const Mesh& mesh, std::span<const Bone> bones, int voxels) {
   const BodyVoxels body(mesh, bones, voxels);
   std::vector<int> all(bones.size()), near, own;
@@ -255,13 +260,13 @@ SparseWeights boneHeatWeights(const Mesh& input, std::span<const Bone> bones,
   if (!(options.strength > 0.0) || options.voxels < 1 || options.voxels > 1000)
     throw std::invalid_argument("the strength of heat must be positive and the voxels from 1 to 1000");
   const Welded welded = weld(input);
-  const Mesh& mesh = welded.mesh;
+  const double size = std::max(bodySize(input), 1e-300);
+  const Mesh mesh = withShortEdges(welded.mesh, longestEdge * size);
   const int n = static_cast<int>(mesh.positions.size());
   const std::vector<int> own = ownBones(mesh, bones, options.voxels);
 
   VectorXd areas;
   SparseMatrix A = cotangentMatrix(mesh, areas);
-  const double size = std::max(bodySize(mesh), 1e-300);
   const double leastArea = std::max(1e-12 * areas.sum() / n, 1e-300);  // loose vertices: their own bone alone
   const std::vector<double> distance = ownDistances(mesh, bones, own);
   VectorXd heat(n);

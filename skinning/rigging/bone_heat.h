@@ -23,7 +23,8 @@ struct BoneHeatOptions {
 /// vertex's own bone (at least 0.8 of that bone's mean, so that a bone close under the skin makes no step)
 /// and p = 1 where that bone is the joint's. Its own bone is the nearest one inside the volume (Dionne and de
 /// Lasa 2013), found on voxels, so that a hand near the hip does not take hold of it. One factorisation, one
-/// solve a joint.
+/// solve a joint. Triangles longer than 2 % of the box's diagonal are cut first, so that coarse ones get the
+/// weights of fine ones.
 ///
 /// Any mesh: it is welded first and the result scattered back; holes, several components, flipped or
 /// degenerate faces and loose vertices are fine. Each row is non-negative and sums to 1. bones: joint indices

@@ -12,6 +12,7 @@
 #include "kinematics/symmetry.h"
 #include "skinning/bodies/mannequin_body.h"
 #include "skinning/bodies/polygonise.h"
+#include "skinning/rigging/short_edges.h"
 #include "tests/places.h"
 
 namespace gelenk {
@@ -57,6 +58,50 @@ TEST(BoneHeat, ABarOfTwoBonesIsRigidAtItsEndsAndHalfAndHalfInTheMiddle) {
     EXPECT_NEAR(weightOf(weights[v], z > 0 ? 0 : 1), far, 0.12) << z;  // cells of 0.03: p jumps within one
     EXPECT_LT(weightOf(weights[v], z > 0 ? 0 : 1), std::abs(z) > 0.5 ? 1e-4 : 0.7);
   }
+}
+
+/// An open tube around z of radius 0.1, sixteen corners a ring.
+Mesh tube(const std::vector<double>& rings) {
+  constexpr int n = 16;
+  Mesh mesh;
+  for (const double z : rings)
+    for (int k = 0; k < n; ++k)
+      mesh.positions.emplace_back(0.1 * std::cos(2.0 * M_PI * k / n), 0.1 * std::sin(2.0 * M_PI * k / n), z);
+  for (int i = 0; i + 1 < static_cast<int>(rings.size()); ++i)
+    for (int k = 0; k < n; ++k) {
+      const int a = i * n + k, b = i * n + (k + 1) % n;
+      mesh.triangles.push_back({a, b, b + n});
+      mesh.triangles.push_back({a, b + n, a + n});
+    }
+  return mesh;
+}
+
+// The same solution as above, between rings three radii apart: a slope, not a step from ring to ring.
+TEST(BoneHeat, CoarseTrianglesGetTheWeightsOfFineOnes) {
+  const Mesh mesh = tube({-0.88, -0.58, -0.28, 0.02, 0.32, 0.62, 0.92});
+  const SparseWeights weights = boneHeatWeights(mesh, twoBones);
+  ASSERT_EQ(weights.size(), mesh.positions.size());
+  expectPartition(weights);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const double z = mesh.positions[v].z(),
+                 far = 0.5 * std::exp(-std::sqrt(BoneHeatOptions{}.strength) * std::abs(z) / 0.1);
+    EXPECT_NEAR(weightOf(weights[v], z > 0 ? 0 : 1), far, 0.05) << z;  // voxels and pieces of 0.02 to 0.04
+  }
+}
+
+TEST(ShortEdges, TheSurfaceStaysAndNoGapOpens) {
+  const Mesh mesh = bar();
+  for (const double longest : {1.0, 0.04, 0.02, 0.01}) {
+    const Mesh fine = withShortEdges(mesh, longest);
+    for (const auto& t : fine.triangles)
+      for (int k = 0; k < 3; ++k)
+        EXPECT_LE((fine.positions[t[k]] - fine.positions[t[(k + 1) % 3]]).norm(), longest);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) EXPECT_EQ(fine.positions[v], mesh.positions[v]);
+    EXPECT_TRUE(topology(fine).closed() && topology(fine).manifold());
+    EXPECT_NEAR(enclosedVolume(fine), enclosedVolume(mesh), 1e-12);
+    if (longest == 1.0) EXPECT_EQ(fine.triangles, mesh.triangles);
+  }
+  EXPECT_LT(withShortEdges(mesh, 1e-9, 10000).triangles.size(), 40000u) << "there is an end";
 }
 
 TEST(BoneHeat, UnweldedOpenAndBrokenMeshesKeepTheirOrderAndEveryVertexIsWeighted) {
