@@ -24,11 +24,11 @@ struct Difference {
 Difference shaderAgainstReference(const Skin& skin, const Frames& frames) {
   const ReadBackVertices onGpu = skinOnGpu(SkinnedMeshGl(skin), poseSkin(skin, frames));
   const SkinnedVertices reference = linearBlendSkin(skin, frames);
+  const double size = bodySize(skin.mesh);
   Difference worst;
   for (std::size_t v = 0; v < reference.positions.size(); ++v) {
     const Eigen::Map<const Eigen::Vector3f> p(onGpu.positions[v].data()), n(onGpu.normals[v].data());
-    worst.position =
-        std::max(worst.position, (p.cast<double>() - reference.positions[v]).norm() / bodySize(skin.mesh));
+    worst.position = std::max(worst.position, (p.cast<double>() - reference.positions[v]).norm() / size);
     worst.normal = std::max(worst.normal, (n.cast<double>() - reference.normals[v]).norm());
   }
   return worst;
