@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "skinning/rigging/fit/girth_profile.h"
+
 namespace gelenk {
 
 using Eigen::Matrix3d;
@@ -36,6 +38,46 @@ std::optional<Landmark> limbEnd(const TemplateBody& body, int piece, const std::
   end.place = now[end.vertex] + (reach - tip) * along;
   end.metric = 0.05 * along * along.transpose();
   return end;
+}
+
+/// The wrist by where arm and hand are narrowest. It holds the hand's length, which a sleeve leaves open: the
+/// template's tapering arm would slide outwards until its thick end fills the cuff.
+std::optional<Landmark> wrist(const TemplateBody& body, int piece, const std::vector<Vector3d>& now,
+                              const KdTree<3>& tree, const Mesh& mesh, const BodyFrame& frame,
+                              const PieceMaps& maps) {
+  const BodyPiece &hand = body.pieces[piece], &arm = body.pieces[hand.parent];
+  const auto along = [&](const BodyPiece& part, int k, double share) {
+    return Vector3d(maps[k].origin + share * maps[k].linear * (part.to - part.from));
+  };
+  const auto isArm = [&](int v) { return shareOf(body, v, piece) + shareOf(body, v, hand.parent) > 0.5; };
+  const Vector3d from = along(arm, hand.parent, 0.1), to = along(hand, piece, 1.0);
+  constexpr int cuts = 60;
+  GirthProfile own(from, to, cuts), wanted(from, to, cuts);
+  for (const auto& t : body.surface.triangles)
+    for (int k = 0; k < 3; ++k)
+      if (isArm(t[k]) && isArm(t[(k + 1) % 3])) own.add(now[t[k]], now[t[(k + 1) % 3]]);
+  std::vector<Vector3d> places;
+  std::vector<char> near;
+  for (const Vector3d& p : mesh.positions) {
+    places.push_back(frame.toBody(p));
+    near.push_back((places.back() - from).norm() < 1.5 * (to - from).norm() &&
+                   isArm(tree.nearest(places.back())));
+  }
+  for (const auto& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k)
+      if (near[t[k]] && near[t[(k + 1) % 3]]) wanted.add(places[t[k]], places[t[(k + 1) % 3]]);
+  const auto here = own.waist(), there = wanted.waist();
+if(getenv("VW"))fprintf(stderr,"waist %d %f %f of %f\n",piece,here?*here:-1,there?*there:-1,(to-from).norm());
+  if (!here || !there || std::abs(*there - *here) > 0.1) return {};
+  const Vector3d axis = (to - from).normalized();
+  Landmark out{.vertex = -1, .metric = 0.05 * axis * axis.transpose()};
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int v = 0; v < static_cast<int>(now.size()); ++v)
+    if (const double d = std::abs(axis.dot(now[v] - from) - *here); isArm(v) && d < nearest)
+      nearest = d, out.vertex = v;
+  if (out.vertex < 0) return {};
+  out.place = now[out.vertex] + (*there - *here) * axis;
+  return out;
 }
 
 /// Where a leg stands: the middle of its lowest samples, for the middle of the template's sole.
@@ -107,8 +149,10 @@ std::vector<Landmark> findLandmarks(const TemplateBody& body, const Mesh& mesh, 
   std::vector<int> nearest;
   for (const Vector3d& p : target.samples().points) nearest.push_back(tree.nearest(p));
   for (int k = 0; k < static_cast<int>(body.pieces.size()); ++k) {
-    if (body.pieces[k].twists)  // a hand
+    if (body.pieces[k].twists) {  // a hand
       if (const auto end = limbEnd(body, k, now, nearest, target.samples(), maps)) out.push_back(*end);
+      if (const auto place = wrist(body, k, now, tree, mesh, frame, maps)) out.push_back(*place);
+    }
     if (body.pieces[k].stands)
       if (const auto end = sole(body, k, now, nearest, target.samples())) out.push_back(*end);
   }

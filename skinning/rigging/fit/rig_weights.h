@@ -7,7 +7,7 @@
 namespace gelenk {
 
 struct RigWeightOptions {
-  double strength = 10.0;  ///< of the bones' heat (BoneHeatOptions)
+  double strength = 8.0;  ///< of the bones' heat (BoneHeatOptions)
   int voxels = 160;
   /// The stand-in for the ribs reaches from chest + ribWidth (shoulder - chest) + ribDrop (pelvis - chest) to
   /// pelvis + ribWaist (hip - pelvis), chest and pelvis the middles between shoulders and hips.

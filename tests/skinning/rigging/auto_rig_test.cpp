@@ -186,6 +186,55 @@ TEST(AutoRig, FindsTheJointsOfShortAndLongArms) {
   }
 }
 
+/// A closed tube of 24 corners a ring, with rings 0.02 apart.
+void addTube(Mesh& mesh, const Vector3d& from, const Vector3d& to, double radius) {
+  constexpr int n = 24;
+  const int rings = static_cast<int>((to - from).norm() / 0.02) + 2,
+            first = static_cast<int>(mesh.positions.size());
+  const Vector3d along = (to - from).normalized(), u = along.unitOrthogonal(), v = along.cross(u);
+  for (int i = 0; i < rings; ++i)
+    for (int k = 0; k < n; ++k)
+      mesh.positions.push_back(from + (to - from) * i / (rings - 1) +
+                               radius *
+                                   (std::cos(2.0 * M_PI * k / n) * u + std::sin(2.0 * M_PI * k / n) * v));
+  mesh.positions.push_back(from);
+  mesh.positions.push_back(to);
+  const int start = first + rings * n, end = start + 1;
+  for (int k = 0; k < n; ++k) {
+    const int next = (k + 1) % n, last = first + (rings - 1) * n;
+    for (int a = first; a < last; a += n) {
+      mesh.triangles.push_back({a + k, a + next, a + n + next});
+      mesh.triangles.push_back({a + k, a + n + next, a + n + k});
+    }
+    mesh.triangles.push_back({start, first + next, first + k});
+    mesh.triangles.push_back({end, last + k, last + next});
+  }
+}
+
+// The marks of game characters, 1.8 and 4.0: short arms, large hands, in sleeves of one width from the
+// shoulder to the wrist, in pieces of their own.
+TEST(AutoRig, FindsTheWristsOfShortArmsInWideSleeves) {
+  Posed body = posedFigure(
+      {{"upperarm_l", z, 49}, {"upperarm_r", z, -49}, {"lowerarm_l", y, 45}, {"lowerarm_r", y, -45}});
+  const double shoulder = body.truth.at("shoulder_l").x(), hand = body.truth.at("wrist_l").x();
+  const auto reshaped = [&](const Vector3d& p) {
+    const double x = std::abs(p.x()), arm = std::clamp(x, shoulder, hand) - shoulder,
+                 beyond = std::max(0.0, x - hand);
+    return Vector3d(std::copysign(std::min(x, shoulder) + 0.75 * arm + 1.3 * beyond, p.x()), p.y(), p.z());
+  };
+  for (Vector3d& p : body.mesh.positions) p = reshaped(p);
+  for (auto& [name, p] : body.truth) p = reshaped(p);
+  for (const char* side : {"_l", "_r"}) {
+    const auto at = [&](const char* joint) { return body.truth.at(std::string(joint) + side); };
+    const Vector3d from = at("shoulder") + 0.3 * (at("elbow") - at("shoulder"));
+    addTube(body.mesh, from, at("elbow"), 0.062);
+    addTube(body.mesh, at("elbow"), at("wrist"), 0.062);
+  }
+  const Error error = limbError(rigBody(body.mesh).skeleton, body.truth);
+  EXPECT_LT(error.mean, 1.8);
+  EXPECT_LT(error.max, 4.0) << error.worst;
+}
+
 TEST(Landmarks, TheCrotchIsTheLowestPlaceOfTheCutInTheMiddle) {
   const TemplateBody& human = humanTemplate();
   const Vector3d known = human.surface.positions[human.crotch];
