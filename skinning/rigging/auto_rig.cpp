@@ -10,6 +10,7 @@
 #include "kinematics/symmetry.h"
 #include "skinning/rigging/fit/landmarks.h"
 #include "skinning/rigging/fit/limbs.h"
+#include "skinning/rigging/fit/nearest_skin.h"
 #include "skinning/rigging/fit/placement.h"
 #include "skinning/rigging/fit/rig_skeleton.h"
 #include "skinning/rigging/fit/rig_transfer.h"
@@ -93,15 +94,27 @@ double windingNumber(const Mesh& mesh, const Vector3d& p) {
   return sum / (2.0 * M_PI);
 }
 
-/// Joints that came to lie outside go towards the middle of their neighbours until they are inside; the
-/// end of a curled tail towards where its parent went. Where faces disagree about that the air decides
-/// (voxels).
+/// Joints that came to lie outside go towards the middle of their neighbours until they are inside, or, where
+/// that is far, straight under the skin beside them; the end of a curled tail towards where its parent went.
+/// Where faces disagree about what is inside the air decides (voxels).
 void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh, const VoxelBody* voxels) {
   const auto isInside = [&](const Vector3d& p) {
     return voxels ? !voxels->isOutside(p) : std::abs(windingNumber(mesh, p)) > 0.5;
   };
+  const double near = 0.02 * bodySize(mesh);
   const std::vector<RigJoint> before = joints;
   for (std::size_t k = 0; k < joints.size(); ++k) {
+    const Vector3d start = before[k].position;
+    if (isInside(start)) continue;
+    const auto moved = [&](const Vector3d& towards, double farthest) {
+      const Vector3d way = towards - start;
+      for (int step = 1; step <= 19 && 0.05 * step * way.norm() < farthest; ++step)
+        if (isInside(start + 0.05 * step * way)) {
+          joints[k].position = start + 0.05 * step * way;
+          return true;
+        }
+      return false;
+    };
     Vector3d home = Vector3d::Zero();
     int neighbours = 0;
     for (std::size_t i = 0; i < joints.size(); ++i)
@@ -109,16 +122,13 @@ void moveInside(std::vector<RigJoint>& joints, const Mesh& mesh, const VoxelBody
         home += before[i].position, ++neighbours;
     if (neighbours == 0) continue;
     home /= neighbours;
-    const auto moved = [&](const Vector3d& towards) {
-      for (int step = 0; step <= 19; ++step) {
-        const Vector3d p = before[k].position + 0.05 * step * (towards - before[k].position);
-        if (!isInside(p)) continue;
-        joints[k].position = p;
-        return true;
-      }
-      return false;
-    };
-    if (!moved(home) && neighbours == 1 && joints[k].parent >= 0) moved(joints[joints[k].parent].position);
+    if (moved(home, near)) continue;
+    const Vector3d skin = nearestSkin(mesh, start);
+    if (const double gap = (skin - start).norm();
+        gap < near && moved(skin + near / gap * (skin - start), 2.0 * near))
+      continue;
+    if (!moved(home, unlimited) && neighbours == 1 && joints[k].parent >= 0)
+      moved(joints[joints[k].parent].position, unlimited);
   }
 }
 

@@ -67,7 +67,6 @@ std::optional<Landmark> wrist(const TemplateBody& body, int piece, const std::ve
     for (int k = 0; k < 3; ++k)
       if (near[t[k]] && near[t[(k + 1) % 3]]) wanted.add(places[t[k]], places[t[(k + 1) % 3]]);
   const auto here = own.waist(), there = wanted.waist();
-if(getenv("VW"))fprintf(stderr,"waist %d %f %f of %f\n",piece,here?*here:-1,there?*there:-1,(to-from).norm());
   if (!here || !there || std::abs(*there - *here) > 0.1) return {};
   const Vector3d axis = (to - from).normalized();
   Landmark out{.vertex = -1, .metric = 0.05 * axis * axis.transpose()};
