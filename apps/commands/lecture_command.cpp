@@ -5,6 +5,7 @@
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
 #include "apps/lecture/example.h"
+#include "apps/lecture/text_table.h"
 
 namespace gelenk {
 namespace {
@@ -106,7 +107,8 @@ void run(const Request& request) {
   if (request.steps) {
     for (const LectureTopic& topic : lectureTopics())
       if (request.id.empty() || &topic == &findLectureTopic(request.id))
-        fmt::print("=== {}: {} (lecture {})\n\n{}\n", topic.id, topic.title, topic.section, topic.steps());
+        fmt::print("=== {}: {} (lecture {})\n\n{}\n", topic.id, topic.title, topic.section,
+                   padded(topic.steps()));
     return;
   }
   const std::vector<Row> rows = rowsOf(request);

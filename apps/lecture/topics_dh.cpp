@@ -86,12 +86,13 @@ double rowAgainstHand() {
 }
 
 std::string tableText(const DhTable& table) {
-  std::string out = fmt::format("    {:<10} {:>10} {:>12} {:>10} {:>12}\n", "kind", "a [m]", "alpha [deg]",
-                                "d [m]", "phi [deg]");
-  const auto clean = [](double value) { return std::abs(value) < 1e-12 ? 0.0 : value; };
+  std::string out = text::heads({"kind", "a [m]", "alpha [deg]", "d [m]", "phi [deg]"});
+  const auto number = [](double value) {
+    return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value);
+  };
   for (const DhRow& row : table.rows)
-    out += fmt::format("    {:<10} {:>10.6g} {:>12.6g} {:>10.6g} {:>12.6g}\n", toString(row.kind),
-                       clean(row.a), clean(row.alpha / degree), clean(row.d), clean(row.phi / degree));
+    out += text::row({toString(row.kind), number(row.a), number(row.alpha / degree), number(row.d),
+                      number(row.phi / degree)});
   return out;
 }
 
@@ -103,15 +104,17 @@ std::string steps() {
       "variable.\n\n";
   out +=
       "From axes to parameters. K_i stands on axis i where the common normal to axis i + 1 begins, x_i along "
-      "it:\n";
+      "it:\n" +
+      text::heads({"axes", "", "a [m]", "alpha [deg]", "normal from", "", "", "to", "", ""});
   const auto& axes = exampleAxes();
   Vector3d near = Vector3d::Zero(), x = Vector3d::UnitX();
   for (std::size_t i = 0; i + 1 < axes.size(); ++i) {
     const CommonNormal n = commonNormal(axes[i], axes[i + 1], near, x);
-    out +=
-        fmt::format("  axes {} and {}: {:<10} normal from {} to {}, a = {:.6g} m, alpha = {:.6g} degrees\n",
-                    i + 1, i + 2, toString(n.kind), text::point(n.footOnFirst, 5),
-                    text::point(n.footOnSecond, 5), n.a, n.alpha / degree);
+    std::vector<std::string> cells{fmt::format("{} and {}", i + 1, i + 2), toString(n.kind),
+                                   text::fixed(n.a, 4), text::fixed(n.alpha / degree, 4)};
+    text::append(cells, n.footOnFirst, 3);
+    text::append(cells, n.footOnSecond, 3);
+    out += text::row(cells);
     near = n.footOnSecond;
     x = n.x;
   }
@@ -144,7 +147,8 @@ std::string dhDerivation(const DhTable& table, const VectorXd& q) {
           ? "T_(i -> i+1) = R(x, alpha_i) T(a_i, 0, d_i) R(z, phi_i), the modified convention\n\n"
           : "T_(i -> i+1) = R(z, phi_i) T(0, 0, d_i) T(a_i, 0, 0) R(x, alpha_i), the standard "
             "convention\n\n";
-  out += "    i   a_i [m]       alpha_i [deg]   d_i [m]       phi_i [deg]    origin of K_(i+1) [m]\n";
+  out += text::heads(
+      {"i", "a_i [m]", "alpha_i [deg]", "d_i [m]", "phi_i [deg]", "origin of K_(i+1) [m]", "", ""});
   const Frames K = dhFrames(table, q);
   Eigen::Index variable = 0;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
@@ -152,8 +156,11 @@ std::string dhDerivation(const DhTable& table, const VectorXd& q) {
     const double value = row.kind == DhJoint::Fixed ? 0.0 : q[variable++];
     const double d = row.d + (row.kind == DhJoint::Prismatic ? value : 0.0),
                  phi = row.phi + (row.kind == DhJoint::Revolute ? value : 0.0);
-    out += fmt::format("  {:3}   {:<10.6g}    {:<10.6g}      {:<10.6g}    {:<10.6g}     {}\n", i + 1, row.a,
-                       row.alpha / degree, d, phi / degree, text::point(K[i + 1].translation(), 6));
+    std::vector<std::string> cells{std::to_string(i + 1), text::fixed(row.a, 4),
+                                   text::fixed(row.alpha / degree, 2), text::fixed(d, 4),
+                                   text::fixed(phi / degree, 2)};
+    text::append(cells, K[i + 1].translation(), 5);
+    out += text::row(cells);
   }
   return out + fmt::format("\nThe tool's frame, base T_1 ... T_{} tool =\n{}", table.rows.size(),
                            text::matrix(K.back().matrix(), 6));

@@ -33,20 +33,18 @@ double largestMotion(const LegAnimation& animation) {
   return largest;
 }
 
-std::string row(const char* name, const FootSummary& s, double motion) {
-  return fmt::format("  {:<10} {:18.3e} {:14.4f} {:18.3e} {:17} {:18.3f}\n", name, s.worstSliding,
-                     s.totalSliding, s.worstPenetration, s.framesBelowGround, motion);
-}
-
 std::string steps() {
   const LegKeys keys = lectureLegKeys();
   std::string out =
       "Top-down: the hip's angle is keyed first, then the knee's, then the foot's; nothing asks where the "
       "foot ends up.\n";
   const auto list = [](const char* name, const std::vector<LegKey>& curve) {
-    std::string line = fmt::format("  {:<5}", name);
-    for (const LegKey& key : curve) line += fmt::format(" {:g}:{:g}", key.phase, key.degrees);
-    return line + "   (phase:degrees)\n";
+    std::vector<std::string> phases{name, "phase"}, angles{"", "degrees"};
+    for (const LegKey& key : curve) {
+      phases.push_back(fmt::format("{:g}", key.phase));
+      angles.push_back(fmt::format("{:g}", key.degrees));
+    }
+    return text::row(phases) + text::row(angles);
   };
   out += list("hip", keys.hip) + list("knee", keys.knee) + list("foot", keys.foot);
   out += fmt::format(
@@ -55,16 +53,22 @@ std::string steps() {
       keys.cycle, keys.footFlat, keys.liftOff, keys.speed, walk().keyed.q.size(),
       walk().keyed.framesPerSecond);
   out += "The two problems, measured at the sole (heel, ball, toe tip) of both feet:\n";
-  out +=
-      "             worst sliding [m]  in total [m]  worst depth [m]  frames below ground  largest joint "
-      "step [rad]\n";
-  out += row("keyframes", walk().before, largestMotion(walk().keyed));
-  out += row("pinned", walk().after, largestMotion(walk().pinned));
+  const FootSummary &before = walk().before, &after = walk().after;
+  out += text::heads({"", "keyframes", "pinned"});
+  out += text::row({"worst sliding [m a frame]", text::scientific(before.worstSliding),
+                    text::scientific(after.worstSliding)});
+  out += text::row(
+      {"sliding in total [m]", text::fixed(before.totalSliding, 4), text::fixed(after.totalSliding, 4)});
+  out += text::row({"worst depth [m]", text::scientific(before.worstPenetration),
+                    text::scientific(after.worstPenetration)});
+  out += text::row({"feet and frames below ground", std::to_string(before.framesBelowGround),
+                    std::to_string(after.framesBelowGround)});
+  out += text::row({"largest step of a joint [rad]", text::fixed(largestMotion(walk().keyed), 3),
+                    text::fixed(largestMotion(walk().pinned), 3)});
   out +=
       "\nPinned: the ball of a foot on the ground stays where it came down; hip and knee follow from the "
-      "two-link closed form (10.1.3), the ankle\n"
-      "turns the heel and the toe hinge the toes out of the ground; in the air the foot blends back to the "
-      "animation.\n";
+      "two-link closed form (10.1.3), the ankle turns the heel and the toe hinge the toes out of the ground; "
+      "in the air the foot blends back to the animation.\n";
   return out;
 }
 
@@ -78,12 +82,15 @@ std::string legDerivation(const LegAnimation& shown, const std::array<FootMeasur
   out += "Top-down: each angle between its keys, hip, then knee, then foot; left leg:\n";
   for (const auto& [name, curve] :
        {std::pair{"hip", &keys.hip}, std::pair{"knee", &keys.knee}, std::pair{"foot", &keys.foot}})
-    out += fmt::format("  {:<6}   {:8.3f} degrees\n", name, keyedAngle(*curve, phase));
-  out += "\n          stands      slides [m a frame]     depth [m]\n";
-  for (std::size_t side = 0; side < 2; ++side)
-    out += fmt::format("  {:<6}   {:<6}      {:<16.3e}       {:.3e}\n", side == 0 ? "left" : "right",
-                       shown.onGround[static_cast<std::size_t>(frame)][side] ? "yes" : "no",
-                       feet[side].sliding, feet[side].penetration);
+    out += text::row({name, text::fixed(keyedAngle(*curve, phase), 3), "degrees"});
+  const auto bothFeet = [&](const char* what, const auto& of) { return text::row({what, of(0), of(1)}); };
+  out += "\nBoth soles:\n" + text::heads({"", "left", "right"});
+  out += bothFeet("stands", [&](std::size_t side) {
+    return shown.onGround[static_cast<std::size_t>(frame)][side] ? "yes" : "no";
+  });
+  out +=
+      bothFeet("slides [m a frame]", [&](std::size_t side) { return text::scientific(feet[side].sliding); });
+  out += bothFeet("depth [m]", [&](std::size_t side) { return text::scientific(feet[side].penetration); });
   return out;
 }
 

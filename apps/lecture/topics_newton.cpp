@@ -58,15 +58,15 @@ std::vector<double> errorsOf(const std::vector<NewtonStep1d>& run, double zero) 
 }
 
 std::string table(const std::vector<NewtonStep1d>& run, double zero) {
-  std::string out = "    i   phi^i [rad]            g = f - X         difference quotient   |phi^i - zero|\n";
+  std::string out = text::heads({"i", "phi^i [rad]", "g = f - X", "quotient", "|phi^i - zero|"});
   for (std::size_t i = 0; i < run.size(); ++i)
-    out += fmt::format("  {:3}   {:<20.15g}   {:<15.6e}   {:<19.10g}   {:.3e}\n", i, run[i].phi, run[i].g,
-                       run[i].slope, std::abs(run[i].phi - zero));
+    out += text::row({std::to_string(i), text::fixed(run[i].phi, 12), text::scientific(run[i].g),
+                      text::fixed(run[i].slope, 6), text::scientific(std::abs(run[i].phi - zero))});
   return out;
 }
 
 const char* const oneDimensionFormula =
-    "phi^(i+1) = phi^i - (f(phi^i) - X) / f'(phi^i),  f'(phi) ~ (f(phi + D) - f(phi)) / D\n\n";
+    "phi^(i+1) = phi^i - (f(phi^i) - X) / f'(phi^i),  f'(phi) ~ (f(phi + Delta) - f(phi)) / Delta\n\n";
 
 std::string oneDimensionSteps() {
   std::string out = fmt::format(
@@ -74,10 +74,10 @@ std::string oneDimensionSteps() {
       "degrees.\n",
       slide::armLength, oneLinkTarget);
   out += oneDimensionFormula;
-  out += fmt::format("Start {:g}, D = 1e-6:\n{}", goodStart, table(convergentRun(), M_PI / 6));
+  out += fmt::format("Start {:g}, Delta = 1e-6:\n{}", goodStart, table(convergentRun(), M_PI / 6));
   out += fmt::format("  order of convergence, from the last three errors: {:.3f}\n\n",
                      convergenceOrder(errorsOf(convergentRun(), M_PI / 6), 1e-11));
-  out += fmt::format("A coarse quotient, D = 0.1, bends the tangent: order {:.3f}\n{}\n",
+  out += fmt::format("A coarse quotient, Delta = 0.1, bends the tangent: order {:.3f}\n{}\n",
                      convergenceOrder(errorsOf(convergentRun(0.1), M_PI / 6), 1e-12),
                      table(convergentRun(0.1), M_PI / 6));
   out += fmt::format(
@@ -102,15 +102,21 @@ double stepNearStraight(double phi2) {
 }
 
 std::string runTable(const NewtonRun& run) {
-  std::string out =
-      "    i   phi^i [rad]                                     f(phi^i)                          |g|         "
-      "sigma_max   sigma_min   |step|\n";
+  const NewtonStep& first = run.steps.front();
+  std::vector<std::string> heads{"i"};
+  text::appendHead(heads, "phi^i [rad]", first.phi.size());
+  text::appendHead(heads, "f(phi^i)", first.f.size());
+  heads.insert(heads.end(), {"|g|", "sigma_max", "sigma_min", "|step|"});
+  std::string out = text::heads(heads);
   for (std::size_t i = 0; i < run.steps.size(); ++i) {
     const NewtonStep& s = run.steps[i];
-    out += fmt::format("  {:3}   {:<45}   {:<31}   {:<9.3e}   {:<9.4g}   {:<9.4g}   {}\n", i,
-                       text::point(s.phi, 10), text::point(s.f, 10), s.g.norm(), s.singularValues[0],
-                       s.singularValues.tail<1>()[0],
-                       s.step.size() ? fmt::format("{:.3e}", s.step.norm()) : "-");
+    std::vector<std::string> cells{std::to_string(i)};
+    text::append(cells, s.phi, 6);
+    text::append(cells, s.f, 4);
+    cells.insert(cells.end(), {text::scientific(s.g.norm()), text::fixed(s.singularValues[0], 2),
+                               text::fixed(s.singularValues.tail<1>()[0], 2),
+                               s.step.size() ? text::scientific(s.step.norm()) : "-"});
+    out += text::row(cells);
   }
   return out;
 }
@@ -118,9 +124,16 @@ std::string runTable(const NewtonRun& run) {
 /// A step of the run in full; i counts from 0 as on the slides.
 std::string stepInFull(const PlanarChain& chain, const NewtonRun& run, std::size_t i) {
   const NewtonStep& s = run.steps[i];
-  std::string out = fmt::format("Step {} in full\n  points P1 ... P{}:", i + 1, chain.linkCount() + 1);
-  for (const Vector2d& P : linkPoints(chain, s.phi)) out += " " + text::point(P);
-  out += fmt::format("\n  f(phi^{}) = {}\n  g = f(phi^{}) - X^neu = {}\n", i, text::point(s.f), i,
+  std::string out = fmt::format("Step {} in full\n", i + 1);
+  std::vector<std::string> heads{""}, x{"x"}, y{"y"};
+  const auto points = linkPoints(chain, s.phi);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    heads.push_back(fmt::format("P_{}", k + 1));
+    x.push_back(text::fixed(points[k].x(), 6));
+    y.push_back(text::fixed(points[k].y(), 6));
+  }
+  out += text::heads(heads) + text::row(x) + text::row(y);
+  out += fmt::format("  f(phi^{}) = {}\n  g = f(phi^{}) - X^neu = {}\n", i, text::point(s.f), i,
                      text::point(s.g));
   out += fmt::format("    D_f = (column i: X - P_i turned by 90 degrees)\n{}", text::matrix(s.D, 8));
   const bool square = chain.linkCount() == 2;
@@ -140,7 +153,7 @@ std::string stepInFull(const PlanarChain& chain, const NewtonRun& run, std::size
 }
 
 std::string given(const PlanarChain& chain, const VectorXd& phi, const Vector2d& X) {
-  return fmt::format("P1 = {}, l = {}, phi^alt = {}, X^neu = {}\n", text::point(chain.base),
+  return fmt::format("P_1 = {}, l = {}, phi^alt = {}, X^neu = {}\n", text::point(chain.base),
                      text::point(VectorXd::Map(chain.lengths.data(), chain.linkCount())), text::point(phi),
                      text::point(X));
 }
@@ -151,15 +164,15 @@ std::string squareSteps() {
   out += "phi^(i+1) = phi^i - D_f(phi^i)^-1 (f(phi^i) - X)\n\n" + runTable(run) + "\n" +
          stepInFull(twoLinkArm(), run, 0);
   out +=
-      "\nThe straight arm: det D_f = l1 l2 sin phi_2, so the inverse does not exist at phi_2 = 0, and next "
-      "to it the step explodes:\n";
+      "\nThe straight arm: det D_f = l_1 l_2 sin phi_2, so the inverse does not exist at phi_2 = 0, and next "
+      "to it the step explodes:\n" +
+      text::heads({"phi_2", "|det D_f|", "sigma_min", "|step| [rad]"});
   for (const double phi2 : {0.1, 0.01, 0.001, 1e-4, 0.0}) {
     const NewtonRun straight = planarNewton(twoLinkArm(), Vector2d(0.3, phi2), slide::armTarget, 1e-12, 1);
     const NewtonStep& s = straight.steps[0];
-    out += fmt::format(
-        "  phi_2 = {:<7g} |det| = {:<10.3g} sigma_min = {:<10.3g} {}\n", phi2, std::abs(s.D.determinant()),
-        s.singularValues[1],
-        s.step.size() ? fmt::format("|step| = {:.4g} rad", s.step.norm()) : "no inverse: the method stops");
+    out += text::row({fmt::format("{:g}", phi2), text::scientific(std::abs(s.D.determinant())),
+                      text::scientific(s.singularValues[1]),
+                      s.step.size() ? fmt::format("{:.4g}", s.step.norm()) : "no inverse"});
   }
   return out;
 }
@@ -196,10 +209,9 @@ std::string pseudoInverseSteps() {
       given(chain, slide::startAngles, slide::newTarget) + "\n" + stepInFull(chain, lectureNewtonRun(), 0);
   out +=
       "  The slide prints phi^1 = (0.295, 1., -0.833): \"1.\" stands for 1.00419, and its f(phi^1) = "
-      "(336.44, 681.27) belongs to the unrounded angles;\n"
-      "  the rounded ones give " +
+      "(336.44, 681.27) belongs to the unrounded angles; the rounded ones give " +
       text::point(endEffector(chain, Eigen::Vector3d(0.295, 1.0, -0.833)), 8) + ".\n\n";
-  out += "On to |g| <= 1e-12 (l1 + l2 + l3):\n" + runTable(lectureNewtonRun());
+  out += "On to |g| <= 1e-12 (l_1 + l_2 + l_3):\n" + runTable(lectureNewtonRun());
   out += fmt::format("  {} iterations\n\n", lectureNewtonRun().iterations());
   out += fmt::format(
       "Shortest of all solutions of D_f d = -g: null-space part of the step {:.1e}; of 1,000 others the "
@@ -235,9 +247,10 @@ std::string shortestSteps() {
                     "\n";
   out +=
       "Moving the target there in more, smaller steps (as dragging does) follows the pseudo-inverse's path, "
-      "not the minimum:\n";
+      "not the minimum:\n" +
+      text::heads({"steps", "longer by [%]"});
   for (const int pieces : {1, 2, 5, 20, 100})
-    out += fmt::format("  {:3} steps: {:.4f} % longer\n", pieces, 100 * (pathRatio(pieces) - 1));
+    out += text::row({std::to_string(pieces), text::fixed(100 * (pathRatio(pieces) - 1), 4)});
   out +=
       "The claim holds for each linearised step, and for the whole only to first order in the distance to "
       "the target.\n";
@@ -253,8 +266,7 @@ std::string oneDimensionDerivation(double start, double X, double delta) {
   const bool converged = std::abs(run.back().g) < 1e-12;
   std::string out = fmt::format(
       "One-link arm, l = {:g}; f(phi) = l sin phi is the end-effector's height. X = {:.6g}.\n{}Start {:.6g}, "
-      "D "
-      "= {:g}:\n",
+      "Delta = {:g}:\n",
       slide::armLength, X, oneDimensionFormula, start, delta);
   std::vector<double> errors = errorsOf(run, end);
   errors.pop_back();
@@ -281,15 +293,25 @@ std::string shortestDerivation(const PlanarChain& chain, const VectorXd& start, 
                                const NearestSolution& best) {
   std::string out =
       "The lecture asks for ||phi_new - phi_old|| = min over all phi with f(phi) = X. Newton takes the "
-      "shortest of each linearised step;\n"
-      "is the sum of its steps the shortest way? Compared with the true minimum (" +
+      "shortest of each linearised step; is the sum of its steps the shortest way? Compared with the true "
+      "minimum (" +
       std::string(nearestSolutionMethod) + ", 18 starts):\n\n";
+  std::vector<std::string> heads{""};
+  text::appendHead(heads, "phi [rad]", start.size());
+  text::appendHead(heads, "f(phi)", 2);
+  heads.push_back("distance");
+  out += text::heads(heads);
+  const auto row = [&](const char* name, const VectorXd& phi) {
+    std::vector<std::string> cells{name};
+    text::append(cells, phi, 6);
+    text::append(cells, endEffector(chain, phi), 3);
+    cells.push_back(text::fixed((phi - start).norm(), 8));
+    return text::row(cells);
+  };
+  out += row("start", start) + row("Newton's end", newtonEnd) + row("true minimum", best.phi);
   const double newton = (newtonEnd - start).norm();
-  out += fmt::format("  from           {}  at {}\n", text::point(start, 10),
-                     text::point(endEffector(chain, start), 8));
-  out += fmt::format("  Newton's end   {}  distance {:.10f}\n", text::point(newtonEnd, 10), newton);
-  out += fmt::format("  true minimum   {}  distance {:.10f}, |f - X| = {:.1e}, {} iterations\n",
-                     text::point(best.phi, 10), best.distance, best.violation, best.iterations);
+  out += fmt::format("  At the minimum |f - X| = {:.1e}, found in {} iterations.\n", best.violation,
+                     best.iterations);
   return out + fmt::format("  Newton's way is {:.4f} % longer; the two poses are {:.4f} rad apart.\n",
                            100 * (newton / best.distance - 1), (newtonEnd - best.phi).norm());
 }
@@ -316,7 +338,7 @@ LectureTopic newtonOneDimensionTopic() {
        .compute = [] { return std::vector{convergenceOrder(errorsOf(convergentRun(), M_PI / 6), 1e-11)}; }},
       {.id = "newton-1d-coarse",
        .section = section,
-       .what = "order with D = 0.1: the quotient is no derivative",
+       .what = "order with Delta = 0.1: the quotient is no derivative",
        .printed = {1},
        .tolerance = {0.1},
        .compute =

@@ -43,41 +43,47 @@ double routesApart(const PlanarChain& chain, const VectorXd& phi) {
 std::string derivation(const PlanarChain& chain, const VectorXd& phi, const std::string& remark) {
   const int n = chain.linkCount();
   std::string out =
-      fmt::format("Given: P1 = {}, l = {}, phi = {} degrees\n", text::point(chain.base),
+      fmt::format("Given: P_1 = {}, l = {}, phi = {} degrees\n", text::point(chain.base),
                   text::point(VectorXd::Map(chain.lengths.data(), n)), text::point(phi / degree));
   out += fmt::format("Degrees of freedom n + 2 = {}\n\n", degreesOfFreedom(chain));
   out += "P_(i+1) = P_i + l_i (cos, sin)(phi_1 + ... + phi_i)\n";
+  out += text::heads({"i", "l_i", "phi_1 + ... + phi_i", "cos", "sin", "P_(i+1)", ""});
   const auto P = linkPoints(chain, phi);
   double sum = 0.0;
   for (int i = 0; i < n; ++i) {
-    sum += phi[i] / degree;
-    out += fmt::format("  P{} = {} + {} (cos {:g}, sin {:g}) = {} + {} {} = {}\n", i + 2, text::point(P[i]),
-                       chain.lengths[i], sum, sum, text::point(P[i]), chain.lengths[i],
-                       text::point(Vector2d(std::cos(sum * degree), std::sin(sum * degree))),
-                       text::point(P[i + 1], 15));
+    sum += phi[i];
+    std::vector<std::string> cells{std::to_string(i + 1), fmt::format("{:g}", chain.lengths[i]),
+                                   text::fixed(sum / degree, 2), text::fixed(std::cos(sum), 6),
+                                   text::fixed(std::sin(sum), 6)};
+    text::append(cells, P[i + 1], 6);
+    out += text::row(cells);
   }
   out += remark;
-  out += "\nThe same through the hierarchy, K_1 = T(P1) R(phi_1), K_(i+1) = K_i T(l_i, 0) R(phi_(i+1)):\n";
+  out += "\nThe same through the hierarchy, K_1 = T(P_1) R(phi_1), K_(i+1) = K_i T(l_i, 0) R(phi_(i+1)):\n";
+  out += text::heads({"i", "origin of K_i", "", "x axis", "", "y axis", ""});
   const auto frames = hierarchicalFrames(chain, phi);
-  for (int i = 0; i < n; ++i)
-    out +=
-        fmt::format("  K_{}: origin {}, x axis {}, y axis {}\n", i + 1, text::point(frames[i].translation()),
-                    text::point(frames[i].linear().col(0)), text::point(frames[i].linear().col(1)));
-  out += fmt::format("  X = K_{} (l_{}, 0) = {}\n\n", n, n, text::point(frames.back().translation(), 15));
+  for (int i = 0; i < n; ++i) {
+    std::vector<std::string> cells{std::to_string(i + 1)};
+    text::append(cells, frames[i].translation(), 6);
+    text::append(cells, frames[i].linear().col(0), 6);
+    text::append(cells, frames[i].linear().col(1), 6);
+    out += text::row(cells);
+  }
+  out += fmt::format("  X = K_{} (l_{}, 0) = {}\n\n", n, n, text::point(frames.back().translation(), 12));
   out += fmt::format("And through the general skeleton (hinges about z): X = {}\n",
-                     text::point(forwardKinematics(toSkeleton(chain), phi).back().translation(), 15));
+                     text::point(forwardKinematics(toSkeleton(chain), phi).back().translation(), 12));
   out += fmt::format("Largest distance between the three routes: {:.2e}\n", routesApart(chain, phi));
   return out;
 }
 
 std::string steps() {
-  return derivation(
-      chain(), phi(),
-      fmt::format("  on the slide: P2 = (2, 2 sqrt3) = {}, P3 = (2 + 3 sqrt3, 2 sqrt3 - 3) = {}, P4 = (2 + 4 "
-                  "sqrt3, 2 sqrt3 - 2) = {}\n",
-                  text::point(Vector2d(2, 2 * root3), 15),
-                  text::point(Vector2d(2 + 3 * root3, 2 * root3 - 3), 15),
-                  text::point(Vector2d(2 + 4 * root3, 2 * root3 - 2), 15)));
+  const auto printed = [](const char* name, const char* value, const Vector2d& P) {
+    return text::row({name, value, text::fixed(P.x(), 6), text::fixed(P.y(), 6)});
+  };
+  return derivation(chain(), phi(),
+                    "On the slide:\n" + printed("P_2", "(2, 2 sqrt(3))", {2, 2 * root3}) +
+                        printed("P_3", "(2 + 3 sqrt(3), 2 sqrt(3) - 3)", {2 + 3 * root3, 2 * root3 - 3}) +
+                        printed("P_4", "(2 + 4 sqrt(3), 2 sqrt(3) - 2)", {2 + 4 * root3, 2 * root3 - 2}));
 }
 
 }  // namespace
@@ -96,25 +102,25 @@ LectureTopic planarForwardTopic() {
   topic.checks = {
       {.id = "planar-fk-p2",
        .section = section,
-       .what = "P2 = (2, 2 sqrt3)",
+       .what = "P_2 = (2, 2 sqrt(3))",
        .printed = {2, 2 * root3},
        .tolerance = {1e-12},
        .compute = [] { return pointNumber(2); }},
       {.id = "planar-fk-p3",
        .section = section,
-       .what = "P3 = (2 + 3 sqrt3, 2 sqrt3 - 3)",
+       .what = "P_3 = (2 + 3 sqrt(3), 2 sqrt(3) - 3)",
        .printed = {2 + 3 * root3, 2 * root3 - 3},
        .tolerance = {1e-12},
        .compute = [] { return pointNumber(3); }},
       {.id = "planar-fk-p4",
        .section = section,
-       .what = "P4 = (2 + 4 sqrt3, 2 sqrt3 - 2)",
+       .what = "P_4 = (2 + 4 sqrt(3), 2 sqrt(3) - 2)",
        .printed = {2 + 4 * root3, 2 * root3 - 2},
        .tolerance = {1e-12},
        .compute = [] { return pointNumber(4); }},
       {.id = "planar-fk-routes",
        .section = "10.1.1, hierarchical coordinate systems",
-       .what = "sums, T(l,0) R(phi) and skeleton agree",
+       .what = "sums, T(l, 0) R(phi) and skeleton agree",
        .printed = {1e-12},
        .tolerance = {0},
        .compute = [] { return std::vector{routesApart(chain(), phi())}; },

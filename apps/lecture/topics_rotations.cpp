@@ -113,13 +113,13 @@ QuaternionChainFit fit(const Vector3d& target, UnitConstraint constraint, double
 }
 
 std::string fitTable(const Vector3d& target) {
-  std::string out = fmt::format(
-      "  target {}, {:.3f} away; reach {:.3f}\n    constraint              iterations   max ||q| - 1|   "
-      "error it claims   error of the rigid chain\n",
-      text::point(target), target.norm(), lengths[0] + lengths[1] + lengths[2]);
+  std::string out = fmt::format("  target {}, {:.3f} away; reach {:.3f}\n", text::point(target),
+                                target.norm(), lengths[0] + lengths[1] + lengths[2]);
+  out +=
+      text::heads({"constraint", "iterations", "max | ||q|| - 1 |", "error it claims", "of the rigid chain"});
   const auto row = [&](const std::string& name, const QuaternionChainFit& f) {
-    out += fmt::format("    {:<22}  {:10}   {:13.2e}   {:15.6e}   {:.6e}\n", name, f.iterations,
-                       f.constraintError, f.claimedError, f.trueError);
+    out += text::row({name, std::to_string(f.iterations), text::scientific(f.constraintError, 1),
+                      text::scientific(f.claimedError, 5), text::scientific(f.trueError, 5)});
   };
   row("manifold", fit(target, UnitConstraint::Manifold));
   for (const double weight : {0.1, 1.0, 10.0, 100.0})
@@ -131,11 +131,12 @@ std::string steps() {
   std::string out = rotationsDerivation(pose) + "\n";
   out +=
       "Gimbal lock: x, y, z at phi^y = 90 degrees. The world axes about which the angles turn, and |det E| = "
-      "|cos phi^y|:\n";
+      "|cos phi^y|:\n" +
+      text::heads({"phi^y [deg]", "|det E|", "sine between first and third axis"});
   for (const double middle : {0.0, 45.0, 80.0, 89.0, 90.0}) {
     const Eigen::Matrix3d E = eulerRates(lectureEulerOrder(), {0.4, middle * degree, 0.9});
-    out += fmt::format("  phi^y = {:4g}: |det| = {:<10.4g} sine between first and third axis = {:.4g}\n",
-                       middle, std::abs(E.determinant()), lockedAxesApart(middle * degree));
+    out += text::row({fmt::format("{:g}", middle), text::scientific(std::abs(E.determinant())),
+                      text::scientific(lockedAxesApart(middle * degree))});
   }
   out +=
       "At 90 degrees first and third axis are one line: a direction of turning is lost, and only phi^x + "
@@ -155,22 +156,28 @@ std::string rotationsDerivation(const Angles& angles) {
   std::string out =
       "T_(i -> i+1) = T(l_i, 0) R(phi_(i+1)),  R(phi) = R(phi^x, phi^y, phi^z): rotations about x, then y, "
       "then z of the moving frame.\n";
+  out += text::heads({"i", "l_i", "phi^x", "phi^y", "phi^z", "q = (w", "x", "y", "z)"});
   for (std::size_t i = 0; i < 3; ++i) {
     const Quaterniond q = rotationOf(angles[i]);
-    out += fmt::format("  joint {}: l = {:g}, (phi^x, phi^y, phi^z) = {} degrees, q = (w x y z) {}\n", i + 1,
-                       lengths[i], text::point(angles[i] / degree, 6),
-                       text::point(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()), 7));
+    std::vector<std::string> cells{std::to_string(i + 1), fmt::format("{:g}", lengths[i])};
+    text::append(cells, angles[i] / degree, 2);
+    text::append(cells, Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()), 5);
+    out += text::row(cells);
   }
-  out += fmt::format(
-      "\nEnd-effector by the slide's product      {}\n           by the skeleton, quaternions  {}\n",
-      text::point(endByProducts(angles).translation(), 12),
-      text::point(framesByQuaternions(angles).back().translation(), 12));
-  out += "  by the skeleton, each of the twelve orders (angles of joint 1 in degrees):\n";
-  for (const EulerOrder& order : eulerOrders())
-    out += fmt::format(
-        "    {}: {:<40} end {}\n", order.name,
-        text::point(eulerFromRotation(order, rotationOf(angles[0]).toRotationMatrix()) / degree, 8),
-        text::point(framesByEuler(order, angles).back().translation(), 12));
+  const auto end = [](std::vector<std::string> cells, const Vector3d& at) {
+    text::append(cells, at, 9);
+    return text::row(cells);
+  };
+  out += "\nThe end-effector:\n";
+  out += end({"by the slide's product"}, endByProducts(angles).translation());
+  out += end({"by the skeleton, quaternions"}, framesByQuaternions(angles).back().translation());
+  out += "\nBy the skeleton in each of the twelve orders (angles of joint 1 in degrees):\n";
+  out += text::heads({"order", "angles", "", "", "end-effector", "", ""});
+  for (const EulerOrder& order : eulerOrders()) {
+    std::vector<std::string> cells{std::string(order.name)};
+    text::append(cells, eulerFromRotation(order, rotationOf(angles[0]).toRotationMatrix()) / degree, 4);
+    out += end(cells, framesByEuler(order, angles).back().translation());
+  }
   return out + fmt::format("  largest difference of any matrix entry: {:.1e}\n", ordersApart(angles));
 }
 

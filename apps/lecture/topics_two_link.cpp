@@ -73,57 +73,61 @@ double elbowJump(bool historyAware) {
 std::string derivation(const PlanarChain& arm, const Vector2d& X, const std::string& remark) {
   const double l1 = arm.lengths[0], l2 = arm.lengths[1];
   const Vector2d d = X - arm.base;
-  std::string out = fmt::format("Given: P1 = {}, X = {}, l1 = {:g}, l2 = {:g}\n", text::point(arm.base),
+  std::string out = fmt::format("Given: P_1 = {}, X = {}, l_1 = {:g}, l_2 = {:g}\n", text::point(arm.base),
                                 text::point(X), l1, l2);
   const double r = d.norm();
   const bool inside = r >= std::abs(l1 - l2) && r <= l1 + l2;
-  out += fmt::format("Reachable workspace: |l1 - l2| = {:g} <= |X - P1| = {:g} <= l1 + l2 = {:g}{}\n",
+  out += fmt::format("Reachable workspace: |l_1 - l_2| = {:g} <= |X - P_1| = {:g} <= l_1 + l_2 = {:g}{}\n",
                      std::abs(l1 - l2), r, l1 + l2, inside ? "" : " does not hold");
   out += remark;
   const double cosine = (d.squaredNorm() - l1 * l1 - l2 * l2) / (2 * l1 * l2);
-  out += fmt::format("\ncos phi_2 = (dx^2 + dy^2 - l1^2 - l2^2) / (2 l1 l2) = {:g}  =>  {}\n\n", cosine,
+  out += fmt::format("\ncos phi_2 = (dx^2 + dy^2 - l_1^2 - l_2^2) / (2 l_1 l_2) = {:.6g}, so {}\n\n", cosine,
                      std::abs(cosine) <= 1.0
-                         ? fmt::format("phi_2 = +-{:.10g} degrees", std::acos(cosine) / degree)
-                         : std::string("no phi_2: the target is out of reach"));
+                         ? fmt::format("phi_2 = +-{:.8g} degrees", std::acos(cosine) / degree)
+                         : std::string("there is no phi_2: the target is out of reach"));
   out +=
-      "tan phi_1 = (dy (l1 + l2 c2) - dx l2 s2) / (dx (l1 + l2 c2) + dy l2 s2); the arctangent leaves two "
-      "candidates, pi apart.\n";
-  out += "Forward kinematics tells which one holds:\n";
+      "tan phi_1 = (dy (l_1 + l_2 c_2) - dx l_2 s_2) / (dx (l_1 + l_2 c_2) + dy l_2 s_2)\n"
+      "with c_2 = cos phi_2, s_2 = sin phi_2. The arctangent leaves two candidates, pi apart. Forward "
+      "kinematics tells which one holds:\n";
+  out += text::heads({"phi_2 [deg]", "phi_1 [deg]", "f(phi)", "", "|f(phi) - X|", " "});
   for (const ArctangentCandidate& c : arctangentCandidates(arm.base, l1, l2, X)) {
     if (!std::isfinite(c.distance)) continue;
-    out += fmt::format("  phi_2 = {:6.1f}, phi_1 = {:6.1f} degrees: f(phi) = {:<22} {}\n", c.phi2 / degree,
-                       c.phi1 / degree, text::point(endEffector(arm, Vector2d(c.phi1, c.phi2))),
-                       c.distance < 1e-9 ? "holds" : fmt::format("misses the target by {:g}", c.distance));
+    std::vector<std::string> cells{text::fixed(c.phi2 / degree, 3), text::fixed(c.phi1 / degree, 3)};
+    text::append(cells, endEffector(arm, Vector2d(c.phi1, c.phi2)), 4);
+    cells.push_back(text::fixed(c.distance, 4));
+    cells.push_back(c.distance < 1e-9 ? "holds" : "misses");
+    out += text::row(cells);
   }
   out += "\nWith atan2(numerator, denominator) only those that hold are left. All branches:\n";
+  out += text::heads({"phi_1 [deg]", "phi_2 [deg]", " "});
   const TwoLinkSolution all = solveTwoLink(arm.base, l1, l2, X);
   for (const TwoLinkBranch& branch : all.branches())
-    out += fmt::format("  phi_1 = {:.10g}, phi_2 = {:.10g} degrees ({})\n", branch.phi1 / degree,
-                       branch.phi2 / degree, branch.exact ? "exact" : "nearest");
+    out += text::row({text::fixed(branch.phi1 / degree, 6), text::fixed(branch.phi2 / degree, 6),
+                      branch.exact ? "exact" : "nearest"});
   return out;
 }
 
 std::string steps() {
   std::string out =
       derivation({.base = origin, .lengths = {l, l}}, slide::armTarget,
-                 "  (the slide prints the lower end as l1 - l2, which is meant for l1 >= l2)\n");
-  out += "\nThe borders (same arm unless said otherwise):\n";
+                 "  (the slide prints the lower end as l_1 - l_2, which is meant for l_1 >= l_2)\n");
+  out += "\nThe borders (same arm unless said otherwise):\n" +
+         text::heads({"target", "", "phi_1 [deg]", "phi_2 [deg]", "gap", " "});
   struct Border {
     const char* name;
     double l1, l2;
     Vector2d X;
   };
   for (const Border& b :
-       {Border{"target at the base, l1 = l2", l, l, {0, 0}},
-        Border{"straight, r = l1 + l2", l, l, {2 * l, 0}}, Border{"folded, l1 = 10, l2 = 4", l, 4, {6, 0}},
-        Border{"outside", l, l, {25, 0}}, Border{"in the hole, l1 = 10, l2 = 4", l, 4, {2, 0}},
-        Border{"l2 = 0", l, 0, {0, l}}}) {
+       {Border{"at the base, l_1 = l_2", l, l, {0, 0}}, Border{"r = l_1 + l_2", l, l, {2 * l, 0}},
+        Border{"r = l_1 - l_2, l_2 = 4", l, 4, {6, 0}}, Border{"outside", l, l, {25, 0}},
+        Border{"in the hole, l_2 = 4", l, 4, {2, 0}}, Border{"l_2 = 0", l, 0, {0, l}}}) {
     const TwoLinkSolution s = solveTwoLink(origin, b.l1, b.l2, b.X);
-    out += fmt::format("  {:<30} {:<14} phi = ({:g}, {:g}) degrees, {}, gap {:g}\n", b.name, toString(s.kind),
-                       s.branch[0].phi1 / degree, s.branch[0].phi2 / degree,
-                       s.branch[0].exact ? "exact" : "nearest point", s.gap);
+    out += text::row({b.name, toString(s.kind), text::fixed(s.branch[0].phi1 / degree, 1),
+                      text::fixed(s.branch[0].phi2 / degree, 1), text::fixed(s.gap, 1),
+                      s.branch[0].exact ? "exact" : "nearest point"});
   }
-  out += fmt::format("\nWorst error of 100,000 random targets inside the annulus: {:.2e} (l1 + l2)\n",
+  out += fmt::format("\nWorst error of 100,000 random targets inside the annulus: {:.2e} (l_1 + l_2)\n",
                      worstInside(100'000));
   out += fmt::format(
       "In space, a target crossing the pole direction in 1 mm steps moves the elbow by {:.3g} times the "
@@ -195,7 +199,7 @@ LectureTopic twoLinkTopic() {
            }},
       {.id = "two-link-annulus",
        .section = "10.1.3, reachable workspace",
-       .what = "[l1 - l2, l1 + l2], here for l1 = 10, l2 = 4: gaps at r = 6 and 14",
+       .what = "[l_1 - l_2, l_1 + l_2], here for l_1 = 10, l_2 = 4: gaps at r = 6 and 14",
        .printed = {0, 0},
        .tolerance = {1e-14},
        .compute =

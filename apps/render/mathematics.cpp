@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <string_view>
 
 namespace gelenk {
@@ -18,8 +19,9 @@ constexpr std::array greek{Sign{"alpha", "α"},  Sign{"beta", "β"},    Sign{"ga
                            Sign{"lambda", "λ"}, Sign{"mu", "μ"},      Sign{"xi", "ξ"},    Sign{"pi", "π"},
                            Sign{"rho", "ρ"},    Sign{"sigma", "σ"},   Sign{"Sigma", "Σ"}, Sign{"tau", "τ"},
                            Sign{"phi", "φ"},    Sign{"psi", "ψ"},     Sign{"omega", "ω"}, Sign{"Omega", "Ω"}};
-constexpr std::array signs{Sign{"<=", "≤"}, Sign{">=", "≥"},    Sign{"!=", "≠"},
-                           Sign{"+-", "±"}, Sign{" * ", " · "}, Sign{" - ", " − "}};
+constexpr std::array signs{Sign{"<=", "≤"},    Sign{">=", "≥"},    Sign{"!=", "≠"}, Sign{"+-", "±"},
+                           Sign{" * ", " · "}, Sign{" - ", " − "}, Sign{"||", "‖"}, Sign{" ~ ", " ≈ "}};
+constexpr std::string_view arrow = "→";  ///< drawn: the font has none
 
 bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)); }
 bool isWord(char c) { return std::isalnum(static_cast<unsigned char>(c)); }
@@ -35,6 +37,7 @@ std::string spelled(const std::string& word) {
 
 /// Greek letters and signs of a piece without scripts.
 std::string withSigns(const std::string& text) {
+  if (text == "-") return "–";
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
     if (isLetter(text[i]) && (i == 0 || !isWord(text[i - 1]))) {
@@ -45,7 +48,7 @@ std::string withSigns(const std::string& text) {
       continue;
     }
     const bool negative = text[i] == '-' && i + 1 < text.size() && isWord(text[i + 1]) &&
-                          (i == 0 || std::string_view(" ([,").find(text[i - 1]) != std::string_view::npos);
+                          (i == 0 || std::string_view(" ([{,").find(text[i - 1]) != std::string_view::npos);
     if (negative) {
       out += "−";
       ++i;
@@ -112,6 +115,35 @@ std::string withoutBrackets(const std::string& factor) {
              : factor;
 }
 
+/// A number as 1.5e-07 that begins at `at`, as what is to be read; to: behind it. Empty: none does.
+std::string powerOfTen(const std::string& text, std::size_t at, std::size_t& to) {
+  if (!std::isdigit(static_cast<unsigned char>(text[at])) ||
+      (at > 0 && (isWord(text[at - 1]) || text[at - 1] == '.' || text[at - 1] == '_')))
+    return {};
+  const std::size_t e = text.find_first_not_of("0123456789.", at);
+  if (e == std::string::npos || text[e] != 'e') return {};
+  std::size_t digits = e + 1;
+  if (digits < text.size() && (text[digits] == '-' || text[digits] == '+')) ++digits;
+  const std::size_t end = std::min(text.find_first_not_of("0123456789", digits), text.size());
+  if (end == digits || (end < text.size() && isWord(text[end]))) return {};
+  to = end;
+  const std::string mantissa = text.substr(at, e - at);
+  const int exponent = std::atoi(text.c_str() + e + 1);
+  if (mantissa.find_first_of("123456789") == std::string::npos) return "0";
+  if (exponent == 0) return mantissa;
+  return (mantissa == "1" ? "10^" : mantissa + " * 10^") + std::to_string(exponent);
+}
+
+/// The digits after a letter that stands alone: the 1 of P1, the 12 of l12.
+std::string index(const std::string& text, std::size_t at) {
+  if (at == 0 || !isLetter(text[at - 1]) || (at > 1 && (isWord(text[at - 2]) || text[at - 2] == '_')))
+    return {};
+  std::size_t end = at;
+  while (end < text.size() && std::isdigit(static_cast<unsigned char>(text[end]))) ++end;
+  const bool alone = end == text.size() || (!isWord(text[end]) && text[end] != '.' && text[end] != '-');
+  return alone && end - at <= 2 ? text.substr(at, end - at) : std::string();
+}
+
 /// d and one letter, or the name of a Greek one: df, dphi_1.
 bool isDifferential(const std::string& text, std::size_t at) {
   std::size_t end = at;
@@ -133,7 +165,9 @@ std::size_t endOfNumerator(const std::string& text, std::size_t from) {
              : std::string::npos;
 }
 
-constexpr float scriptSize = 0.72f, raised = -0.20f, lowered = 0.36f;  // shares of the size
+/// Shares of the size; small type has larger scripts, which can still be read.
+float scriptShare(float size) { return size < 17.0f ? 0.8f : 0.74f; }
+constexpr float raised = -0.28f, lowered = 0.40f;
 constexpr float fractionSize = 0.86f, numeratorAt = -0.46f, barAt = 0.53f, denominatorAt = 0.60f;
 
 float widthOf(ImFont* font, float size, const std::string& text) {
@@ -173,7 +207,8 @@ MathExtent layOut(ImFont* font, float size, const std::vector<MathRun>& runs, fl
       continue;
     }
     const bool isScript = run.place != Place::Line;
-    const float own = isScript ? scriptSize * size : size, width = widthOf(font, own, run.text);
+    const float own = isScript ? scriptShare(size) * size : size,
+                width = run.text == arrow ? 0.9f * own : widthOf(font, own, run.text);
     float at = x;
     if (isScript && afterScript && run.place != before) at = scriptsFrom;  // above each other
     if (isScript && !(afterScript && run.place != before)) scriptsFrom = x;
@@ -206,12 +241,44 @@ std::vector<MathRun> setMathematics(const std::string& plain) {
       const std::string part = script(plain, i, to);
       if (!part.empty()) {
         endLine();
-        std::string set = withSigns(part);
-        if (set[0] == '-') set.replace(0, 1, "−");
-        runs.push_back({.text = set, .place = plain[i] == '^' ? Place::Super : Place::Sub});
+        const Place place = plain[i] == '^' ? Place::Super : Place::Sub;
+        for (std::size_t from = 0; from != std::string::npos;) {
+          const std::size_t at = part.find("->", from);
+          if (std::string set = withSigns(part.substr(from, at - from)); !set.empty()) {
+            if (set[0] == '-') set.replace(0, 1, "−");
+            runs.push_back({.text = set, .place = place});
+          }
+          if (at != std::string::npos) runs.push_back({.text = std::string(arrow), .place = place});
+          from = at == std::string::npos ? at : at + 2;
+        }
         i = to;
         continue;
       }
+    }
+    if (plain.compare(i, 2, "->") == 0) {
+      endLine();
+      runs.push_back({.text = std::string(arrow)});
+      i += 2;
+      continue;
+    }
+    std::size_t to = i;
+    if (const std::string power = powerOfTen(plain, i, to); !power.empty()) {
+      const std::size_t raise = power.find('^');
+      line += power.substr(0, raise);
+      if (raise != std::string::npos) {
+        const bool negative = power[raise + 1] == '-';
+        endLine();
+        runs.push_back({.text = (negative ? "−" : "") + power.substr(raise + (negative ? 2 : 1)),
+                        .place = Place::Super});
+      }
+      i = to;
+      continue;
+    }
+    if (const std::string lower = index(plain, i); !lower.empty()) {
+      endLine();
+      runs.push_back({.text = lower, .place = Place::Sub});
+      i += lower.size();
+      continue;
     }
     if (plain.compare(i, 5, "sqrt(") == 0 && (i == 0 || !isWord(plain[i - 1])))
       if (const std::size_t end = closing(plain, i + 4); end != std::string::npos) {
@@ -250,7 +317,13 @@ float drawMathematics(ImDrawList& draw, ImFont* font, float size, ImVec2 at, ImU
   return layOut(
              font, size, setMathematics(plain), at.x, at.y,
              [&](const MathRun& run, float x, float y, float own) {
-               draw.AddText(font, own, {x, y}, colour, run.text.c_str());
+               if (run.text != arrow) return draw.AddText(font, own, {x, y}, colour, run.text.c_str());
+               const float to = x + 0.78f * own, middle = y + 0.56f * own, wide = std::max(1.0f, 0.08f * own);
+               draw.AddLine({x + 0.08f * own, middle}, {to, middle}, colour, wide);
+               const ImVec2 head[] = {{to - 0.22f * own, middle - 0.2f * own},
+                                      {to, middle},
+                                      {to - 0.22f * own, middle + 0.2f * own}};
+               draw.AddPolyline(head, 3, colour, 0, wide);
              },
              [&](float x, float y, float width) {
                draw.AddLine({x, y}, {x + width, y}, colour, std::max(1.0f, 0.06f * size));
@@ -271,7 +344,7 @@ void mathItem(const std::string& plain, float over) {
 
 void mathLabel(const std::string& plain) {
   ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
-  ImGui::AlignTextToFramePadding();
+  ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
   mathItem(plain);
 }
 

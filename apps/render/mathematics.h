@@ -19,8 +19,8 @@ struct MathRun {
 
 /// The plain notation of the lecture's texts as it is to be set: names of Greek letters that stand alone
 /// become the letters, also in differentials (dphi), x^2, x^(i+1), D_f^+ and 10^-6 get raised and lowered
-/// parts, sqrt(x) a root, -1 a minus, (a) / (b) and (a) / b and df / dx a fraction, <= >= != +- - * their
-/// signs. Everything else stays as it is.
+/// parts, sqrt(x) a root, -1 a minus, 1.5e-07 a power of ten, P1 an index, -> an arrow, (a) / (b) and (a) / b
+/// and df / dx a fraction, <= >= != +- - * || ~ their signs. Everything else stays as it is.
 std::vector<MathRun> setMathematics(const std::string& plain);
 
 /// What a formula takes in pixels: its width, and what it needs over and under a line of text (fractions).

@@ -74,7 +74,8 @@ void setColours(const Palette& p, Theme theme) {
   c[ImGuiCol_PopupBg] = p.panelRaised;
   c[ImGuiCol_Border] = p.border;
   c[ImGuiCol_BorderShadow] = none;
-  c[ImGuiCol_FrameBg] = p.panelSunken;
+  // In the dark an empty box or circle must stand out from the panel.
+  c[ImGuiCol_FrameBg] = theme == Theme::Light ? p.panelSunken : mix(p.panel, p.border, 0.7f);
   c[ImGuiCol_FrameBgHovered] = hover;
   c[ImGuiCol_FrameBgActive] = mix(p.panelSunken, p.accent, 0.3f);
   c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = c[ImGuiCol_TitleBgCollapsed] = p.panelSunken;

@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <sstream>
 
 #include "apps/render/mathematics.h"
 #include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/derivation_text.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/sandbox_state.h"
 
@@ -29,8 +28,11 @@ void valueRow(Sandbox& sandbox, const std::string& name, const std::string& valu
   ImGui::PushStyleColor(ImGuiCol_Text, sandbox.state().colours().textDim);
   mathItem(name);
   ImGui::PopStyleColor();
-  ImGui::SameLine(
-      std::max(widthOf(name) + 16 * sandbox.scale(), ImGui::GetContentRegionMax().x - widthOf(value)));
+  const float left = ImGui::GetContentRegionMax().x - widthOf(value);
+  if (widthOf(name) + 10 * sandbox.scale() <= left)
+    ImGui::SameLine(left);
+  else  // no room beside its name: below it
+    ImGui::SetCursorPosX(std::max(left, 0.0f));
   mathItem(value);
 }
 
@@ -77,220 +79,6 @@ void LectureScene::keepInView(Sandbox& sandbox) {
   box.translate(now.target - camera.target);  // it walks along, or was panned
   now = camera = frameBox(now, view, box, 0.06);
   viewport = view;
-}
-
-namespace {
-
-/// The cells of a line "   [ 1   2.5 ]"; empty: the line is no row of a matrix.
-std::vector<std::string> matrixRow(const std::string& line) {
-  const std::size_t from = line.find_first_not_of(' '), to = line.find_last_not_of(' ');
-  if (from == std::string::npos || line[from] != '[' || line[to] != ']') return {};
-  std::istringstream words(line.substr(from + 1, to - from - 1));
-  return {std::istream_iterator<std::string>(words), {}};
-}
-
-float widthOf(const std::string& formula) {
-  return mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), formula).width;
-}
-
-std::vector<float> columnWidths(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<float> widths;
-  for (const auto& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()), 0.0f);
-    for (std::size_t j = 0; j < row.size(); ++j) widths[j] = std::max(widths[j], widthOf(row[j]));
-  }
-  return widths;
-}
-
-constexpr float matrixGap = 1.1f, matrixEdge = 0.5f;  // of the type's size
-
-float matrixWidth(const std::vector<std::vector<std::string>>& rows) {
-  const std::vector<float> widths = columnWidths(rows);
-  return std::accumulate(widths.begin(), widths.end(), 0.0f) +
-         ImGui::GetFontSize() * (matrixGap * static_cast<float>(widths.size() - 1) + 2.0f * matrixEdge);
-}
-
-/// Rows of numbers between tall brackets, every column right-aligned.
-void drawMatrix(const std::vector<std::vector<std::string>>& rows, float left) {
-  const std::vector<float> widths = columnWidths(rows);
-  const float gap = matrixGap * ImGui::GetFontSize(), edge = matrixEdge * ImGui::GetFontSize();
-  const ImVec2 low = ImGui::GetCursorScreenPos();
-  for (const auto& row : rows) {
-    float x = left + edge;
-    for (std::size_t j = 0; j < row.size(); ++j) {
-      x += widths[j];
-      if (j > 0) ImGui::SameLine(0, 0);
-      ImGui::SetCursorPosX(x - widthOf(row[j]));
-      mathItem(row[j]);
-      x += gap;
-    }
-  }
-  const float wide = matrixWidth(rows);
-  const float x = ImGui::GetWindowPos().x - ImGui::GetScrollX() + left;
-  drawBrackets(*ImGui::GetWindowDrawList(), {x, low.y},
-               {x + wide, ImGui::GetCursorScreenPos().y - ImGui::GetStyle().ItemSpacing.y},
-               ImGui::GetColorU32(ImGuiCol_Text), std::max(1.2f, 0.08f * ImGui::GetFontSize()));
-}
-
-/// A line that is wider than the window in pieces that are not, parted at blanks.
-std::vector<std::string> wrapped(const std::string& words, float width) {
-  std::vector<std::string> pieces{""};
-  std::istringstream stream(words);
-  for (std::string word; stream >> word;) {
-    const std::string longer = pieces.back().empty() ? word : pieces.back() + " " + word;
-    if (pieces.back().empty() || widthOf(longer) <= width)
-      pieces.back() = longer;
-    else
-      pieces.push_back(word);
-  }
-  return pieces;
-}
-
-/// The cells of a line and where they begin: runs of three or more blanks part them.
-using Cells = std::vector<std::pair<std::size_t, std::string>>;
-Cells cellsOf(const std::string& line) {
-  Cells cells;
-  std::size_t at = line.find_first_not_of(' ');
-  while (at != std::string::npos) {
-    const std::size_t gap = line.find("   ", at);
-    cells.emplace_back(at, line.substr(at, gap == std::string::npos ? gap : gap - at));
-    at = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
-  }
-  return cells;
-}
-
-/// Cells of a table that stand below each other.
-struct TextColumn {
-  std::size_t from, to;  ///< of the text's characters
-  bool isRight = false;  ///< they end at the same place
-  float left = 0.0f, width = 0.0f;
-  bool holds(std::size_t at) const { return at >= from && at < to; }
-};
-/// What shares a character's place is of one column; cells of one line never are.
-std::vector<TextColumn> columnsOf(const std::vector<Cells>& table) {
-  std::vector<TextColumn> spans;
-  for (const Cells& row : table)
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const auto& [at, words] = row[k];
-      spans.push_back({.from = at, .to = at + words.size()});
-    }
-  std::ranges::sort(spans, {}, &TextColumn::from);
-  std::vector<TextColumn> columns;
-  std::vector<std::vector<std::size_t>> ends;
-  const auto isParted = [&](std::size_t before, std::size_t at) {  // by a line that has a cell on each side
-    return std::ranges::any_of(table, [&](const Cells& row) {
-      bool has = false;
-      for (const auto& [begin, words] : row) {
-        if (begin == at && has) return true;
-        has = has || (begin >= before && begin < at);
-      }
-      return false;
-    });
-  };
-  for (const TextColumn& span : spans)
-    if (columns.empty() || (span.from >= columns.back().to) || isParted(columns.back().from, span.from)) {
-      if (!columns.empty()) columns.back().to = std::min(columns.back().to, span.from);
-      columns.push_back(span);
-      ends.push_back({span.to});
-    } else {
-      columns.back().to = std::max(columns.back().to, span.to);
-      ends.back().push_back(span.to);
-    }
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const bool oneEnd = std::ranges::all_of(ends[c], [&](std::size_t end) { return end == ends[c].front(); });
-    columns[c].isRight = oneEnd && ends[c].size() > 1;
-  }
-  return columns;
-}
-
-}  // namespace
-
-void columnText(Sandbox& sandbox, const std::string& text, ImFont* chosen, float size) {
-  ImFont* font = chosen ? chosen : sandbox.state().gui.fonts().small;
-  ImGui::PushFont(font);
-  const float whole = size > 0.0f ? size / font->FontSize : 1.0f;
-  // Given a size, what would be wider than the window is set smaller.
-  const auto fit = [&](float width) {
-    if (size > 0.0f)
-      ImGui::SetWindowFontScale(whole *
-                                std::min(ImGui::GetContentRegionAvail().x / std::max(width, 1.0f), 1.0f));
-  };
-  fit(0.0f);
-  const auto cell = [] { return 0.47f * ImGui::GetFontSize(); };  // about the mean width of a character
-  std::vector<std::vector<std::string>> matrix;
-  std::vector<Cells> table;
-  std::size_t indent = 0;
-  const auto endMatrix = [&] {
-    if (matrix.empty()) return;
-    fit(cell() * static_cast<float>(indent) + matrixWidth(matrix));
-    drawMatrix(matrix, cell() * static_cast<float>(indent));
-    fit(0.0f);
-    matrix.clear();
-  };
-  const auto endTable = [&] {
-    if (table.empty()) return;
-    std::vector<TextColumn> columns = columnsOf(table);
-    const float gap = 2.5f;
-    const auto place = [&] {  // as near to each other as the widest cells allow
-      float x = cell() * static_cast<float>(table.front().front().first);
-      for (TextColumn& column : columns) {
-        column.left = x;
-        column.width = 0.0f;
-        for (const Cells& row : table)
-          for (const auto& [at, words] : row)
-            if (column.holds(at)) column.width = std::max(column.width, widthOf(words));
-        x += column.width + gap * cell();
-      }
-      return x - gap * cell();
-    };
-    fit(place());
-    place();
-    for (const Cells& row : table) {
-      float over = 0.0f;
-      for (const auto& [at, words] : row)
-        over = std::max(over, mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), words).over);
-      for (std::size_t k = 0; k < row.size(); ++k) {
-        const auto& [at, words] = row[k];
-        const TextColumn& column =
-            *std::ranges::find_if(columns, [&, at = at](const TextColumn& c) { return c.holds(at); });
-        if (k > 0) ImGui::SameLine(0, 0);
-        ImGui::SetCursorPosX(column.left + (column.isRight ? column.width - widthOf(words) : 0.0f));
-        mathItem(words, over);
-      }
-    }
-    fit(0.0f);
-    table.clear();
-  };
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (auto row = matrixRow(line); !row.empty()) {
-      endTable();
-      indent = line.find('[');
-      matrix.push_back(std::move(row));
-      continue;
-    }
-    endMatrix();
-    auto cells = cellsOf(line);
-    if (cells.size() > 1) {
-      table.push_back(std::move(cells));
-      continue;
-    }
-    endTable();
-    if (cells.empty()) {
-      ImGui::Dummy({0, 0.35f * ImGui::GetTextLineHeight()});
-      continue;
-    }
-    // Prose or a formula; the columns of a table stay as they are.
-    const float left = cell() * static_cast<float>(cells[0].first),
-                room = ImGui::GetContentRegionAvail().x - left;
-    for (const std::string& piece : wrapped(cells[0].second, std::max(room, 12.0f * ImGui::GetFontSize()))) {
-      ImGui::SetCursorPosX(left);
-      mathItem(piece);
-    }
-  }
-  endMatrix();
-  endTable();
-  ImGui::PopFont();
 }
 
 std::unique_ptr<LectureScene> makeLectureScene(const std::string& topic) {
@@ -357,9 +145,10 @@ class LecturePanel final : public Panel {
       ImGui::EndChild();
       ImGui::SameLine();
     }
-    ImGui::BeginChild("derivation", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
+    ImGui::BeginChild("derivation", {0, 0});
     drawSwitch(sandbox);
-    columnText(sandbox, shown_);
+    ImFont* font = sandbox.state().gui.fonts().regular;
+    drawDerivation(shown_, font, font->FontSize);
     ImGui::EndChild();
   }
 
@@ -378,7 +167,7 @@ class LecturePanel final : public Panel {
     drawSwitch(sandbox);
     ImGui::Dummy({0, 6 * sandbox.scale()});
     ImGui::BeginChild("derivation", {0, 0});
-    columnText(sandbox, shown_, sandbox.state().gui.fonts().title, size);
+    drawDerivation(shown_, sandbox.state().gui.fonts().title, size);
     ImGui::EndChild();
     return true;
   }
@@ -507,7 +296,10 @@ class LecturePanel final : public Panel {
                                                                   : "at least ";
       const std::string numbers =
           fmt::format("{}{}   computed {}", sign, list(check.printed, 6), list(verdicts_[i].computed, 7));
-      ImGui::TextColored(colours.textDim, "%s", brokenAtBlanks(numbers, width).c_str());
+      ImGui::PushStyleColor(ImGuiCol_Text, colours.textDim);
+      std::istringstream pieces(brokenAtBlanks(numbers, width));
+      for (std::string line; std::getline(pieces, line);) mathItem(line);
+      ImGui::PopStyleColor();
       ImGui::PopFont();
       ImGui::EndGroup();
       const std::string hint =

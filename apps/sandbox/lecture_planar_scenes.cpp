@@ -7,7 +7,9 @@
 #include "apps/document/chain_models.h"
 #include "apps/lecture/derivations.h"
 #include "apps/lecture/slide_data.h"
+#include "apps/lecture/text.h"
 #include "apps/render/mathematics.h"
+#include "apps/sandbox/derivation_text.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -67,7 +69,8 @@ class ForwardScene final : public PlanarScene {
       sandbox.session().remember();
       sandbox.session().setPose(slide::forwardDegrees * degree);
     }
-    ImGui::Checkbox("Frames K_i of the hierarchy", &drawing_.frames);
+    ImGui::Checkbox("##frames", &drawing_.frames);
+    mathLabel("Frames K_i of the hierarchy");
     headingRow(sandbox, "STATE VECTOR");
     VectorXd phi = sandbox.session().q();
     for (int i = 0; i < drawing_.chain.linkCount(); ++i) {
@@ -82,8 +85,10 @@ class ForwardScene final : public PlanarScene {
     }
     headingRow(sandbox, "POINTS, P_(i+1) = P_i + l_i (cos, sin)(phi_1 + ... + phi_i)");
     const auto P = linkPoints(drawing_.chain, sandbox.session().q());
+    std::string rows = text::heads({"", "x", "y"});
     for (std::size_t i = 0; i < P.size(); ++i)
-      valueRow(sandbox, fmt::format("P{}", i + 1), pair(P[i], "({:.6f}, {:.6f})"));
+      rows += text::row({fmt::format("P_{}", i + 1), text::fixed(P[i].x(), 6), text::fixed(P[i].y(), 6)});
+    drawTable(rows);
   }
 
   std::string derivation(Sandbox& sandbox) override {
@@ -128,10 +133,13 @@ class TwoLinkScene final : public PlanarScene {
              fmt::format("{:g} to {:g}", holeOf(drawing_.chain), drawing_.chain.reach()));
     valueRow(sandbox, "case", toString(solution.kind));
     if (solution.gap > 0) valueRow(sandbox, "distance to the workspace", fmt::format("{:.4g}", solution.gap));
-    headingRow(sandbox, "BRANCHES  phi_1, phi_2 in degrees");
+    headingRow(sandbox, "BRANCHES");
+    std::string rows = text::heads({"", "phi_1 [deg]", "phi_2 [deg]"});
     for (const TwoLinkBranch& b : solution.branches())
-      valueRow(sandbox, b.exact ? "exact" : "nearest",
-               fmt::format("{:.4f}, {:.4f}", std::remainder(b.phi1, 2 * M_PI) / degree, b.phi2 / degree));
+      rows +=
+          text::row({b.exact ? "exact" : "nearest", text::fixed(std::remainder(b.phi1, 2 * M_PI) / degree, 4),
+                     text::fixed(b.phi2 / degree, 4)});
+    drawTable(rows);
   }
 
   std::string derivation(Sandbox& sandbox) override {
@@ -178,8 +186,10 @@ class OneDimensionScene final : public PlanarScene {
         "wanders for ever.");
     int exponent = static_cast<int>(std::lround(std::log10(drawing_.delta)));
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
-    if (ImGui::SliderInt("Delta", &exponent, -8, -1, "10^%d"))
+    constexpr const char* powers[] = {"10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹"};
+    if (ImGui::SliderInt("Δ", &exponent, -8, -1, powers[std::clamp(exponent, -8, -1) + 8]))
       drawing_.delta = std::pow(10.0, exponent), changed = true;
+    tooltip("What the difference quotient is taken over.");
     if (ImGui::Button("Converging", {0.5f * ImGui::GetContentRegionAvail().x - 4, 0}))
       drawing_.start = slide::oneLinkStart, drawing_.target = oneLinkTarget, drawing_.delta = 1e-6,
       changed = true;
@@ -192,15 +202,12 @@ class OneDimensionScene final : public PlanarScene {
     ImGui::SameLine();
     if (ImGui::Button("Newton step >", {-1, 0}) && drawing_.at + 1 < drawing_.run.size())
       show(sandbox, drawing_.at + 1);
-    headingRow(sandbox, "ITERATION      phi^i            f(phi^i) - X        quotient");
-    for (std::size_t i = 0; i < drawing_.run.size() && i < 14; ++i) {
-      const std::string row =
-          fmt::format("{}{:<3} {:12.8f}    {:11.2e}    {:9.4f}", i == drawing_.at ? "> " : "   ", i,
-                      drawing_.run[i].phi, drawing_.run[i].g, drawing_.run[i].slope);
-      ImGui::TextColored(
-          i <= drawing_.at ? sandbox.state().colours().text : sandbox.state().colours().textFaint, "%s",
-          row.c_str());
-    }
+    headingRow(sandbox, "ITERATION");
+    std::string rows = text::heads({"i", "phi^i", "f(phi^i) - X", "quotient"});
+    for (std::size_t i = 0; i < drawing_.run.size() && i < 14; ++i)
+      rows += text::row({std::to_string(i), text::fixed(drawing_.run[i].phi, 6),
+                         text::scientific(drawing_.run[i].g, 2), text::fixed(drawing_.run[i].slope, 4)});
+    drawTable(rows, static_cast<int>(drawing_.at) + 1);
     std::vector<double> errors;
     for (const NewtonStep1d& s : drawing_.run) errors.push_back(s.phi - drawing_.run.back().phi);
     errors.pop_back();
@@ -246,7 +253,9 @@ class OneDimensionScene final : public PlanarScene {
                       colour32(colours.held), 1.8f * sandbox.scale());
     }
     draw->PopClipRect();
-    draw->AddText({at.x + 8, at.y + 4}, colour32(colours.textDim), "f(phi) = l sin phi, the tangents and X");
+    drawMathematics(*draw, ImGui::GetFont(), ImGui::GetFontSize(),
+                    {at.x + 8 * sandbox.scale(), at.y + 4 * sandbox.scale()}, colour32(colours.textDim),
+                    "f(phi) = l sin phi, the tangents and X");
     ImGui::Dummy(size);
   }
 
@@ -362,7 +371,6 @@ class NewtonScene final : public PlanarScene {
     Curve curve{.values = {},
                 .colour = sandbox.state().colours().accent,
                 .width = 2.0f,
-                .label = "|g|",
                 .dots = true};
     for (const NewtonStep& s : drawing_.run.steps) curve.values.push_back(s.g.norm());
     gelenk::drawPlot({.title = "|f(phi^i) - X|",

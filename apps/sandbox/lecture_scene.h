@@ -73,9 +73,4 @@ void valueRow(Sandbox& sandbox, const std::string& name, const std::string& valu
 void headingRow(Sandbox& sandbox, const char* words);
 /// A matrix as aligned columns.
 void matrixRows(Sandbox& sandbox, const std::string& name, const Eigen::MatrixXd& m, const char* format);
-/// Text in columns: runs of three or more blanks begin a cell at the same place in every line; lines in
-/// square brackets are the rows of a matrix. font: null, the small one. size: of the type in pixels, where
-/// tables and matrices that would be wider than the window are set smaller; 0: the font's own.
-void columnText(Sandbox& sandbox, const std::string& text, ImFont* font = nullptr, float size = 0.0f);
-
 }  // namespace gelenk

@@ -10,6 +10,9 @@
 #include "apps/lecture/derivations.h"
 #include "apps/lecture/leg_animation.h"
 #include "apps/lecture/slide_data.h"
+#include "apps/lecture/text.h"
+#include "apps/render/mathematics.h"
+#include "apps/sandbox/derivation_text.h"
 #include "apps/sandbox/lecture_scene.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -77,14 +80,18 @@ class RotationsScene final : public LectureScene {
     headingRow(sandbox, "THE SAME ROTATION AS A UNIT QUATERNION");
     const Eigen::Quaterniond q =
         ballRotation(sandbox.session().skeleton(), sandbox.session().q(), drawing_.joint);
-    valueRow(sandbox, "w, x, y, z",
-             fmt::format("{:.5f}, {:.5f}, {:.5f}, {:.5f}", q.w(), q.x(), q.y(), q.z()));
+    std::vector<std::string> parts;
+    text::append(parts, Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()), 5);
+    drawTable(text::heads({"w", "x", "y", "z"}) + text::row(parts));
     valueRow(sandbox, "| ||q|| - 1 |", fmt::format("{:.1e}", std::abs(q.norm() - 1.0)));
     headingRow(sandbox, "IN EVERY ORDER, DEGREES");
+    std::string rows;
     for (const EulerOrder& other : eulerOrders()) {
-      const Vector3d a = eulerFromRotation(other, q.normalized().toRotationMatrix()) / degree;
-      valueRow(sandbox, std::string(other.name), fmt::format("{:.2f}, {:.2f}, {:.2f}", a[0], a[1], a[2]));
+      std::vector<std::string> cells{std::string(other.name)};
+      text::append(cells, eulerFromRotation(other, q.normalized().toRotationMatrix()) / degree, 2);
+      rows += text::row(cells);
     }
+    drawTable(rows);
   }
 
   std::string derivation(Sandbox& sandbox) override {
@@ -144,11 +151,22 @@ class DhScene final : public LectureScene {
     if (ImGui::RadioButton("standard", !modified) && modified)
       change(toConvention(drawing_.table, DhConvention::Standard));
     tooltip("Turns the table into the other convention: the robot stays the same.");
-    ImGui::Checkbox("Frames K_i", &drawing_.frames);
+    ImGui::Checkbox("##frames", &drawing_.frames);
+    mathLabel("Frames K_i");
     ImGui::SameLine();
     ImGui::TextColored(sandbox.state().colours().textDim, "%d parameters", parameterCount(drawing_.table));
-    headingRow(sandbox, "KIND     a [m]        alpha [deg]     d [m]        phi [deg]");
-    const float width = (ImGui::GetContentRegionAvail().x - 34 * sandbox.scale()) / 4 - 4 * sandbox.scale();
+    headingRow(sandbox, "KIND AND PARAMETERS");
+    const float gap = 4 * sandbox.scale(), kind = 26 * sandbox.scale(),
+                width = (ImGui::GetContentRegionAvail().x - kind) / 4 - gap, left = ImGui::GetCursorPosX();
+    ImGui::PushFont(sandbox.state().gui.fonts().small);
+    for (int k = 0; const char* head : {"a [m]", "alpha [deg]", "d [m]", "phi [deg]"}) {
+      if (k > 0) ImGui::SameLine(0, 0);
+      const float wide = mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), head).width;
+      ImGui::SetCursorPosX(left + kind + gap + (width + gap) * static_cast<float>(k++) +
+                           0.5f * (width - wide));
+      mathItem(head);
+    }
+    ImGui::PopFont();
     DhTable edited = drawing_.table;
     bool touched = false;
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {3 * sandbox.scale(), 2 * sandbox.scale()});
@@ -156,7 +174,7 @@ class DhScene final : public LectureScene {
       DhRow& row = edited.rows[i];
       ImGui::PushID(static_cast<int>(i));
       const char* kinds[] = {"R", "P", "F"};
-      if (ImGui::Button(kinds[static_cast<int>(row.kind)], {26 * sandbox.scale(), 0})) {
+      if (ImGui::Button(kinds[static_cast<int>(row.kind)], {kind, 0})) {
         row.kind = static_cast<DhJoint>((static_cast<int>(row.kind) + 1) % 3);
         row.lower = row.kind == DhJoint::Prismatic ? 0.0 : -M_PI;
         row.upper = row.kind == DhJoint::Prismatic ? 0.3 : M_PI;
@@ -166,7 +184,7 @@ class DhScene final : public LectureScene {
       }
       tooltip("Revolute, prismatic, fixed: click to change");
       const auto number = [&](const char* id, double& value, double unit, float speed, const char* format) {
-        ImGui::SameLine(0, 4 * sandbox.scale());
+        ImGui::SameLine(0, gap);
         ImGui::SetNextItemWidth(width);
         float shown = static_cast<float>(value / unit);
         if (ImGui::DragFloat(id, &shown, speed, 0, 0, format)) value = shown * unit, touched = true;
@@ -204,8 +222,8 @@ class DhScene final : public LectureScene {
     if (sandbox.session().q().size() == drawing_.table.variableCount()) {
       const Eigen::Isometry3d tool = dhFrames(drawing_.table, sandbox.session().q()).back();
       valueRow(sandbox, "position [m]",
-               fmt::format("{:.4f}, {:.4f}, {:.4f}", tool.translation().x(), tool.translation().y(),
-                           tool.translation().z()));
+               text::fixed(tool.translation().x(), 4) + ", " + text::fixed(tool.translation().y(), 4) + ", " +
+                   text::fixed(tool.translation().z(), 4));
       const double apart = (tool.matrix() - sandbox.session().frames().back().matrix()).cwiseAbs().maxCoeff();
       valueRow(sandbox, "matrices against skeleton", fmt::format("{:.1e}", apart));
       tooltip("Product of the slide's matrices against the skeleton that the window drags.");
@@ -301,12 +319,13 @@ class LegScene final : public LectureScene {
     valueRow(sandbox, "hip flexion", fmt::format("{:.1f}", keyedAngle(keys.hip, phase)));
     valueRow(sandbox, "knee flexion", fmt::format("{:.1f}", keyedAngle(keys.knee, phase)));
     valueRow(sandbox, "foot, plantar flexion", fmt::format("{:.1f}", keyedAngle(keys.foot, phase)));
-    headingRow(sandbox, "THIS FRAME           LEFT          RIGHT");
+    headingRow(sandbox, "THIS FRAME");
     const auto& feet = drawing_.feet()[drawing_.frame()];
-    valueRow(sandbox, "sliding [mm a frame]",
-             fmt::format("{:.3f}      {:.3f}", 1e3 * feet[0].sliding, 1e3 * feet[1].sliding));
-    valueRow(sandbox, "depth [mm]",
-             fmt::format("{:.3f}      {:.3f}", 1e3 * feet[0].penetration, 1e3 * feet[1].penetration));
+    drawTable(text::heads({"", "left", "right"}) +
+              text::row({"sliding [mm a frame]", text::fixed(1e3 * feet[0].sliding, 3),
+                         text::fixed(1e3 * feet[1].sliding, 3)}) +
+              text::row({"depth [mm]", text::fixed(1e3 * feet[0].penetration, 3),
+                         text::fixed(1e3 * feet[1].penetration, 3)}));
     headingRow(sandbox, "WHOLE ANIMATION");
     const FootSummary keyed = summarise(drawing_.keyedFeet), pinned = summarise(drawing_.pinnedFeet);
     valueRow(sandbox, "worst sliding, keyframes", fmt::format("{:.1f} mm a frame", 1e3 * keyed.worstSliding));

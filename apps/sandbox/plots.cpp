@@ -137,7 +137,12 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
     }
   }
   moveApart(labels, 0.95f * fonts.small->FontSize);
-  for (const Label& label : labels) text(draw, fonts.small, label.at, label.colour, label.words);
+  for (const Label& label : labels) {  // to be read also over a curve
+    draw->AddRectFilled({label.at.x - 2 * scale, label.at.y},
+                        {label.at.x + label.width + 2 * scale, label.at.y + fonts.small->FontSize},
+                        colour32(palette.plotBackground, 0.8f), 2 * scale);
+    text(draw, fonts.small, label.at, label.colour, label.words);
+  }
   draw->PopClipRect();
 }
 

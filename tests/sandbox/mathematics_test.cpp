@@ -59,8 +59,25 @@ TEST(Mathematics, DifferentialsOfGreekLettersAndTheirQuotients) {
   EXPECT_EQ(setMathematics("distance / d, d / d"), (Runs{{.text = "distance / d, d / d"}}));
 }
 
+TEST(Mathematics, PowersOfTenIndicesAndArrows) {
+  EXPECT_EQ(setMathematics("-1.5e-07, D = 1e-6"), (Runs{{.text = "−1.5 · 10"},
+                                                        {.text = "−7", .place = Place::Super},
+                                                        {.text = ", D = 10"},
+                                                        {.text = "−6", .place = Place::Super}}));
+  EXPECT_EQ(setMathematics("5.529e+00"), (Runs{{.text = "5.529"}}));
+  EXPECT_EQ(setMathematics("0.0e+00"), (Runs{{.text = "0"}}));
+  EXPECT_EQ(setMathematics("{-60, 2}"), (Runs{{.text = "{−60, 2}"}}));
+  EXPECT_EQ(setMathematics("P1"), (Runs{{.text = "P"}, {.text = "1", .place = Place::Sub}}));
+  EXPECT_EQ(setMathematics("| ||q|| - 1 |"), (Runs{{.text = "| ‖q‖ − 1 |"}}));
+  EXPECT_EQ(setMathematics("T_(i -> j)"), (Runs{{.text = "T"},
+                                                {.text = "i ", .place = Place::Sub},
+                                                {.text = "→", .place = Place::Sub},
+                                                {.text = " j", .place = Place::Sub}}));
+}
+
 TEST(Mathematics, OrdinaryWordsStayAsTheyAre) {
-  for (const char* text : {"philosophy", "multiple", "at 3 ^ 4", "1.5e-07, (3, 4)", "sigmas"})
+  for (const char* text : {"philosophy", "multiple", "at 3 ^ 4", "(3, 4)", "sigmas", "AB12", "e",
+                           "version 1.25, 7", "a well-known arm", "x1.5"})
     EXPECT_EQ(setMathematics(text), (Runs{{.text = text}})) << text;
   EXPECT_TRUE(setMathematics("").empty());
 }
