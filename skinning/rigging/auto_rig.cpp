@@ -222,7 +222,8 @@ std::vector<double> jointConfidences(const TemplateBody& body, const Fit& fit,
 
 /// Fills the report and refuses what is no such body: the template misses the surface, or had to change its
 /// proportions beyond any animal's.
-void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& samples, RigReport& report) {
+void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& samples, const VoxelBody& coarse,
+           RigReport& report) {
   const Placement& placement = fit.placement;
   // The frame's axes are those of the surface; those of the body are its pelvis's.
   const Eigen::Matrix3d pelvis = placement.frame.axes * placement.maps[0].linear;
@@ -238,6 +239,7 @@ void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& sampl
     high = std::max(high, report.up.dot(p));
   }
   report.height = high - low;
+  report.limbs = countLimbs(coarse);
   const double likeness = likenessOf(report.misfit, 0.0255),
                proportion = std::clamp((3.0 * body.variety - report.strain) / (2.0 * body.variety), 0.0, 1.0),
                margin = std::clamp((fit.rival - 1.0) / 0.1, 0.0, 1.0);
@@ -253,8 +255,13 @@ void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& sampl
   if (report.misfit > 0.0455 || report.strain > 1.2)
     throw RigRefused("no such body is in this mesh: the template's surface stays " +
                      std::to_string(std::lround(100.0 * report.misfit)) +
-                     " % of its height away, with its proportions changed by a factor of " +
-                     std::to_string(std::lround(10.0 * std::exp(report.strain)) / 10) + " on average");
+                     " % of its height away, with its proportions changed by " +
+                     std::to_string(std::lround(100.0 * std::expm1(report.strain))) + " % on average");
+  // A robot may be as unlike as a chair, but it stands on two legs.
+  if (const int legs = countLegs(coarse, report.up); !body.fourLegged && likeness == 0.0 && legs != 2)
+    throw RigRefused("no such body is in this mesh: it stands on " +
+                     (legs == 0 ? "no leg" : std::to_string(legs) + (legs == 1 ? " leg" : " legs")) +
+                     ", not on two, and its surface is unlike the template's");
 }
 
 /// Each joint of the one skeleton takes the value of the nearest joint of the other.
@@ -315,8 +322,7 @@ RiggedBody rigBody(const Mesh& mesh, const RigOptions& options) {
   if (!best) throw RigRefused("the body stands in none of the ways that were asked for");
   const Fit& fit = *best;
   const TemplateBody& body = *fit.body;
-  report.limbs = countLimbs(VoxelBody(mesh, 64));
-  judge(body, fit, samples, report);
+  judge(body, fit, samples, VoxelBody(mesh, 64), report);
   const Placement& placement = fit.placement;
   std::vector<RigJoint> joints =
       rigJoints(body, kind, placement,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <queue>
 
@@ -79,6 +80,40 @@ int countLimbs(const VoxelBody& body) {
     });
   }
   return branches[rootOf(*deepest)].limbs;
+}
+
+int countLegs(const VoxelBody& body, const Eigen::Vector3d& up) {
+  std::vector<double> height(body.voxelCount(), -1.0);  // of what is not outside, from 0 to 1
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (int v = 0; v < body.voxelCount(); ++v) {
+    if (body.isOutside(v)) continue;
+    low = std::min(low, up.dot(body.middle(v)));
+    high = std::max(high, up.dot(body.middle(v)));
+  }
+  for (int v = 0; v < body.voxelCount(); ++v)
+    if (!body.isOutside(v)) height[v] = (up.dot(body.middle(v)) - low) / (high - low);
+  constexpr double from = 0.05, to = 0.15;
+  const double edge = 1.8 * body.voxelSize() / (high - low);  // across a voxel that stands slanted
+  int legs = 0;
+  std::vector<char> seen(body.voxelCount(), 0);
+  const auto isInCut = [&](int v) { return !seen[v] && height[v] >= from && height[v] <= to; };
+  for (int first = 0; first < body.voxelCount(); ++first) {
+    if (!isInCut(first)) continue;
+    double least = 1.0, most = 0.0;
+    std::vector<int> open{first};
+    seen[first] = 1;
+    while (!open.empty()) {
+      const int v = open.back();
+      open.pop_back();
+      least = std::min(least, height[v]);
+      most = std::max(most, height[v]);
+      body.eachNeighbour(v, [&](int next, float) {
+        if (isInCut(next)) seen[next] = 1, open.push_back(next);
+      });
+    }
+    legs += least < from + edge && most > to - edge;
+  }
+  return legs;
 }
 
 }  // namespace gelenk

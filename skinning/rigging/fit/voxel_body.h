@@ -24,6 +24,11 @@ class VoxelBody {
   /// Voxels by number.
   int voxelCount() const { return static_cast<int>(state_.size()); }
   bool isOutside(int voxel) const { return state_[voxel] == Outside; }
+  Eigen::Vector3d middle(int voxel) const {
+    const Eigen::Vector3i at(voxel % count_.x(), voxel / count_.x() % count_.y(),
+                             voxel / (count_.x() * count_.y()));
+    return origin_ + size_ * (at.cast<double>().array() + 0.5).matrix();
+  }
   /// The up to 26 voxels around one, with the distances of their middles in voxels: visit(voxel, distance).
   template <class Visit>
   void eachNeighbour(int voxel, Visit visit) const {

@@ -353,6 +353,65 @@ TEST(AutoRig, WhatHasNoLimbsIsRefused) {
   EXPECT_THROW(rigBody(flat), RigRefused) << "no area";
 }
 
+void addBox(Mesh& mesh, const Vector3d& low, const Vector3d& high) {
+  const int first = static_cast<int>(mesh.positions.size());
+  for (int k = 0; k < 8; ++k)
+    mesh.positions.emplace_back((k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z());
+  for (const std::array<int, 4>& face :
+       {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+    mesh.triangles.push_back({first + face[0], first + face[1], first + face[2]});
+    mesh.triangles.push_back({first + face[0], first + face[2], first + face[3]});
+  }
+}
+
+/// A seat or a table top on four legs.
+Mesh onFourLegs(double width, double depth, double height, double thick) {
+  Mesh mesh;
+  for (const double sx : {-1.0, 1.0})
+    for (const double sz : {-1.0, 1.0}) {
+      const Vector3d foot(sx * (0.5 * width - thick), 0.0, sz * (0.5 * depth - thick));
+      addBox(mesh, foot - Vector3d(thick, 0.0, thick), foot + Vector3d(thick, height, thick));
+    }
+  addBox(mesh, {-0.5 * width, height, -0.5 * depth}, {0.5 * width, height + 2.0 * thick, 0.5 * depth});
+  return mesh;
+}
+
+TEST(AutoRig, FurnitureIsNoHumanBody) {
+  Mesh chair = onFourLegs(0.5, 0.5, 0.45, 0.02);
+  addBox(chair, {-0.25, 0.5, -0.25}, {0.25, 1.0, -0.2});
+  Mesh armchair = chair;
+  for (const double side : {-0.25, 0.2}) {
+    addBox(armchair, {side, 0.7, -0.25}, {side + 0.05, 0.73, 0.25});
+    addBox(armchair, {side, 0.5, 0.2}, {side + 0.05, 0.7, 0.25});
+  }
+  for (const auto& [name, mesh] : {std::pair("chair", chair),
+                                   {"armchair", armchair},
+                                   {"stool", onFourLegs(0.5, 0.5, 0.45, 0.02)},
+                                   {"bar stool", onFourLegs(0.4, 0.4, 0.75, 0.02)},
+                                   {"table", onFourLegs(1.6, 0.8, 0.7, 0.04)}})
+    EXPECT_THROW(rigBody(mesh), RigRefused) << name;
+}
+
+// As unlike people as a chair, but on two legs: a skeleton, and no confidence in it.
+TEST(AutoRig, ABodyOfBlocksOnTwoLegsGetsASkeletonAndNoConfidence) {
+  Mesh blocks;
+  for (const double side : {-1.0, 1.0}) {
+    addBox(blocks, {side * 0.25 - 0.1, 0.0, -0.1}, {side * 0.25 + 0.1, 0.8, 0.1});
+    addBox(blocks, {side * 0.7 - 0.3, 1.13, -0.07}, {side * 0.7 + 0.3, 1.27, 0.07});
+  }
+  addBox(blocks, {-0.4, 0.8, -0.25}, {0.4, 1.5, 0.25});
+  addBox(blocks, {-0.2, 1.5, -0.2}, {0.2, 1.85, 0.2});
+  EXPECT_LT(rigBody(blocks).report.confidence, 0.1);
+}
+
+TEST(Limbs, LegsAreWhatABodyStandsOn) {
+  EXPECT_EQ(countLegs(VoxelBody(posedFigure({}).mesh, 64), y), 2);
+  EXPECT_EQ(countLegs(VoxelBody(posedFigure({{"upperarm_l", z, 120}}).mesh, 64), y), 2);
+  EXPECT_EQ(countLegs(VoxelBody(onFourLegs(0.5, 0.5, 0.45, 0.02), 64), y), 4);
+  EXPECT_EQ(countLegs(VoxelBody(ball(0.0, 1.0), 64), y), 1);
+  EXPECT_EQ(countLegs(VoxelBody(hoofedTemplate().surface, 64), y), 4);
+}
+
 TEST(Limbs, AreTheSlenderBranchesOfABody) {
   EXPECT_EQ(countLimbs(VoxelBody(ball(0.0, 1.0), 64)), 0);
   EXPECT_EQ(countLimbs(VoxelBody(posedFigure({}).mesh, 64)), 4);  // the head is too short
