@@ -189,19 +189,15 @@ Fit fitBest(const TemplateBody& body, const Mesh& mesh, const SurfaceSamples& sa
   return best;
 }
 
-/// What tells which of several templates lies in the mesh: the misfit of the whole times that of trunk and
-/// legs, every piece counted alike. Manes, antlers and tails say little about it.
+/// What tells which of several templates lies in the mesh: the misfit of the pieces, each counted alike. A
+/// tail says nothing about it.
 double kindMisfit(const Fit& fit) {
   const std::vector<double> misfits = pieceMisfits(*fit.body, *fit.target, fit.placement.maps);
   double sum = 0.0;
   int counted = 0;
-  for (std::size_t k = 0; k < misfits.size(); ++k) {
-    const std::string& name = fit.body->pieces[k].name;
-    if (name == "neck" || name == "head" || name == "tail_root") continue;
-    sum += misfits[k];
-    ++counted;
-  }
-  return fit.misfit * sum / counted;
+  for (std::size_t k = 0; k < misfits.size(); ++k)
+    if (fit.body->pieces[k].name != "tail_root") sum += misfits[k], ++counted;
+  return sum / counted;
 }
 
 /// 1 for a surface as near as that of people, 0 for one that is not the template's.

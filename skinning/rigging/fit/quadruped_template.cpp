@@ -66,7 +66,7 @@ constexpr JointRow cattle[] = {
 
 /// Dogs, foxes, cats: elbows close under the chest, hind legs well bent, long feet.
 constexpr JointRow pawed[] = {
-    {"pelvis", "", 0.0, 0.415, 0.22, "spine", 0.090, 0.095, 0.1},
+    {"pelvis", "", 0.0, 0.415, 0.22, "spine", 0.101, 0.096, 0.1},
     {"spine", "pelvis", 0.0, 0.40, 0.42, "withers", 0.095, 0.11, 0.2},
     {"withers", "spine", 0.0, 0.41, 0.64},
     {"fshoulder_l", "spine", 0.083, 0.346, 0.615, "felbow_l", 0.055, 0.038, 0.1},
@@ -78,8 +78,8 @@ constexpr JointRow pawed[] = {
     {"nose", "head", 0.0, 0.55, 0.965},
     {"tail_root", "pelvis", 0.0, 0.45, 0.145, "tail", 0.025, 0.035, 0.05},
     {"tail", "tail_root", 0.0, 0.33, 0.03},
-    {"hip_l", "pelvis", 0.094, 0.398, 0.235, "knee_l", 0.078, 0.046, 0.1},
-    {"knee_l", "hip_l", 0.096, 0.285, 0.308, "hock_l", 0.044, 0.026},
+    {"hip_l", "pelvis", 0.094, 0.398, 0.235, "knee_l", 0.068, 0.045, 0.1},
+    {"knee_l", "hip_l", 0.096, 0.285, 0.308, "hock_l", 0.042, 0.026},
     {"hock_l", "knee_l", 0.092, 0.168, 0.07, "hankle_l", 0.024, 0.021},
     {"hankle_l", "hock_l", 0.090, 0.050, 0.11, "hfoot_l", 0.022, 0.024, 0.2},
     {"hfoot_l", "hankle_l", 0.090, 0.024, 0.145},
@@ -126,7 +126,7 @@ TemplateBody makeQuadruped(std::span<const JointRow> rows) {
                                .bond = row.bond});
         parts.push_back({.form = BodyPart::Form::RoundCone,
                          .parent = body.pieces.back().parent,
-                         .blend = 0.05,
+                         .blend = 0.5 * row.radiusFrom,
                          .a = at,
                          .b = body.pieces.back().to,
                          .radiusA = row.radiusFrom,

@@ -81,7 +81,7 @@ constexpr LayoutRow pinocchioLayout[] = {
 };
 
 constexpr LayoutRow quadrupedLayout[] = {
-    {"pelvis", "", "pelvis"},
+    {"pelvis", "", "hip_l", "hip_r"},
     {"spine", "pelvis", "spine"},
     {"chest", "spine", "fshoulder_l", "fshoulder_r"},
     {"withers", "chest", "withers"},

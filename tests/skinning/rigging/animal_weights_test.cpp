@@ -56,6 +56,27 @@ const std::vector<Animal>& animals() {
   return all;
 }
 
+TEST(AnimalRig, ThePelvisLiesBetweenTheHipsAndTheChestBetweenTheShoulders) {
+  for (const Animal& animal : animals()) {
+    EXPECT_LT((animal.at("pelvis") - 0.5 * (animal.at("hip_l") + animal.at("hip_r"))).norm(), 1e-12);
+    EXPECT_LT((animal.at("chest") - 0.5 * (animal.at("fshoulder_l") + animal.at("fshoulder_r"))).norm(),
+              1e-12);
+  }
+}
+
+// Parts of a template blend by their own girth: an animal's hocks are no knobs.
+TEST(AnimalRig, TheTemplatesHaveSlimJoints) {
+  for (const Animal& animal : animals())
+    for (const std::string joint : {"fankle_l", "hock_l"}) {
+      double girth = 0.0;
+      for (const Vector3d& p : animal.body.surface.positions)
+        if (const Vector3d arm = p - animal.at(joint); std::abs(arm.y()) < 0.02 && arm.norm() < 0.07)
+          girth = std::max(girth, std::abs(arm.x()));
+      EXPECT_GT(girth, 0.01) << animal.name << " " << joint;
+      EXPECT_LT(girth, 0.033) << animal.name << " " << joint;
+    }
+}
+
 // When a leg swings forwards the belly between the legs stays the trunk's, from the knees to the breast.
 TEST(AnimalWeights, NoLegCarriesTheMiddleOfTheBelly) {
   for (const Animal& animal : animals()) {
