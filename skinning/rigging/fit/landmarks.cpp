@@ -20,11 +20,11 @@ double shareOf(const TemplateBody& body, int vertex, int piece) {
   return share;
 }
 
-/// The end of a limb along its last piece: the outermost sample of those whose nearest place of the template
-/// is on that piece or the one before.
-std::optional<Landmark> limbEnd(const TemplateBody& body, int piece, const std::vector<Vector3d>& now,
-                                const std::vector<int>& nearest, const SurfaceSamples& samples,
-                                const PieceMaps& maps) {
+/// The end of a limb or tail along its last piece: the outermost sample of those whose nearest place of the
+/// template is on that piece or the one before.
+std::optional<Landmark> limbEnd(const TemplateBody& body, int piece, double farthest, double weight,
+                                const std::vector<Vector3d>& now, const std::vector<int>& nearest,
+                                const SurfaceSamples& samples, const PieceMaps& maps) {
   const BodyPiece& part = body.pieces[piece];
   const Vector3d along = (maps[piece].linear * (part.to - part.from)).normalized();
   Landmark end;
@@ -34,9 +34,9 @@ std::optional<Landmark> limbEnd(const TemplateBody& body, int piece, const std::
   for (std::size_t s = 0; s < samples.points.size(); ++s)
     if (shareOf(body, nearest[s], piece) + shareOf(body, nearest[s], part.parent) > 0.5)
       reach = std::max(reach, along.dot(samples.points[s]));
-  if (!(std::abs(reach - tip) < 0.15)) return {};
+  if (!(std::abs(reach - tip) < farthest)) return {};
   end.place = now[end.vertex] + (reach - tip) * along;
-  end.metric = 0.05 * along * along.transpose();
+  end.metric = weight * along * along.transpose();
   return end;
 }
 
@@ -149,9 +149,13 @@ std::vector<Landmark> findLandmarks(const TemplateBody& body, const Mesh& mesh, 
   for (const Vector3d& p : target.samples().points) nearest.push_back(tree.nearest(p));
   for (int k = 0; k < static_cast<int>(body.pieces.size()); ++k) {
     if (body.pieces[k].twists) {  // a hand
-      if (const auto end = limbEnd(body, k, now, nearest, target.samples(), maps)) out.push_back(*end);
+      if (const auto end = limbEnd(body, k, 0.15, 0.05, now, nearest, target.samples(), maps))
+        out.push_back(*end);
       if (const auto place = wrist(body, k, now, tree, mesh, frame, maps)) out.push_back(*place);
     }
+    if (body.pieces[k].trails)
+      if (const auto end = limbEnd(body, k, 0.25, 0.015, now, nearest, target.samples(), maps))
+        out.push_back(*end);
     if (body.pieces[k].stands)
       if (const auto end = sole(body, k, now, nearest, target.samples())) out.push_back(*end);
   }

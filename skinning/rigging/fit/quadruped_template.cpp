@@ -150,6 +150,7 @@ TemplateBody makeQuadruped(std::span<const JointRow> rows) {
   }
   for (const char* foot : {"fankle_l", "fankle_r", "hankle_l", "hankle_r"})
     body.pieces[body.piece(foot)].stands = true;
+  body.pieces[body.piece("tail_root")].trails = true;
 
   std::vector<Bone> bones;
   for (std::size_t k = 0; k < body.pieces.size(); ++k)

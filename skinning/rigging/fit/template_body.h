@@ -21,6 +21,7 @@ struct BodyPiece {
   double bond = 0.0;       ///< how strictly it turns with its parent
   bool twists = false;     ///< its turn about its own length is not known from the pose
   bool stands = false;     ///< its end is a sole on the ground
+  bool trails = false;     ///< its end is the tip of a tail, whose length is not known
   int lifter = -1;         ///< the piece that takes it along where it is raised above the horizontal
 
   double length() const { return (to - from).norm(); }

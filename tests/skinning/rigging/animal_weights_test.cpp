@@ -77,6 +77,20 @@ TEST(AnimalRig, TheTemplatesHaveSlimJoints) {
     }
 }
 
+// Foxes' tails are twice as long as dogs': the bone reaches the tip.
+TEST(AnimalRig, ATailIsFollowedToItsTip) {
+  const Animal& animal = animals()[2];
+  const Vector3d root = animal.at("tail_root"), tip = animal.at("tail"), along = (tip - root).normalized();
+  constexpr double longer = 0.15;
+  Mesh mesh = animal.body.surface;
+  for (Vector3d& p : mesh.positions)
+    if (const double t = along.dot(p - root) / (tip - root).norm(); t > 0.3 && p.z() < root.z())
+      if ((p - root - along * along.dot(p - root)).norm() < 0.06) p += (t - 0.3) / 0.7 * longer * along;
+  const RiggedBody rigged = rigBody(mesh, {.skeleton = RigTemplate::Quadruped});
+  const Vector3d found = restFrames(rigged.skeleton)[rigged.skeleton.jointIndex("tail")].translation();
+  EXPECT_NEAR(along.dot(found - tip), longer, 0.05);
+}
+
 // When a leg swings forwards the belly between the legs stays the trunk's, from the knees to the breast.
 TEST(AnimalWeights, NoLegCarriesTheMiddleOfTheBelly) {
   for (const Animal& animal : animals()) {
