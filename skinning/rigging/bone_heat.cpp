@@ -152,7 +152,7 @@ class BodyVoxels {
       queue.push({d, v, bone});
     };
     for (int b = 0; b < static_cast<int>(bones.size()); ++b) {
-      const int steps = std::clamp(static_cast<int>(bones[b].length() / (0.5 * size_)), 1, 100000);
+      const int steps = static_cast<int>(std::clamp(bones[b].length() / (0.5 * size_), 1.0, 1e5));
       for (int k = 0; k <= steps; ++k) {
         const Vector3d p = bones[b].from + (bones[b].to - bones[b].from) * k / steps;
         if (!((p - origin_).cwiseAbs().maxCoeff() < 1e6 * size_)) continue;  // far outside the body
@@ -205,10 +205,6 @@ void solveLanes(const SparseMatrix& L, const VectorXd& D, Lanes& X) {
   }
 }
 
-/// Edges of the surface that the heat spreads on, in diagonals of its box: a coarse triangle's corner would
-/// heat all of its share by its own bone, and two corners meet in a step where fine triangles have a slope.
-constexpr double longestEdge = 0.02;
-
 std::vector<int> ownBones(const Mesh& mesh, std::span<const Bone> bones, int voxels) {
   const BodyVoxels body(mesh, bones, voxels);
   std::vector<int> all(bones.size()), near, own;
@@ -257,17 +253,20 @@ std::vector<int> nearestBoneInside(const Mesh& mesh, std::span<const Bone> bones
 SparseWeights boneHeatWeights(const Mesh& input, std::span<const Bone> bones,
                               const BoneHeatOptions& options) {
   check(input, bones);
-  if (!(options.strength > 0.0) || options.voxels < 1 || options.voxels > 1000)
-    throw std::invalid_argument("the strength of heat must be positive and the voxels from 1 to 1000");
+  if (!(options.strength > 0.0) || options.voxels < 1 || options.voxels > 1000 ||
+      !(options.longestEdge > 0.0))
+    throw std::invalid_argument(
+        "the strength of heat and the longest edge must be positive and the voxels from 1 to 1000");
   const Welded welded = weld(input);
   const double size = std::max(bodySize(input), 1e-300);
-  const Mesh mesh = withShortEdges(welded.mesh, longestEdge * size);
+  const Mesh mesh = withShortEdges(welded.mesh, options.longestEdge * size, 30000);
   const int n = static_cast<int>(mesh.positions.size());
   const std::vector<int> own = ownBones(mesh, bones, options.voxels);
 
   VectorXd areas;
   SparseMatrix A = cotangentMatrix(mesh, areas);
-  const double leastArea = std::max(1e-12 * areas.sum() / n, 1e-300);  // loose vertices: their own bone alone
+  // Loose vertices: their own bone alone.
+  const double leastArea = std::max({1e-12 * areas.sum() / n, 1e-30 * size * size, 1e-300});
   const std::vector<double> distance = ownDistances(mesh, bones, own);
   VectorXd heat(n);
   for (int v = 0; v < n; ++v) {

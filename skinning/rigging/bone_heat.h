@@ -15,6 +15,10 @@ struct BoneHeatOptions {
   double strength = 10.0;
   /// Voxels along the longest side of the bounding box, for distances inside the volume.
   int voxels = 160;
+  /// Edges that are longer are cut, in diagonals of the bounding box (up to 30,000 triangles are): a coarse
+  /// triangle's corner would heat all of its share by its own bone, and two corners meet in a step where fine
+  /// triangles have a slope.
+  double longestEdge = 0.02;
 };
 
 /// Skin weights by heat diffusion on the surface (Baran and Popovic 2007): for each joint the equilibrium of
@@ -23,8 +27,7 @@ struct BoneHeatOptions {
 /// vertex's own bone (at least 0.8 of that bone's mean, so that a bone close under the skin makes no step)
 /// and p = 1 where that bone is the joint's. Its own bone is the nearest one inside the volume (Dionne and de
 /// Lasa 2013), found on voxels, so that a hand near the hip does not take hold of it. One factorisation, one
-/// solve a joint. Triangles longer than 2 % of the box's diagonal are cut first, so that coarse ones get the
-/// weights of fine ones.
+/// solve a joint. Coarse triangles get the weights of fine ones.
 ///
 /// Any mesh: it is welded first and the result scattered back; holes, several components, flipped or
 /// degenerate faces and loose vertices are fine. Each row is non-negative and sums to 1. bones: joint indices

@@ -99,7 +99,9 @@ TEST(ShortEdges, TheSurfaceStaysAndNoGapOpens) {
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) EXPECT_EQ(fine.positions[v], mesh.positions[v]);
     EXPECT_TRUE(topology(fine).closed() && topology(fine).manifold());
     EXPECT_NEAR(enclosedVolume(fine), enclosedVolume(mesh), 1e-12);
-    if (longest == 1.0) EXPECT_EQ(fine.triangles, mesh.triangles);
+    if (longest == 1.0) {
+      EXPECT_EQ(fine.triangles, mesh.triangles);
+    }
   }
   EXPECT_LT(withShortEdges(mesh, 1e-9, 10000).triangles.size(), 40000u) << "there is an end";
 }
@@ -167,6 +169,20 @@ TEST(BoneHeat, ABoneBesideTheBodyDoesNotTakeHoldOfItThroughTheAir) {
     EXPECT_GT(weightOf(weights[v], 0), 0.99) << p.transpose();
   }
   EXPECT_GT(between, 10);
+}
+
+TEST(BoneHeat, AMeshInOnePointHasTheNearestBone) {
+  Mesh point;
+  point.positions = {{0, 0, 0.5}, {0, 0, 0.5}, {0, 0, 0.5}};
+  point.triangles = {{0, 1, 2}};
+  for (const auto& row : boneHeatWeights(point, twoBones)) EXPECT_EQ(weightOf(row, 1), 1.0);
+  Mesh loose;  // no area at all, in light years
+  loose.positions = {{0, 0, -1e16}, {0, 0, 1e16}};
+  loose.triangles = {{0, 0, 1}};
+  const std::vector<Bone> bones{{0, {0, 0, -1e16}, {0, 0, 0}}, {1, {0, 0, 0}, {0, 0, 1e16}}};
+  const SparseWeights weights = boneHeatWeights(loose, bones);
+  EXPECT_EQ(weightOf(weights[0], 0), 1.0);
+  EXPECT_EQ(weightOf(weights[1], 1), 1.0);
 }
 
 TEST(BoneHeat, InvalidInputIsRefused) {
