@@ -271,7 +271,8 @@ SparseWeights boneHeatWeights(const Mesh& input, std::span<const Bone> bones,
   VectorXd heat(n);
   for (int v = 0; v < n; ++v) {
     const double d = std::max(distance[v], 1e-4 * size);
-    heat[v] = std::max(areas[v], leastArea) * options.strength / (d * d);
+    // Slivers conduct so well that rounding would swallow the heat of their corners.
+    heat[v] = std::max(std::max(areas[v], leastArea) * options.strength / (d * d), 1e-12 * A.coeff(v, v));
     A.coeffRef(v, v) += heat[v];
   }
   Eigen::SimplicialLDLT<SparseMatrix> factor(A);
