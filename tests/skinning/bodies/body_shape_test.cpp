@@ -91,6 +91,70 @@ TEST(BodyShape, CurvatureHasNoSteps) {
   }
 }
 
+/// Where two children add the same, and where three take turns, the surface bends no more than beside it.
+TEST(BodyShape, SiblingsMeetWithoutACrease) {
+  std::vector<BodyPart> parts{cone({0, 0, 0}, {1, 0, 0}, 0.5, 0.5)};
+  for (const double x : {0.1, 0.5, 0.9}) {
+    parts.push_back(cone({x, 0.4, 0}, {x, 0.4, 0}, 0.12, 0.12, 0));
+    parts.back().blend = 0.2;
+    parts.back().siblingBlend = 0.06;
+  }
+  const BodyShape shape(parts);
+  const auto all = shape.everywhere();
+  const auto bend = [&](double x, double step) {  // of the field along the children, at their height
+    const auto at = [&](double along) { return shape.value({along, 0.5, 0.0}, all); };
+    return std::abs(at(x + step) - 2.0 * at(x) + at(x - step)) / step;
+  };
+  for (double x = 0.2; x < 0.8; x += 0.001)  // a crease keeps its bend however short the step
+    EXPECT_LT(bend(x, 1e-5), 1e-3) << x;
+}
+
+/// Side and cap of a generalised cylinder: as CurvatureHasNoSteps, past the end section.
+TEST(BodyShape, CapsBeginWithoutAStepOfCurvature) {
+  BodyPart trunk{.form = BodyPart::Form::Polar, .sectionUp = Vector3d::UnitX(), .capA = 0.1, .capB = 0.2};
+  trunk.b = {0, 0, 1};
+  for (const double radius : {0.20, 0.26, 0.24, 0.30})
+    trunk.sections.push_back({.at = 0.3 * static_cast<double>(trunk.sections.size()), .radius = radius});
+  const BodyShape shape({trunk});
+  const auto all = shape.everywhere();
+  const auto radius = [&](double z) {
+    double in = 0.0, out = 1.0;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (in + out);
+      (shape.value({middle, 0.0, z}, all) < 0.0 ? in : out) = middle;
+    }
+    return in;
+  };
+  const auto largestJump = [&](double step) {
+    double before = 0.0, largest = 0.0;
+    for (double z = 0.8; z < 0.98; z += step) {
+      const double second = (radius(z + step) - 2.0 * radius(z) + radius(z - step)) / (step * step);
+      if (z > 0.8) largest = std::max(largest, std::abs(second - before));
+      before = second;
+    }
+    return largest;
+  };
+  EXPECT_LT(largestJump(0.001), 0.7 * largestJump(0.002));  // 1 where there is a step
+}
+
+/// Along the middle of breast and back, where the two sides' parts meet, the skin runs straight through: the
+/// surface's slope to the side, at 0.1 mm from the plane of symmetry. A crease of 0.5 degrees can be seen.
+TEST(BodyShape, TheFiguresTrunkHasNoCreaseInItsMiddle) {
+  const BodyShape shape = mannequinShape();
+  const auto all = shape.everywhere();
+  for (double y = 0.95; y < 1.40; y += 0.005)
+    for (const double side : {1.0, -1.0}) {
+      double in = 0.0, out = 0.3;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (in + out);
+        (shape.value({1e-4, y, side * middle}, all) < 0.0 ? in : out) = middle;
+      }
+      const auto at = [&](double x) { return shape.value({x, y, side * in}, all); };
+      const double slope = (at(1e-4 + 1e-6) - at(1e-4 - 1e-6)) / 2e-6;
+      EXPECT_LT(std::abs(slope), 0.0087) << y << " " << side;
+    }
+}
+
 TEST(BodyShape, GradientsMatchCentralDifferencesNearTheFiguresSkin) {
   const BodyShape shape = mannequinShape();
   const auto all = shape.everywhere();
