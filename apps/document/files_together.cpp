@@ -6,6 +6,7 @@
 
 #include "apps/document/model_files.h"
 #include "apps/document/scene_file.h"
+#include "apps/document/surface.h"
 
 namespace gelenk {
 namespace {
@@ -43,6 +44,7 @@ ModelReference filesTogether(const Paths& all) {
   for (const std::string& path : paths) {
     const auto kind = fileKind(path);
     if (isScene(path)) scenes.push_back(path);
+    if (!kind && isSurfaceFile(path)) surfaces.push_back(path);  // STL
     if (!kind) continue;
     of[*kind].push_back(path);
     if (isMesh(kind)) surfaces.push_back(path);

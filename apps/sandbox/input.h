@@ -10,10 +10,10 @@ namespace gelenk {
 struct InputEvent {
   enum class Kind { MouseMove, MouseButton, Wheel, Key, Character, Drop };
   Kind kind = Kind::MouseMove;
-  double x = 0.0, y = 0.0;  ///< MouseMove: pixels from the upper left; Wheel: steps
-  int code = 0;             ///< button, key, or code point
-  bool down = false;        ///< MouseButton, Key
-  std::string path = {};    ///< Drop
+  double x = 0.0, y = 0.0;              ///< MouseMove: pixels from the upper left; Wheel: steps
+  int code = 0;                         ///< button, key, or code point
+  bool down = false;                    ///< MouseButton, Key
+  std::vector<std::string> paths = {};  ///< Drop: what came at once
 };
 
 /// What one frame gets to see.

@@ -59,6 +59,10 @@ class Panel {
   /// A key that the sandbox itself has no use for (GLFW key code); true when taken.
   virtual bool keyPressed(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
 
+  /// Takes back, or does again, what the panel did to the model itself: where the document's own history has
+  /// nothing more. False: neither has the panel.
+  virtual bool undoOrRedo(Sandbox&, bool /*redo*/) { return false; }
+
   /// A command of a replay, `do PANEL WORDS...`: what the panel's buttons do. Throws std::invalid_argument
   /// that says what is known.
   virtual void act(Sandbox&, const std::vector<std::string>& /*words*/) {

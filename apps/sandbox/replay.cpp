@@ -152,7 +152,7 @@ void run(const Replay::Command& command, Sandbox& sandbox, InputQueue& queue) {
   if (verb == "text")
     for (const char c : command.words[0])
       queue.add({.kind = Kind::Character, .code = static_cast<unsigned char>(c)});
-  if (verb == "drop") queue.add({.kind = Kind::Drop, .path = command.words[0]});
+  if (verb == "drop") queue.add({.kind = Kind::Drop, .paths = {command.words[0]}});
   if (verb == "grab") {
     const Eigen::Vector2d pixel = s.toWindow(s.session->reached(goalNamed(sandbox, command.words[0]))).pixel;
     queue.add({.kind = Kind::MouseMove, .x = pixel.x(), .y = pixel.y()});

@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "apps/document/model_files.h"
+#include "apps/document/surface.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/work.h"
@@ -21,7 +22,6 @@
 #include "kinematics/symmetry.h"
 #include "skinning/io/gltf.h"
 #include "skinning/io/skin_cache.h"
-#include "skinning/io/stl.h"
 #include "skinning/rigging/auto_rig.h"
 
 namespace gelenk {
@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 /// What the work in the background tells the window.
 struct Progress {
   std::mutex lock;
-  std::string stage = "reading";
+  std::string file, stage = "reading";
   double done = 0.0;
   std::atomic<bool> stop = false;
 };
@@ -43,40 +43,54 @@ struct Choice {
   std::string own = {};
 };
 
-/// A body that was rigged here, and where it was written.
+/// A surface that was dropped.
+struct Dropped {
+  std::string path;
+  Surface surface;
+};
+
+/// A body that was rigged here. What undo goes through.
 struct Rigged {
-  Mesh mesh;
+  std::shared_ptr<const Dropped> from;
   RiggedBody body;
   Choice choice;
+};
+
+struct Written {
+  Rigged rigged;
   std::string path;  ///< of the .glb
+};
+struct Weighed {
+  Written written;
+  double seconds = 0.0;
 };
 
 Skin skinOf(const Rigged& rigged) {
   const Skeleton& skeleton = rigged.body.skeleton;
-  return bindSkin(rigged.mesh, restFrames(skeleton), fourLargest(rigged.body.weights, skeleton.jointCount()));
+  return bindSkin(rigged.from->surface.mesh, restFrames(skeleton),
+                  fourLargest(rigged.body.weights, skeleton.jointCount()));
 }
 
-/// Beside the mesh where that can be written, else in the cache.
-std::string write(const std::string& meshPath, const Skeleton& skeleton, const Skin& skin) {
-  const fs::path mesh(meshPath);
-  const fs::path beside = mesh.parent_path() / (mesh.stem().string() + "_rigged.glb");
+/// Beside the mesh where that can be written, else in the cache. Returns where.
+std::string write(const Rigged& rigged) {
+  const Skin skin = skinOf(rigged);
+  const auto into = [&](const fs::path& file) {
+    writeGltf(file.string(), rigged.body.skeleton, &skin, {}, GltfJoints::AsTheyMove);
+    return file.string();
+  };
+  const fs::path mesh(rigged.from->path);
+  const std::string name = mesh.stem().string() + "_rigged.glb";
   try {
-    writeGltf(beside.string(), skeleton, &skin, {}, GltfJoints::AsTheyMove);
-    return beside.string();
+    return into(mesh.parent_path() / name);
   } catch (const std::exception&) {
     const fs::path folder = fs::path(cacheFolder()) / "rigged";
     fs::create_directories(folder);
-    const std::string path = (folder / beside.filename()).string();
-    writeGltf(path, skeleton, &skin, {}, GltfJoints::AsTheyMove);
-    return path;
+    return into(folder / name);
   }
 }
 
-Rigged rig(const std::string& path, const Choice& choice, Progress& progress) {
-  Rigged rigged{.mesh = lowerCase(path).ends_with(".stl") ? readStl(path) : readMesh(path),
-                .body = {},
-                .choice = choice,
-                .path = {}};
+Rigged rig(std::shared_ptr<const Dropped> from, const Choice& choice, Progress& progress) {
+  Rigged rigged{.from = std::move(from), .body = {}, .choice = choice};
   RigOptions options{.skeleton = choice.skeleton, .progress = [&](const std::string& stage, double done) {
                        const std::scoped_lock hold(progress.lock);
                        progress.stage = stage;
@@ -84,9 +98,8 @@ Rigged rig(const std::string& path, const Choice& choice, Progress& progress) {
                        return !progress.stop;
                      }};
   if (!choice.own.empty()) options.own = openModelFile(choice.own).skeleton;
-  rigged.body = rigBody(rigged.mesh, options);
+  rigged.body = rigBody(rigged.from->surface.mesh, options);
   rigged.body.skeleton = namedAsHuman(rigged.body.skeleton);
-  rigged.path = write(path, rigged.body.skeleton, skinOf(rigged));
   return rigged;
 }
 
@@ -123,38 +136,36 @@ class RigPanel final : public Panel {
   }
 
   bool openFile(Sandbox& sandbox, const std::string& path) override {
-    const std::string lower = lowerCase(path);
-    std::error_code error;
-    if (!fs::is_regular_file(path, error) || !(isMesh(fileKind(path)) || lower.ends_with(".stl")))
-      return false;
+    if (!isSurfaceFile(path)) return false;
     if (working()) throw std::runtime_error("another body is being rigged: wait, or stop that first");
-    if (!lower.ends_with(".stl")) readMesh(path);  // what is no mesh is told at once
-    path_ = path;
-    beside_ = skeletonsBeside(path, true);
-    asking_ = true;
+    asked_ = std::make_shared<const Dropped>(Dropped{path, readSurface(path)});
+    fitted_ = isMesh(fileKind(path)) ? skeletonsBeside(path, true) : std::vector<std::string>();
+    own_ = skeletonsBeside(path, false);
     sandbox.select(std::nullopt);
     return true;
   }
 
   /// "human", "pinocchio", "quadruped", "fit FILE" rig the mesh that was dropped, or the body that stands
-  /// there anew; "with FILE" takes a skeleton as it is; "stop", "cancel". "tool on|off", "mirrored on|off",
-  /// "confidence on|off", "move JOINT X Y Z" (metres), "weigh", "undo", "redo" mend.
+  /// there anew; "with FILE" takes a skeleton as it is, "as-it-is" none; "stop", "cancel". "tool on|off",
+  /// "mirrored on|off", "confidence on|off", "move JOINT X Y Z" (metres), "weigh", "undo", "redo" mend.
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
     static const std::map<std::string, RigTemplate> templates{{"human", RigTemplate::Human},
                                                               {"pinocchio", RigTemplate::Pinocchio},
                                                               {"quadruped", RigTemplate::Quadruped}};
     const std::string command = words.empty() ? "" : words[0];
-    const bool waits = asking_ || rigged_;
+    const bool waits = asked_ || rigged_;
     if (command == "stop" && working()) {
       progress_->stop = true;
     } else if (command == "cancel") {
-      asking_ = false;
+      asked_.reset();
     } else if (words.size() == 1 && templates.contains(command) && waits) {
       start({.skeleton = templates.at(command)});
     } else if (words.size() == 2 && command == "fit" && waits) {
       start({.own = words[1]});
-    } else if (words.size() == 2 && command == "with" && asking_) {
+    } else if (words.size() == 2 && command == "with" && asked_) {
       openWith(sandbox, words[1]);
+    } else if (words.size() == 1 && command == "as-it-is" && asked_) {
+      openAsItIs(sandbox);
     } else if (!rigged_) {
       throw std::invalid_argument("no body waits for a skeleton or has one from here: drop a mesh first");
     } else if (words.size() == 5 && command == "move") {
@@ -164,18 +175,20 @@ class RigPanel final : public Panel {
                (command == "tool" || command == "mirrored" || command == "confidence")) {
       (command == "tool" ? moving_ : command == "mirrored" ? mirrored_ : coloured_) = words[1] == "on";
     } else if (command == "weigh") {
-      weighAnew();
+      weighByHand(sandbox);
     } else if (command == "undo" || command == "redo") {
-      travel(sandbox, command == "undo" ? undo_ : redo_, command == "undo" ? redo_ : undo_);
+      if (!undoOrRedo(sandbox, command == "redo")) sandbox.say("Nothing to undo or redo here");
     } else {
       throw std::invalid_argument(
-          "Rig takes human, pinocchio, quadruped, 'fit FILE', 'with FILE', stop, cancel; tool, mirrored and "
+          "Rig takes human, pinocchio, quadruped, 'fit FILE', 'with FILE', as-it-is, stop, cancel; tool, "
+          "mirrored and "
           "confidence on|off, 'move JOINT X Y Z', weigh, undo, redo");
     }
   }
 
   double rests(const Sandbox&) const override {
-    return working() || weighing_.valid() ? 0.0 : std::numeric_limits<double>::infinity();
+    constexpr double betweenLooks = 0.04;  // the work needs the processor more than its progress does
+    return working() || weighing_.valid() ? betweenLooks : std::numeric_limits<double>::infinity();
   }
 
   void opened(Sandbox&, bool) override {
@@ -185,42 +198,15 @@ class RigPanel final : public Panel {
     redo_.clear();
     moving_ = false;
     dragged_.reset();
+    edited_.reset();
   }
 
   void step(Sandbox& sandbox, double) override {
-    using namespace std::chrono_literals;
-    const auto ready = [](const auto& work) {
-      return work.valid() && work.wait_for(0s) == std::future_status::ready;
-    };
-    if (ready(work_)) {
-      asking_ = false;
-      try {
-        Rigged rigged = work_.get();
-        undo_.clear();
-        redo_.clear();
-        moving_ = false;
-        weighSeconds_ = rigged.body.report.stages.back().seconds;
-        show(sandbox, std::move(rigged), false);
-        const RigReport& report = rigged_->body.report;
-        std::string doubts;
-        for (const std::string& doubt : report.doubts)
-          doubts += (doubts.empty() ? "; doubtful: " : "; ") + doubt;
-        sandbox.say(fmt::format("Rigged, confidence {:.0f} %{}: drag it, or mend it in the tab Rig",
-                                100.0 * report.confidence, doubts));
-      } catch (const RigStopped&) {
-        sandbox.say("Rigging was stopped");
-      } catch (const std::exception& error) {
-        sandbox.say(error.what(), true);
-      }
-    }
-    if (ready(weighing_)) {
-      try {
-        Rigged weighed = weighing_.get();
-        if (rigged_) show(sandbox, std::move(weighed), true);
-      } catch (const std::exception& error) {
-        sandbox.say(error.what(), true);
-      }
-    }
+    const bool handsOff =
+        sandbox.state().gesture.kind == Gesture::Kind::None;  // nothing changes under a drag
+    if (handsOff && isReady(work_)) takeRig(sandbox);
+    if (handsOff && isReady(weighing_)) takeWeights(sandbox);
+    if (handsOff && edited_ && !weighing_.valid()) mend(sandbox, *std::exchange(edited_, {}));
     if (takesMouse(sandbox)) sandbox.showFrames(bindFrames(sandbox.session().model()));
   }
 
@@ -229,13 +215,12 @@ class RigPanel final : public Panel {
   }
 
   bool pressed(Sandbox& sandbox, const Eigen::Vector2d& pixel) override {
-    if (weighing_.valid()) return false;
+    if (edited_ || work_.valid()) return false;  // the last one waits for its weights
     dragged_ = jointAt(sandbox, pixel);
     if (!dragged_) return false;
     sandbox.select(*dragged_);
     grip_ = restFrames(rigged_->body.skeleton)[*dragged_].translation();
     offset_ = sandbox.state().toWindow(grip_).pixel - pixel;
-    edited_.reset();
     return true;
   }
 
@@ -247,20 +232,31 @@ class RigPanel final : public Panel {
       edited_ = withJoint(*dragged_, *place);
   }
 
-  void released(Sandbox& sandbox) override {
-    dragged_.reset();
-    if (edited_) mend(sandbox, *std::exchange(edited_, {}));
-  }
+  void released(Sandbox&) override { dragged_.reset(); }  // step mends
 
   bool keyPressed(Sandbox& sandbox, int key, int modifiers) override {
     if (!takesMouse(sandbox)) return false;
     if (key == GLFW_KEY_ESCAPE) {
-      moving_ = false;
+      if (!dragged_) moving_ = false;
+      dragged_.reset();
+      edited_.reset();
       return true;
     }
     if (!(modifiers & GLFW_MOD_CONTROL) || (key != GLFW_KEY_Z && key != GLFW_KEY_Y)) return false;
     const bool redo = key == GLFW_KEY_Y || (modifiers & GLFW_MOD_SHIFT);
-    travel(sandbox, redo ? redo_ : undo_, redo ? undo_ : redo_);
+    if (!undoOrRedo(sandbox, redo)) sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+    return true;
+  }
+
+  bool undoOrRedo(Sandbox& sandbox, bool redo) override {
+    std::vector<Rigged>&from = redo ? redo_ : undo_, &to = redo ? undo_ : redo_;
+    if (weighing_.valid()) takeWeights(sandbox);  // waits for them: a quarter of a second
+    if (!rigged_ || from.empty() || dragged_) return false;
+    to.push_back(std::move(*rigged_));
+    Rigged next = std::move(from.back());
+    from.pop_back();
+    writtenTo_ = write(next);
+    show(sandbox, std::move(next), true);
     return true;
   }
 
@@ -269,10 +265,10 @@ class RigPanel final : public Panel {
     shownAt_ = sandbox.frameNumber();
     const RigReport& report = rigged_->body.report;
     heading(s, "BODY");
-    ImGui::Text("%s", fs::path(path_).filename().string().c_str());
+    ImGui::Text("%s", fs::path(rigged_->from->path).filename().string().c_str());
     ImGui::TextColored(s.colours().textDim, "%s",
                        fmt::format("{} joints · {} vertices · pose {}", rigged_->body.skeleton.jointCount(),
-                                   rigged_->mesh.positions.size(), report.pose)
+                                   rigged_->from->surface.mesh.positions.size(), report.pose)
                            .c_str());
     for (const std::string& repair : report.repairs)
       ImGui::TextWrapped("Mended for the fit: %s", repair.c_str());
@@ -288,19 +284,21 @@ class RigPanel final : public Panel {
     ImGui::Checkbox("The other side as well", &mirrored_);
     ImGui::EndDisabled();
     tooltip("The partner moves to the mirrored place; joints of the middle stay in the middle.");
-    if (ImGui::Button("Weigh anew")) weighAnew();
+    ImGui::BeginDisabled(weighing_.valid());
+    if (ImGui::Button("Weigh anew")) weighByHand(sandbox);
+    ImGui::EndDisabled();
     tooltip("Heat weights for the skeleton as it stands; what was painted in Binding is given up.");
-    const auto travelButton = [&](const char* label, std::vector<RiggedBody>& from,
-                                  std::vector<RiggedBody>& to, const char* explanation) {
+    const auto travelButton = [&](const char* label, bool redo, const char* explanation) {
       ImGui::SameLine();
-      ImGui::BeginDisabled(from.empty() || weighing_.valid());
-      if (ImGui::Button(label)) travel(sandbox, from, to);
+      ImGui::BeginDisabled((redo ? redo_ : undo_).empty());
+      if (ImGui::Button(label)) undoOrRedo(sandbox, redo);
       ImGui::EndDisabled();
       tooltip(explanation);
     };
-    travelButton("Undo", undo_, redo_,
-                 "Takes the last moved joint back, weights included. Ctrl+Z while joints move.");
-    travelButton("Redo", redo_, undo_, "Ctrl+Y while joints move.");
+    travelButton("Undo", false,
+                 "Takes the last moved joint, other skeleton or new weights back. Ctrl+Z, where nothing was "
+                 "done to the body since.");
+    travelButton("Redo", true, "Ctrl+Y.");
     ImGui::TextColored(
         s.colours().textDim, "%s",
         weighing_.valid() ? "Weighing ..." : fmt::format("Weights took {:.2f} s", weighSeconds_).c_str());
@@ -313,11 +311,11 @@ class RigPanel final : public Panel {
         "(yellow).");
     colourBar(s);
     leastSure(sandbox);
-    ImGui::TextColored(s.colours().textDim, "%s",
-                       brokenAtBlanks("Written to " + fs::path(rigged_->path).filename().string() +
-                                          ", with axes and limits.",
-                                      ImGui::GetContentRegionAvail().x)
-                           .c_str());
+    ImGui::TextColored(
+        s.colours().textDim, "%s",
+        brokenAtBlanks("Written to " + fs::path(writtenTo_).filename().string() + ", with axes and limits.",
+                       ImGui::GetContentRegionAvail().x)
+            .c_str());
   }
 
   void overlay(Sandbox& sandbox) override {
@@ -325,7 +323,7 @@ class RigPanel final : public Panel {
       if (coloured_) sandbox.showVertexScalars(vertexConfidence());
       if (moving_) drawJoints(sandbox);
     }
-    if (!asking_ && !working()) return;
+    if (!asked_ && !working()) return;
     Sandbox::State& s = sandbox.state();
     const Layout::Rect& view = s.layout.view;
     ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.4f * view.height}, ImGuiCond_Always,
@@ -336,21 +334,21 @@ class RigPanel final : public Panel {
     ImGui::Begin("##rig", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings);
-    const std::string file = fs::path(path_).filename().string();
     if (working())
-      drawProgress(s, file);
+      drawProgress(s);
     else
-      drawQuestion(sandbox, file);
+      drawQuestion(sandbox);
     ImGui::End();
     ImGui::PopStyleColor();
     ImGui::PopStyleVar(2);
   }
 
   std::string status() const override {
-    if (!asking_ && !working() && !rigged_) return "";
+    if (!asked_ && !working() && !rigged_) return "";
     return fmt::format(
         "{{\"asking\": {}, \"working\": {}, \"weighing\": {}, \"moved\": {}, \"confidence\": {:.4f}}}",
-        asking_, working(), weighing_.valid(), undo_.size(), rigged_ ? rigged_->body.report.confidence : 0.0);
+        asked_ != nullptr, working(), weighing_.valid(), undo_.size(),
+        rigged_ ? rigged_->body.report.confidence : 0.0);
   }
 
  private:
@@ -362,30 +360,83 @@ class RigPanel final : public Panel {
     return *value;
   }
 
-  void start(const Choice& choice) {
-    if (working()) return;
-    progress_ = std::make_shared<Progress>();
-    asking_ = false;
-    work_ = startWork([path = path_, choice, progress = progress_] { return rig(path, choice, *progress); });
+  template <class Work>
+  static bool isReady(const Work& work) {
+    return work.valid() && work.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
-  /// Opens the body as it is now; the view stays where it was one before.
+  void start(const Choice& choice) {
+    if (working()) return;
+    const std::shared_ptr<const Dropped> from = asked_ ? std::exchange(asked_, nullptr) : rigged_->from;
+    progress_ = std::make_shared<Progress>();
+    progress_->file = fs::path(from->path).filename().string();
+    work_ = startWork([from, choice, progress = progress_] {
+      Rigged rigged = rig(from, choice, *progress);
+      return Written{rigged, write(rigged)};
+    });
+  }
+
+  void takeRig(Sandbox& sandbox) {
+    if (weighing_.valid()) takeWeights(sandbox);  // of the skeleton before, for undo
+    try {
+      Written done = work_.get();
+      sandbox.whenSaved([this, done = std::move(done)](Sandbox& box) {
+        const bool again = rigged_ && rigged_->from == done.rigged.from;
+        if (again)
+          remember(box);
+        else
+          undo_.clear(), redo_.clear();
+        moving_ = moving_ && again;
+        writtenTo_ = done.path;
+        const RigReport report = done.rigged.body.report;
+        weighSeconds_ = report.stages.back().seconds;
+        show(box, done.rigged, again);
+        std::string doubts;
+        for (const std::string& doubt : report.doubts)
+          doubts += (doubts.empty() ? "; doubtful: " : "; ") + doubt;
+        box.say(fmt::format("Rigged, confidence {:.0f} %{}: drag it, or mend it in the tab Rig",
+                            100.0 * report.confidence, doubts));
+      });
+    } catch (const RigStopped&) {
+      sandbox.say("Rigging was stopped");
+    } catch (const std::exception& error) {
+      sandbox.say(error.what(), true);
+    }
+  }
+
+  void takeWeights(Sandbox& sandbox) {
+    try {
+      Weighed done = weighing_.get();
+      weighSeconds_ = done.seconds;
+      if (!rigged_ || rigged_->from != done.written.rigged.from) return;  // another body stands there now
+      writtenTo_ = done.written.path;
+      show(sandbox, std::move(done.written.rigged), true);
+    } catch (const std::exception& error) {
+      sandbox.say(error.what(), true);
+    }
+  }
+
+  /// Opens the body as it is now. again: it stood here before; view, solver and skin stay as they were.
   void show(Sandbox& sandbox, Rigged rigged, bool again) {
     rigged_ = std::move(rigged);
     const RigGrips grips = rigGrips(rigged_->body.skeleton);
-    Model model{.name = stem(path_),
+    Model model{.name = stem(rigged_->from->path),
                 .skeleton = rigged_->body.skeleton,
                 .skin = skinOf(*rigged_),
+                .look = rigged_->from->surface.look,
                 .handles = grips.handles,
                 .pins = grips.pins};
-    const View view = sandbox.session().view();
+    const Document before = sandbox.session().document();
+    const std::optional<int> selected = sandbox.selectedJoint();
     opening_ = true;
-    sandbox.openModel(std::move(model), {.nameOrFile = rigged_->path});
+    sandbox.openModel(std::move(model), {.nameOrFile = writtenTo_});
     opening_ = false;
-    if (again)
-      sandbox.session().view() = view;
-    else
-      sandbox.state().preferences.opened(rigged_->path);
+    if (!again) return sandbox.state().preferences.opened(writtenTo_);
+    Session& session = sandbox.session();
+    session.view() = before.view;
+    session.setSolver(before.solver.name);
+    session.chooseSkin(before.skin);
+    if (selected && *selected < session.skeleton().jointCount()) sandbox.select(selected);
   }
 
   bool symmetricNames() const {
@@ -407,34 +458,48 @@ class RigPanel final : public Panel {
     mend(sandbox, withJoint(joint, place));
   }
 
-  void mend(Sandbox& sandbox, Skeleton skeleton) {
-    if (weighing_.valid()) return;
-    undo_.push_back(rigged_->body);
+  /// What stands here, painted weights included, goes where undo finds it.
+  void remember(const Sandbox& sandbox) {
+    const std::vector<Influences>& now = sandbox.session().skin()->influences;
+    const std::vector<Influences> own = skinOf(*rigged_).influences;
+    const auto same = [](const Influences& a, const Influences& b) {
+      return a.joints == b.joints && a.weights == b.weights;
+    };
+    if (!std::ranges::equal(now, own, same))
+      for (std::size_t v = 0; v < now.size(); ++v) {
+        rigged_->body.weights[v].clear();
+        for (int k = 0; k < 4; ++k)
+          if (now[v].weights[k] > 0.0)
+            rigged_->body.weights[v].emplace_back(now[v].joints[k], now[v].weights[k]);
+      }
+    undo_.push_back(*rigged_);
     if (undo_.size() > 50) undo_.erase(undo_.begin());
     redo_.clear();
-    rigged_->body.skeleton = std::move(skeleton);
-    show(sandbox, *rigged_, true);
+  }
+
+  void mend(Sandbox& sandbox, Skeleton skeleton) {
+    if (weighing_.valid() || !rigged_) return;
+    remember(sandbox);
+    Rigged mended = *rigged_;
+    mended.body.skeleton = std::move(skeleton);
+    show(sandbox, std::move(mended), true);
+    weighAnew();
+  }
+
+  void weighByHand(Sandbox& sandbox) {
+    if (weighing_.valid()) return;
+    remember(sandbox);
     weighAnew();
   }
 
   void weighAnew() {
-    if (weighing_.valid()) return;
-    const auto begin = std::chrono::steady_clock::now();
-    weighing_ = startWork([path = path_, rigged = *rigged_, begin, seconds = &weighSeconds_]() mutable {
-      weigh(rigged.mesh, rigged.body);
-      *seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-      rigged.path = write(path, rigged.body.skeleton, skinOf(rigged));
-      return rigged;
+    weighing_ = startWork([rigged = *rigged_]() mutable {
+      const auto begin = std::chrono::steady_clock::now();
+      weigh(rigged.from->surface.mesh, rigged.body);
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      std::string path = write(rigged);
+      return Weighed{{std::move(rigged), std::move(path)}, seconds};
     });
-  }
-
-  void travel(Sandbox& sandbox, std::vector<RiggedBody>& from, std::vector<RiggedBody>& to) {
-    if (from.empty() || weighing_.valid()) return sandbox.say("Nothing to undo or redo here");
-    to.push_back(std::move(rigged_->body));
-    rigged_->body = std::move(from.back());
-    from.pop_back();
-    write(path_, rigged_->body.skeleton, skinOf(*rigged_));
-    show(sandbox, *rigged_, true);
   }
 
   std::optional<int> jointAt(Sandbox& sandbox, const Eigen::Vector2d& pixel) const {
@@ -454,14 +519,23 @@ class RigPanel final : public Panel {
     const Frames rest = restFrames(skeleton);
     const auto colour = [](const ImVec4& c, float alpha = 1.0f) { return Colour{c.x, c.y, c.z, alpha}; };
     const std::optional<int> hovered = dragged_ ? dragged_ : jointAt(sandbox, s.mouse);
+    std::vector<Eigen::Vector2d> pixels;
+    for (const Eigen::Isometry3d& frame : rest) pixels.push_back(s.toWindow(frame.translation()).pixel);
+    const auto nearest = [&](int joint) {  // fingers' dots are small where they would cover each other
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < pixels.size(); ++k)
+        if (static_cast<int>(k) != joint) least = std::min(least, (pixels[k] - pixels[joint]).norm());
+      return static_cast<float>(least);
+    };
     for (int j = 0; j < skeleton.jointCount(); ++j) {
       const Eigen::Vector3d at = rest[j].translation();
       if (const int parent = skeleton.parent(j); parent >= 0)
         sandbox.overlay().line(rest[parent].translation(), at, colour(s.colours().accent, 0.7f),
                                2.0f * s.scale);
       const bool unsure = rigged_->body.report.jointConfidence[j] < 0.5;
+      const float size = std::clamp(0.7f * nearest(j), 4.0f * s.scale, 10.0f * s.scale);
       sandbox.overlay().point(at, colour(unsure ? s.colours().warning : s.colours().accent),
-                              (hovered == j ? 15.0f : 10.0f) * s.scale);
+                              hovered == j ? 1.5f * size : size);
     }
     if (hovered)
       sandbox.label(rest[*hovered].translation(), skeleton.joint(*hovered).name,
@@ -493,7 +567,7 @@ class RigPanel final : public Panel {
     for (int k = 0; k < 3; ++k)
       if (ImGui::Selectable(names[k], now.own.empty() && k == static_cast<int>(now.skeleton)))
         start({.skeleton = static_cast<RigTemplate>(k)});
-    for (const std::string& file : skeletonsBeside(path_, false))
+    for (const std::string& file : skeletonsBeside(rigged_->from->path, false))
       if (ImGui::Selectable(fs::path(file).filename().string().c_str(), now.own == file))
         start({.own = file});
     ImGui::EndCombo();
@@ -514,27 +588,41 @@ class RigPanel final : public Panel {
   }
 
   void openWith(Sandbox& sandbox, const std::string& skeleton) {
-    asking_ = false;
-    sandbox.open(ModelReference{.nameOrFile = path_, .files = {.skeleton = skeleton}});
+    sandbox.open(
+        ModelReference{.nameOrFile = std::exchange(asked_, nullptr)->path, .files = {.skeleton = skeleton}});
   }
 
-  void drawProgress(const Sandbox::State& s, const std::string& file) {
+  void openAsItIs(Sandbox& sandbox) {
+    const ModelReference reference{.nameOrFile = std::exchange(asked_, nullptr)->path};
+    sandbox.openModel(readModel(reference), reference);
+  }
+
+  void drawProgress(const Sandbox::State& s) {
     std::string stage;
     double done = 0.0;
     {
       const std::scoped_lock hold(progress_->lock);
-      stage = progress_->stage;
+      stage = progress_->stop ? "stopping" : progress_->stage;
       done = progress_->done;
     }
-    ImGui::Text("Rigging %s", file.c_str());
+    ImGui::Text("Rigging %s", progress_->file.c_str());
     ImGui::ProgressBar(static_cast<float>(done), {360 * s.scale, 0}, stage.c_str());
-    if (ImGui::Button("Stop", {96 * s.scale, 0})) progress_->stop = true;
+    if (ImGui::Button("Stop", {96 * s.scale, 0}) || ImGui::IsKeyPressed(GLFW_KEY_ESCAPE))
+      progress_->stop = true;
   }
 
-  void drawQuestion(Sandbox& sandbox, const std::string& file) {
+  void drawQuestion(Sandbox& sandbox) {
     Sandbox::State& s = sandbox.state();
+    const bool listens = s.dialog == Sandbox::State::Dialog::None && !s.palette.isOpen();
+    const auto button = [&](const char* name, const char* explanation) {
+      const bool pressed = ImGui::Button(name, {120 * s.scale, 0});
+      tooltip(explanation);
+      return pressed;
+    };
+    const std::shared_ptr<const Dropped> asked = asked_;
     ImGui::PushFont(s.gui.fonts().medium);
-    ImGui::Text("%s is a surface without a skeleton. Rig it?", file.c_str());
+    ImGui::Text("%s is a surface without a skeleton. Rig it?",
+                fs::path(asked->path).filename().string().c_str());
     ImGui::PopFont();
     ImGui::TextColored(
         s.colours().textDim, "%s",
@@ -543,33 +631,49 @@ class RigPanel final : public Panel {
                        380 * s.scale)
             .c_str());
     ImGui::Dummy({0, 2 * s.scale});
-    if (ImGui::Button("Human", {120 * s.scale, 0})) start({.skeleton = RigTemplate::Human});
+    if (button("Human", "People and figures like them, fingers where they stand free. Enter.") ||
+        (listens && ImGui::IsKeyPressed(GLFW_KEY_ENTER)))
+      start({.skeleton = RigTemplate::Human});
     ImGui::SameLine();
-    if (ImGui::Button("Four-legged", {120 * s.scale, 0})) start({.skeleton = RigTemplate::Quadruped});
+    if (button("Four-legged", "Horses, cattle, dogs and the like."))
+      start({.skeleton = RigTemplate::Quadruped});
     ImGui::SameLine();
-    if (ImGui::Button("18 joints", {120 * s.scale, 0})) start({.skeleton = RigTemplate::Pinocchio});
-    tooltip("The joints of Pinocchio's human, as the exercise sheet has them.");
-    if (!beside_.empty()) heading(s, "OR WITH A SKELETON THAT LIES BESIDE IT");
-    const std::vector<std::string> beside = beside_;
-    for (const std::string& skeleton : beside)
-      if (ImGui::Selectable(fs::path(skeleton).filename().string().c_str())) openWith(sandbox, skeleton);
+    if (button("18 joints", "The joints of Pinocchio's human, as the exercise sheet has them."))
+      start({.skeleton = RigTemplate::Pinocchio});
+    const auto list = [&](const char* title, const std::vector<std::string>& files) {
+      if (!files.empty()) heading(s, title);
+      std::string chosen;
+      for (const std::string& file : files)
+        if (ImGui::Selectable((fs::path(file).filename().string() + "##" + title).c_str())) chosen = file;
+      return chosen;
+    };
+    if (const std::string chosen = list("OR WITH A SKELETON THAT WAS FITTED ALREADY", fitted_);
+        !chosen.empty())
+      openWith(sandbox, chosen);
+    if (const std::string chosen = list("OR FIT ONE OF YOUR OWN", own_); !chosen.empty())
+      start({.own = chosen});
     ImGui::Dummy({0, 2 * s.scale});
-    if (ImGui::Button("Cancel", {96 * s.scale, 0})) asking_ = false;
+    if (ImGui::Button("Cancel", {96 * s.scale, 0}) || (listens && ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)))
+      asked_.reset();
+    if (fileKind(asked->path) != FileKind::Gltf) return;
+    ImGui::SameLine();
+    if (button("Open as it is", "Stiff, without a skeleton.")) openAsItIs(sandbox);
   }
 
-  std::string path_;
-  std::vector<std::string> beside_;
-  bool asking_ = false;
+  std::shared_ptr<const Dropped> asked_;   ///< waits for an answer
+  std::vector<std::string> fitted_, own_;  ///< skeletons beside it
   std::shared_ptr<Progress> progress_;
-  std::future<Rigged> work_, weighing_;
+  std::future<Written> work_;
+  std::future<Weighed> weighing_;
 
-  std::optional<Rigged> rigged_;         ///< what is open came from here
-  std::vector<RiggedBody> undo_, redo_;  ///< before and after joints were moved
+  std::optional<Rigged> rigged_;  ///< what is open came from here
+  std::string writtenTo_;         ///< the .glb
+  std::vector<Rigged> undo_, redo_;
   bool opening_ = false, moving_ = false, mirrored_ = true, coloured_ = false;
-  double weighSeconds_ = 0.0;  ///< written by the work, read when it is done
-  int shownAt_ = -1000;        ///< frame in which the tab was last in front
+  double weighSeconds_ = 0.0;
+  int shownAt_ = -1000;  ///< frame in which the tab was last in front
   std::optional<int> dragged_;
-  std::optional<Skeleton> edited_;  ///< while a joint is dragged
+  std::optional<Skeleton> edited_;  ///< while a joint is dragged, and until the weights before it are there
   Eigen::Vector3d grip_ = Eigen::Vector3d::Zero();
   Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();  ///< from the mouse to the joint's pixel
 };

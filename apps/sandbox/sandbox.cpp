@@ -9,9 +9,11 @@
 #include <limits>
 
 #include "apps/commands/image.h"
+#include "apps/document/files_together.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
 #include "apps/document/scene_file.h"
+#include "apps/document/surface.h"
 #include "apps/render/facts.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "skinning/gpu/driver.h"
@@ -134,8 +136,8 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   const bool isLecture =
       options.model.starts_with("lecture:");  // an example of the lecture opens its own model
   const bool isSurface =
-      options.files == Companions{} && isMesh(fileKind(options.model));  // is offered a skeleton
-  if (isSurface) readMesh(options.model);  // what cannot be read is refused before a window opens
+      options.files == Companions{} && isSurfaceFile(options.model);  // is offered a skeleton
+  if (isSurface) readSurface(options.model);  // what cannot be read is refused before a window opens
   const ModelReference reference{.nameOrFile = isLecture   ? "planar"
                                                : isSurface ? "figure"
                                                            : options.model,
@@ -192,6 +194,28 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
     for (const Note& note : notes) say(note.line());
 }
 
+namespace {
+
+/// A folder's files in its place, those of folders in it left out.
+std::vector<std::string> withoutFolders(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    if (!std::filesystem::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    std::vector<std::string> inside;
+    for (const auto& entry : std::filesystem::directory_iterator(path))
+      if (entry.is_regular_file()) inside.push_back(entry.path().string());
+    if (inside.empty()) throw std::invalid_argument("no file lies in the folder '" + path + "'");
+    std::ranges::sort(inside);
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+}  // namespace
+
 bool Sandbox::open(const ModelReference& reference) {
   try {
     bool taken = false;
@@ -239,26 +263,32 @@ bool Sandbox::saveSceneTo(const std::string& name) {
   }
 }
 
-namespace {
-
-/// Does it, or asks first where something would be lost. An example of the lecture can be opened again as the
-/// slide has it; it is asked about where it was saved as a scene of one's own.
-void whenSaved(Sandbox& sandbox, std::function<void(Sandbox&)> what) {
-  Sandbox::State& s = sandbox.state();
-  const bool ofTheLecture = s.scenePath.empty() && !sandbox.document().lecture.topic.empty();
-  if (!s.options.asks || ofTheLecture || s.session->editCount() == s.savedEdits) return what(sandbox);
+/// An example of the lecture can be opened again as the slide has it; it is asked about where it was saved as
+/// a scene of one's own.
+void Sandbox::whenSaved(std::function<void(Sandbox&)> what) {
+  State& s = *state_;
+  const bool ofTheLecture = s.scenePath.empty() && !document().lecture.topic.empty();
+  if (!s.options.asks || ofTheLecture || s.session->editCount() == s.savedEdits) return what(*this);
   s.next = std::move(what);
-  s.dialog = Sandbox::State::Dialog::Unsaved;
+  s.dialog = State::Dialog::Unsaved;
 }
 
-}  // namespace
-
 void Sandbox::requestClose() {
-  whenSaved(*this, [](Sandbox& sandbox) { sandbox.state().closing = true; });
+  whenSaved([](Sandbox& sandbox) { sandbox.state().closing = true; });
 }
 
 void Sandbox::requestOpen(const std::string& nameOrFile) {
-  whenSaved(*this, [nameOrFile](Sandbox& sandbox) { sandbox.open(nameOrFile); });
+  whenSaved([nameOrFile](Sandbox& sandbox) { sandbox.open(nameOrFile); });
+}
+
+void Sandbox::requestOpen(const std::vector<std::string>& paths) {
+  try {
+    const ModelReference reference = filesTogether(withoutFolders(paths));
+    if (reference.files == Companions{}) return requestOpen(reference.nameOrFile);
+    whenSaved([reference](Sandbox& sandbox) { sandbox.open(reference); });
+  } catch (const std::exception& error) {
+    say(error.what(), true);
+  }
 }
 
 void Sandbox::frame(const Input& input, double dt) {

@@ -65,6 +65,10 @@ class Sandbox {
   /// The same as a person asks for it: unsaved changes are asked about first, a mesh without a skeleton is
   /// offered one. A file whose kind needs no question opens at once.
   void requestOpen(const std::string& nameOrFile);
+  /// Files, or a folder of them, that came at once: what they are together (files_together.h).
+  void requestOpen(const std::vector<std::string>& paths);
+  /// Does it, or asks first where changes that are not saved would be lost.
+  void whenSaved(std::function<void(Sandbox&)> what);
   /// A model that the program made itself. Nothing of the document before goes into the new one, but for the
   /// user's preferences (theme).
   void openModel(Model model, const ModelReference& reference);

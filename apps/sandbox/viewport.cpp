@@ -362,8 +362,10 @@ void undoOrRedo(Sandbox& sandbox, bool redo) {
   Sandbox::State& s = sandbox.state();
   s.gesture = {};
   s.hover = {};
-  if (!(redo ? s.session->redo() : s.session->undo()))
-    sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+  if (redo ? s.session->redo() : s.session->undo()) return;
+  for (const auto& panel : s.panels)
+    if (panel->undoOrRedo(sandbox, redo)) return;
+  sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
 }
 
 void frameEverything(Sandbox& sandbox, bool glide) {
@@ -400,7 +402,7 @@ void handleViewInput(Sandbox& sandbox, const Input& input) {
         trackModifiers(s, event);
         if (event.down && !typing) pressKey(sandbox, event.code);
         break;
-      case InputEvent::Kind::Drop: sandbox.requestOpen(event.path); break;
+      case InputEvent::Kind::Drop: sandbox.requestOpen(event.paths); break;
       case InputEvent::Kind::Character: break;
     }
   }

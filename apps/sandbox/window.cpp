@@ -55,7 +55,7 @@ void connect(GLFWwindow* window) {
     queueOf(w).add({.kind = InputEvent::Kind::Character, .code = static_cast<int>(c)});
   });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    for (int i = 0; i < count; ++i) queueOf(w).add({.kind = InputEvent::Kind::Drop, .path = paths[i]});
+    queueOf(w).add({.kind = InputEvent::Kind::Drop, .paths = {paths, paths + count}});
   });
 }
 

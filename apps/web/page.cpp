@@ -12,7 +12,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "apps/document/files_together.h"
 #include "apps/document/scene_file.h"
 #include "apps/lecture/example.h"
 #include "apps/sandbox/requests.h"
@@ -90,15 +89,6 @@ std::string exampleNamed(const std::string& name) {
   return "lecture:" + (found == topics.end() ? name : found->id);
 }
 
-/// What came at once, opened as a person asks for it; unsaved changes are asked about first.
-void openTogether(Sandbox& sandbox, const std::vector<std::string>& paths) {
-  const ModelReference reference = filesTogether(paths);
-  if (reference.files == Companions{})
-    sandbox.requestOpen(reference.nameOrFile);
-  else
-    sandbox.open(reference);
-}
-
 }  // namespace
 
 Sandbox& pageSandbox() { return *page().sandbox; }
@@ -169,7 +159,7 @@ EMSCRIPTEN_KEEPALIVE int page_in_view(double x, double y) {
 EMSCRIPTEN_KEEPALIVE void page_open(const char* paths) {
   Sandbox& sandbox = *page().sandbox;
   try {
-    openTogether(sandbox, Json::parse(paths).get<std::vector<std::string>>());
+    sandbox.requestOpen(Json::parse(paths).get<std::vector<std::string>>());
   } catch (const std::exception& error) {
     sandbox.say(error.what(), true);
   }

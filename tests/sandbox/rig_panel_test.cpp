@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/document/surface.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
 #include "skinning/bodies/mannequin_body.h"
 #include "skinning/io/gltf.h"
@@ -16,6 +18,16 @@ namespace gelenk {
 namespace {
 
 using nlohmann::json;
+
+/// A triangle in a glTF of text, without bones.
+std::string stiffGltf() {
+  return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+                   "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+}
 
 /// A window that a mesh without a skeleton was dropped on, in a folder of its own.
 struct DroppedBody : testing::Stage {
@@ -97,6 +109,67 @@ TEST(RigPanel, AMeshIsRiggedMendedByHandAndUndone) {
   EXPECT_EQ(stage.weightOn("elbow_l"), carried);
   stage.play("0 do Rig confidence on\n1 tab Rig\n3 move 5 5\n");
   EXPECT_TRUE(stage.log.messages().empty());
+}
+
+TEST(RigPanel, EveryStepIsTakenBackAndDoneAgainToTheBit) {
+  DroppedBody stage;
+  const auto file = [&] { return readFile((stage.folder / "body_rigged.glb").string()); };
+  stage.play("0 do Rig human\n");
+  stage.waitForWork();
+  std::vector<std::string> files{file()};
+  for (const char* step : {"move knee_l 0.13 0.5 0.03", "move wrist_r -0.5 1.0 0.2", "weigh", "pinocchio",
+                           "human", "move neck 0.01 1.5 0"}) {
+    stage.play(std::string("0 do Rig ") + step + "\n");
+    stage.waitForWork();
+    files.push_back(file());
+  }
+  EXPECT_EQ(stage.status()["moved"], 6);
+  for (auto expected = files.rbegin() + 1; expected != files.rend(); ++expected) {
+    stage.play("0 keydown ctrl\n1 key z\n2 keyup ctrl\n");  // the document's history is empty
+    EXPECT_EQ(file() == *expected, true) << "back to step " << files.rend() - expected - 1;
+  }
+  for (std::size_t k = 1; k < files.size(); ++k) {
+    stage.play("0 do Rig redo\n");
+    EXPECT_EQ(file() == files[k], true) << "forth to step " << k;
+  }
+}
+
+TEST(RigPanel, ABodyThatIsOnlyAskedAboutChangesNothingOfTheOneThatStands) {
+  DroppedBody stage;
+  stage.play("0 do Rig human\n");
+  stage.waitForWork();
+  const std::string other = (stage.folder / "other.obj").string();
+  writeObj(other, makeMannequinSkin(mannequin()).mesh);
+  stage.sandbox.open(other);
+  stage.play("0 key escape\n1 move 5 5\n");
+  EXPECT_EQ(stage.status()["asking"], false);
+  stage.play("0 do Rig weigh\n");
+  stage.waitForWork();
+  EXPECT_FALSE(std::filesystem::exists(stage.folder / "other_rigged.glb"));
+  EXPECT_EQ(stage.sandbox.session().model().name, "body");
+}
+
+TEST(RigPanel, WhatIsNoBodyIsSaidAtOnceAndLeavesWhatStands) {
+  DroppedBody stage;
+  stage.play("0 do Rig cancel\n");
+  for (const char* name : {"broken.stl", "missing.obj", "broken.obj"}) {
+    const std::string path = (stage.folder / name).string();
+    if (name != std::string("missing.obj")) writeFile(path, "v 0 0\n");
+    EXPECT_FALSE(stage.sandbox.open(path)) << name;
+    EXPECT_TRUE(stage.status().is_null()) << name;
+  }
+  EXPECT_EQ(stage.sandbox.session().model().name, "planar");
+}
+
+TEST(RigPanel, AGltfWithoutBonesIsAskedAboutAndOpensAsItIsWhereWanted) {
+  DroppedBody stage;
+  stage.play("0 do Rig cancel\n");
+  const std::string path = (stage.folder / "stiff.gltf").string();
+  writeFile(path, stiffGltf());
+  ASSERT_TRUE(stage.sandbox.open(path));
+  EXPECT_EQ(stage.status()["asking"], true);
+  stage.play("0 do Rig as-it-is\n");
+  EXPECT_EQ(stage.sandbox.session().model().name, "stiff");
 }
 
 }  // namespace

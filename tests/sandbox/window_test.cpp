@@ -13,7 +13,10 @@
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
+#include "skinning/bodies/mannequin_body.h"
+#include "skinning/io/obj.h"
 #include "tests/places.h"
+#include "tests/sandbox/drop_source.h"
 #include "tests/sandbox/program.h"
 
 namespace gelenk {
@@ -229,6 +232,48 @@ TEST_F(RealWindow, ALectureHourRunsFromStartToEnd) {
   mouse({"key", "d"});
   waitFor([](const json& s) { return s["example"] == "leg"; });
   nextFrames(10);
+}
+
+/// By the protocol that file managers speak: the question, the work, and a hand that follows the mouse.
+TEST_F(RealWindow, AFileDroppedFromAnotherWindowIsRiggedAndDragged) {
+  if (!testing::canDropFiles()) GTEST_SKIP() << "built without X11's library";
+  const auto drop = [&](const std::vector<std::string>& paths) {
+    testing::dropFiles(display_.substr(display_.find(':')), paths, 300, 200);
+  };
+  const auto rigOf = [](const json& s) {
+    return s.contains("panels") ? s["panels"].value("Rig", json::object()) : json::object();
+  };
+  const auto file = folder_ / "K\u00f6rper #1 50%.obj";
+  writeObj(file.string(), makeMannequinSkin(mannequin()).mesh);
+
+  drop({file.string(), (folder_ / "nothing.obj").string()});  // two surfaces: neither
+  nextFrames(3);
+  drop({file.string()});
+  waitFor([&](const json& s) { return rigOf(s).value("asking", false); });
+  drop({file.string()});  // impatience: asked once
+  EXPECT_TRUE(rigOf(nextFrames(3)).value("asking", false));
+  mouse({"key", "Escape"});
+  waitFor([&](const json& s) { return rigOf(s).empty(); });
+  drop({file.string()});
+  waitFor([&](const json& s) { return rigOf(s).value("asking", false); });
+  mouse({"key", "Return"});
+  json status = waitFor([&](const json& s) { return rigOf(s).value("confidence", 0.0) > 0.0; });
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "K\u00f6rper #1 50%_rigged.glb"));
+
+  const json wrist = goal(status, "wrist_l");
+  const double x = wrist["pixel"][0], y = wrist["pixel"][1];
+  moveTo(x, y);
+  waitFor([&](const json& s) { return std::lround(s["mouse"][0].get<double>()) == std::lround(x); });
+  mouse({"mousedown", "1"});
+  waitFor([](const json& s) { return s["dragging"] == "wrist_l"; });
+  for (int i = 1; i <= 6; ++i) {
+    moveTo(x + 3.0 * i, y - 6.0 * i);
+    nextFrames(1);
+  }
+  status = nextFrames(10);
+  EXPECT_LT(goal(status, "wrist_l")["error"].get<double>(), 1e-3);
+  EXPECT_NEAR(goal(status, "wrist_l")["pixel"][1].get<double>(), y - 36.0, 1.5);
+  mouse({"mouseup", "1"});
 }
 
 /// Ticks of processor time that the process has taken so far, its own and the system's for it.
