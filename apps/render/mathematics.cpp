@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <string_view>
 
@@ -170,8 +171,25 @@ float scriptShare(float size) { return size < 17.0f ? 0.8f : 0.74f; }
 constexpr float raised = -0.28f, lowered = 0.40f;
 constexpr float fractionSize = 0.86f, numeratorAt = -0.46f, barAt = 0.53f, denominatorAt = 0.60f;
 
+/// What small type is written with: a font of about that size, where there is one, at its own size. Letters
+/// that are made smaller lose thin strokes, first of all the minus of an exponent.
+struct Type {
+  ImFont* font;
+  float size;
+};
+Type typeOf(ImFont* font, float size) {
+  if (size >= 15.0f || size >= font->FontSize) return {font, size};
+  Type best{font, size};
+  float nearest = 0.12f * size;
+  for (ImFont* other : ImGui::GetIO().Fonts->Fonts)
+    if (const float apart = std::abs(other->FontSize - size); apart < nearest)
+      best = {other, other->FontSize}, nearest = apart;
+  return best;
+}
+
 float widthOf(ImFont* font, float size, const std::string& text) {
-  return font->CalcTextSizeA(size, 1e9f, 0.0f, text.c_str()).x;
+  const Type type = typeOf(font, size);
+  return type.font->CalcTextSizeA(type.size, 1e9f, 0.0f, text.c_str()).x;
 }
 
 /// Measuring only: one type for all depths of the recursion.
@@ -317,7 +335,9 @@ float drawMathematics(ImDrawList& draw, ImFont* font, float size, ImVec2 at, ImU
   return layOut(
              font, size, setMathematics(plain), at.x, at.y,
              [&](const MathRun& run, float x, float y, float own) {
-               if (run.text != arrow) return draw.AddText(font, own, {x, y}, colour, run.text.c_str());
+               const Type type = typeOf(font, own);
+               if (run.text != arrow)
+                 return draw.AddText(type.font, type.size, {x, y}, colour, run.text.c_str());
                const float to = x + 0.78f * own, middle = y + 0.56f * own, wide = std::max(1.0f, 0.08f * own);
                draw.AddLine({x + 0.08f * own, middle}, {to, middle}, colour, wide);
                const ImVec2 head[] = {{to - 0.22f * own, middle - 0.2f * own},

@@ -169,6 +169,7 @@ Fonts loadFonts(float scale) {
   fonts.medium = load("Roboto-Medium.ttf", 15.0f);
   fonts.small = load("Roboto-Regular.ttf", 13.0f);
   fonts.large = load("Roboto-Medium.ttf", 20.0f);
+  fonts.script = load("Roboto-Regular.ttf", 11.0f);
   fonts.title = load("Roboto-Medium.ttf", 30.0f);
   return fonts;
 }

@@ -22,7 +22,8 @@ struct Palette {
 const Palette& palette(Theme theme);
 
 struct Fonts {
-  ImFont *regular = nullptr, *medium = nullptr, *small = nullptr, *large = nullptr, *title = nullptr;
+  ImFont *regular = nullptr, *medium = nullptr, *small = nullptr, *large = nullptr, *title = nullptr,
+         *script = nullptr;
 };
 
 /// The first line of Dear ImGui's shaders.

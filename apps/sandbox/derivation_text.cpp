@@ -181,6 +181,7 @@ void drawDerivation(const std::string& text, ImFont* font, float size) {
     ImGui::SetWindowFontScale(whole * std::min(room / std::max(width, 1.0f), 1.0f));
   };
   ImGui::Dummy({0, 0.1f * size});  // what is raised stands out of its line
+  int count = 0;
   for (const TextPiece& piece : piecesOf(text)) {
     fit(0.0f);
     const float left = 0.47f * size * static_cast<float>(piece.indent);  // about the width of a blank in type
@@ -196,7 +197,9 @@ void drawDerivation(const std::string& text, ImFont* font, float size) {
       }
       continue;
     }
+    ImGui::PushID(count++);
     const std::vector<Column> columns = columnsOf(piece.table);
+    ImGui::PopID();
     const bool isMatrix = piece.kind == TextPiece::Kind::Matrix;
     const float indent = isMatrix ? left / size : 1.0f;  // a blank of a line, whatever the type
     fit(size * (indent + rightEdge(columns) + (isMatrix ? 1.0f : 0.0f)));

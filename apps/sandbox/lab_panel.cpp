@@ -115,14 +115,18 @@ class LabPanel final : public Panel {
       ImGui::PushID(static_cast<int>(i));
       chip(toImVec4(colourOf(i)), s.scale);
       ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 30 * s.scale);
-      if (ImGui::BeginCombo("##solver", lab_->solvers[i].c_str(), ImGuiComboFlags_HeightLarge)) {
+      if (ImGui::BeginCombo("##solver",
+                            std::string(solverEntry(solverSpec(lab_->solvers[i]).name).title).c_str(),
+                            ImGuiComboFlags_HeightLarge)) {  // by the name that the Solve tab uses
         for (const std::string& solver : frameSolverNames())
-          if (ImGui::Selectable(solver.c_str(), solver == solverSpec(lab_->solvers[i]).name)) {
+          if (ImGui::Selectable(std::string(solverEntry(solver).title).c_str(),
+                                solver == solverSpec(lab_->solvers[i]).name)) {
             lab_->solvers[i] = solver;
             startAgain();
           }
         ImGui::EndCombo();
       }
+      tooltip(lab_->solvers[i].c_str());
       ImGui::SameLine(0, 4 * s.scale);
       if (ImGui::SmallButton("x") && lab_->solvers.size() > 1) removed = i;
       tooltip("Leaves this solver out");

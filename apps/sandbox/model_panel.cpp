@@ -52,7 +52,10 @@ class ModelPanel final : public Panel {
     ImGui::Separator();
     const float sliders = s.selectedJoint() ? slidersHeight(s) : 0.0f;
     ImGui::BeginChild("tree", {0, std::max(120 * s.scale, ImGui::GetContentRegionAvail().y - sliders)});
+    ImGui::PushStyleVar(ImGuiStyleVar_IndentSpacing,
+                        8 * sandbox.scale());  // fingers stand twelve levels deep
     tree(sandbox, 0);
+    ImGui::PopStyleVar();
     ImGui::EndChild();
     if (s.selectedJoint()) joint(sandbox, *s.selectedJoint());
   }

@@ -10,6 +10,7 @@
 #include "apps/lecture/example.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/notation/robots.h"
+#include "skinning/blend/skin_method.h"
 #include "solvers/problem/goal_type.h"
 #include "solvers/problem/ik_solver.h"
 
@@ -66,6 +67,7 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
   add("Free all pins", "", [](Sandbox& s) { s.session().freePins(); });
   add("Let every goal go", "", [](Sandbox& s) { s.session().removeAllGoals(); });
   add("Balance on or off", "", [](Sandbox& s) { s.session().setBalance(!s.session().balance()); });
+  add("Frame the selection", "F", [](Sandbox& s) { frameSelection(s); });
   add("Frame everything", "Home", [](Sandbox& s) { frameEverything(s, true); });
   const auto look = [&](const char* name, const char* key, StandardView view) {
     add(std::string("View: ") + name, key, [view](Sandbox& s) {
@@ -101,6 +103,13 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
     const SolverEntry& entry = solverEntry(name);
     add(fmt::format("Solver {} ({})", entry.title, name), "", [name](Sandbox& s) { chooseSolver(s, name); });
   }
+  add("Next solver", "Tab", [](Sandbox& s) { s.session().nextSolver(1); });
+  add("Previous solver", "Shift+Tab", [](Sandbox& s) { s.session().nextSolver(-1); });
+  if (sandbox.session().skin())
+    for (const SkinMethod* method : skinMethods())
+      if (!method->shader.empty())
+        add(fmt::format("Skin {} ({})", method->title, method->name), "",
+            [kind = method->kind](Sandbox& s) { s.session().skinChoice().method = kind; });
   for (const std::string& name : builtInModels())
     add(titleOf(name), "", [name](Sandbox& s) { s.requestOpen(name); });
   for (const LectureTopic& topic : lectureTopics())

@@ -181,6 +181,7 @@ struct Sandbox::State {
 // viewport.cpp: mouse and keys over the view
 void handleViewInput(Sandbox& sandbox, const Input& input);
 void frameEverything(Sandbox& sandbox, bool glide);
+void frameSelection(Sandbox& sandbox);         ///< everything where nothing is selected
 void undoOrRedo(Sandbox& sandbox, bool redo);  ///< says so where there is nothing
 /// The handle that a press at the window's pixel takes.
 std::optional<GoalId> handleAt(const Sandbox::State& state, const Eigen::Vector2d& pixel);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/document/model.h"
+#include "apps/sandbox/key_help.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/forward_kinematics.h"
 #include "skinning/gpu/driver.h"
@@ -368,29 +369,8 @@ void help(Sandbox& sandbox) {
   ImGui::TextUnformatted("Mouse and keys");
   ImGui::PopFont();
   ImGui::Dummy({0, 4 * s.scale});
-  static constexpr const char* rows[][2] = {
-      {"Drag a handle, the skin or a joint", "move it in the plane that faces you"},
-      {"X, Y, Z while dragging", "lock to an axis, again to free it"},
-      {"Shift while dragging", "move along the ground plane"},
-      {"T or Alt while dragging", "turn the goal's orientation"},
-      {"Drag the ground", "orbit; middle button orbits anywhere"},
-      {"Right drag, Shift + middle", "pan"},
-      {"Wheel", "zoom to the mouse"},
-      {"P", "pin or free what is under the mouse"},
-      {"Delete", "let the goal go"},
-      {"R, M", "rest pose, mirror pose"},
-      {"Tab, Shift + Tab", "next solver, previous solver"},
-      {"F, Home", "frame the selection, frame everything"},
-      {"1, 3, 7, 5", "front, side, top, orthographic"},
-      {"N, Shift + N", "next and previous branch; a click on a ghost takes it"},
-      {"Space", "play"},
-      {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
-      {"Ctrl+S, Ctrl+O", "save and open; files can be dropped"},
-      {"F5", "presentation: the derivation in large type"},
-      {"Ctrl+K", "find any action, model, example or solver"},
-      {"F12, Ctrl+R", "screenshot; record a film, and stop"}};
   if (ImGui::BeginTable("##keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    for (const auto& [key, what] : rows) {
+    for (const auto& [key, what] : keyHelp) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::PushFont(s.gui.fonts().medium);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/commands/solver_colour.h"
+#include "apps/render/mathematics.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/sandbox_state.h"
@@ -121,9 +122,9 @@ class SolvePanel final : public Panel {
     ImGui::TextUnformatted(label);
     tooltip(explanation);
     ImGui::TableNextColumn();
-    const float width = ImGui::CalcTextSize(value.c_str()).x;
+    const float width = mathExtent(ImGui::GetFont(), ImGui::GetFontSize(), value).width;
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0f, ImGui::GetContentRegionAvail().x - width));
-    ImGui::TextUnformatted(value.c_str());
+    mathItem(value);
     tooltip(explanation);
   }
 

@@ -198,18 +198,6 @@ void moveMouse(Sandbox& sandbox) {
 
 void glideTo(Sandbox::State& s, const Camera& to) { s.cameraMove = {s.camera(), to, s.time}; }
 
-void frameSelection(Sandbox& sandbox) {
-  Sandbox::State& s = sandbox.state();
-  if (!s.selectedJoint()) return frameEverything(sandbox, true);
-  Eigen::AlignedBox3d box;
-  const Vector3d at = sandbox.shownFrames()[*s.selectedJoint()].translation();
-  box.extend(at - Vector3d::Constant(0.08 * s.size()));
-  box.extend(at + Vector3d::Constant(0.08 * s.size()));
-  for (const int child : s.session->skeleton().children(*s.selectedJoint()))
-    box.extend(sandbox.shownFrames()[child].translation());
-  glideTo(s, frameBox(s.camera(), s.viewport(), box));
-}
-
 void guarded(Sandbox& sandbox, void (Session::*edit)()) {
   try {
     (sandbox.session().*edit)();
@@ -366,6 +354,18 @@ void undoOrRedo(Sandbox& sandbox, bool redo) {
   for (const auto& panel : s.panels)
     if (panel->undoOrRedo(sandbox, redo)) return;
   sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+}
+
+void frameSelection(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  if (!s.selectedJoint()) return frameEverything(sandbox, true);
+  Eigen::AlignedBox3d box;
+  const Vector3d at = sandbox.shownFrames()[*s.selectedJoint()].translation();
+  box.extend(at - Vector3d::Constant(0.08 * s.size()));
+  box.extend(at + Vector3d::Constant(0.08 * s.size()));
+  for (const int child : s.session->skeleton().children(*s.selectedJoint()))
+    box.extend(sandbox.shownFrames()[child].translation());
+  glideTo(s, frameBox(s.camera(), s.viewport(), box));
 }
 
 void frameEverything(Sandbox& sandbox, bool glide) {

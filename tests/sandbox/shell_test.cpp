@@ -4,9 +4,12 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 
 #include "apps/lecture/example.h"
 #include "apps/sandbox/gizmo.h"
+#include "apps/sandbox/key_help.h"
 #include "apps/sandbox/palette.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/io/text_file.h"
@@ -54,9 +57,44 @@ TEST(CommandPalette, FindsEveryModelSolverExampleTabAndThingToShow) {
     EXPECT_TRUE(finds("lecture " + topic.title)) << topic.title;
   for (const auto& panel : stage.state().panels)
     if (panel->hasInspector()) EXPECT_TRUE(finds("tab " + panel->name()));
-  for (std::string word : {"ground", "convergence", "velocity ellipsoid", "undo", "mirror", "screenshot"})
+  for (std::string word : {"next solver", "frame the selection", "ground", "convergence",
+                           "velocity ellipsoid", "undo", "mirror", "screenshot"})
     EXPECT_TRUE(finds(word)) << word;
   EXPECT_FALSE(finds("no such thing"));
+}
+
+/// A letter, a digit or F5 in a text, as a word of its own.
+bool names(const std::string& text, const std::string& key) {
+  return std::regex_search(text, std::regex("(^|[^A-Za-z0-9])" + key + "([^A-Za-z0-9]|$)"));
+}
+
+/// The keys that the sources ask for, against the help window and docs/sandbox.md.
+TEST(KeyHelp, NamesEveryKeyOfTheSourcesAndTheManualNamesThemToo) {
+  const fs::path root = fs::path(testing::assetFolder()).parent_path();
+  std::string help;
+  for (const KeyHelp& row : keyHelp) help += std::string(row.keys) + " " + row.what + "\n";
+  std::string manual = readFile((root / "docs/sandbox.md").string());
+  manual = manual.substr(manual.find("## Mouse and keys"));
+  manual = manual.substr(0, manual.find("## Solvers"));
+  std::set<std::string> keys;
+  for (const fs::directory_entry& file : fs::directory_iterator(root / "apps/sandbox")) {
+    const std::string name = file.path().filename().string();
+    if (name != "viewport.cpp" && !name.ends_with("_panel.cpp")) continue;
+    const std::string text = readFile(file.path().string());
+    const std::regex pattern("GLFW_KEY_([A-Z]|[0-9]|F[0-9]+)\\b");
+    for (std::sregex_iterator it(text.begin(), text.end(), pattern), end; it != end; ++it)
+      keys.insert((*it)[1]);
+  }
+  EXPECT_GT(keys.size(), 20u);
+  for (const std::string& key : keys) {
+    EXPECT_TRUE(names(help, key)) << key;
+    EXPECT_TRUE(names(manual, key)) << key;
+  }
+  Stage stage("planar");
+  for (const Action& action : actionsOf(stage.sandbox)) {
+    const std::string key = action.key.substr(action.key.rfind('+') + 1);  // Ctrl+Shift+Z
+    EXPECT_TRUE(key.empty() || names(help, key)) << action.key;
+  }
 }
 
 TEST(CommandPalette, AFewLettersAndEnterOpenARobot) {
