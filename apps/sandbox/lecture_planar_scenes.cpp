@@ -368,10 +368,7 @@ class NewtonScene final : public PlanarScene {
 
   bool hasPlot() const override { return true; }
   void drawPlot(Sandbox& sandbox) override {
-    Curve curve{.values = {},
-                .colour = sandbox.state().colours().accent,
-                .width = 2.0f,
-                .dots = true};
+    Curve curve{.values = {}, .colour = sandbox.state().colours().accent, .width = 2.0f, .dots = true};
     for (const NewtonStep& s : drawing_.run.steps) curve.values.push_back(s.g.norm());
     gelenk::drawPlot({.title = "|f(phi^i) - X|",
                       .xLabel = "iteration",
