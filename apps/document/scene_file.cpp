@@ -255,7 +255,6 @@ std::pair<int, Influences> readRow(const JsonEntry& entry, int vertexCount, cons
 
 void readWeights(const JsonEntry& entry, const Model& model, SharedRows<Influences>& weights) {
   if (!model.skin) entry.fail("no weights for a model without a body");
-  if (entry.at("changed").list().empty()) return;
   const int vertexCount = weights.size();
   if (entry.at("vertices").integer() != vertexCount)
     entry.at("vertices").fail(fmt::format("the body's {} vertices", vertexCount));

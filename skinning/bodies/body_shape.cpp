@@ -15,10 +15,8 @@ namespace {
 
 constexpr int columns = 11;       // u, v, radius, then cosine and sine of n = 2..5
 constexpr double widening = 1.5;  // of a blend's radius: where both agree it fills a quarter of the radius
-constexpr double turnOfCap =
-    0.5;                     // of a cap's length: its curvature sets in over so much on both sides of the end
-constexpr double far = 1e9;  // value of a part that is too far away to matter
-constexpr int maxParts = 2048;  // of one region, so that evaluation needs no heap
+constexpr double far = 1e9;       // value of a part that is too far away to matter
+constexpr int maxParts = 2048;    // of one region, so that evaluation needs no heap
 
 std::array<double, columns> columnsOf(const Section& s) {
   return {s.u,       s.v,         s.radius,  s.cosine[0], s.sine[0], s.cosine[1],
@@ -27,75 +25,19 @@ std::array<double, columns> columnsOf(const Section& s) {
 
 /// min(a, b) rounded over the width k where both are near.
 template <bool withGradient>
-FieldSample smoothMin(const FieldSample& a, const FieldSample& b, double k) {
+FieldSample smoothMin(const FieldSample& a, const FieldSample& b, double k,
+                      const Vector3d* kGradient = nullptr) {
   const bool aFirst = a.value <= b.value;
   const FieldSample &low = aFirst ? a : b, &high = aFirst ? b : a;
   const double wide = widening * k, overlap = wide - (high.value - low.value);
   if (!(overlap > 0.0)) return low;
   const double h = overlap / wide, share = 0.5 * h * h;
   FieldSample out{low.value - wide * h * h * h / 6.0, Vector3d::Zero()};
-  if constexpr (withGradient) out.gradient = (1.0 - share) * low.gradient + share * high.gradient;
-  return out;
-}
-
-/// What several children make of their parent. Each digs d_c = f0 - v_c into its outside; together sinh^2(d /
-/// K) = sum sinh^2(d_c / K): deep ones fill as a union rounded by k = 2 ln 2 K does, shallow ones in
-/// proportion to themselves, and no place tells which is the deepest. Where the children's k differ the
-/// smaller ones count more.
-template <bool withGradient, class Blend>
-FieldSample unionOf(const FieldSample& own, const int* children, int count, const FieldSample* value,
-                    const Blend& blendOf) {
-  const auto roundingOf = [&](int k) { return std::max(blendOf(children[k]), 1e-12) / (2.0 * M_LN2); };
-  double K = roundingOf(0);
-  bool alike = true;
-  for (int k = 1; k < count; ++k) {
-    alike = alike && roundingOf(k) == K;
-    K = std::min(K, roundingOf(k));
-  }
-  constexpr double deep = 40.0;  // in K: e^-2d is nothing there
-  const double top = std::min(own.value, value[children[0]].value + deep * K);
-  if (!alike) {
-    double shares = 0.0, inverse = 0.0;
-    for (int k = 0; k < count; ++k) {
-      const double s = std::sinh(std::max(top - value[children[k]].value, 0.0) / K);
-      shares += s * s;
-      inverse += s * s / roundingOf(k);
-    }
-    K = shares / inverse;
-  }
-  double sum = 0.0;
-  Vector3d slope = Vector3d::Zero();
-  double slopes = 0.0;
-  for (int k = 0; k < count; ++k) {
-    const FieldSample& child = value[children[k]];
-    const double d = top - child.value;
-    if (!(d > 0.0)) continue;
-    const double s = std::sinh(d / K);
-    sum += s * s;
-    if constexpr (withGradient) {
-      const double weight = s * std::sqrt(1.0 + s * s);
-      slope += weight * child.gradient;
-      slopes += weight;
-    }
-  }
-  const double S = std::sqrt(sum);
-  FieldSample out{top - K * std::asinh(S), Vector3d::Zero()};
   if constexpr (withGradient) {
-    const double scale = 1.0 / (S * std::sqrt(1.0 + sum));
-    out.gradient = scale * slope + (1.0 - scale * slopes) * own.gradient;
+    out.gradient = (1.0 - share) * low.gradient + share * high.gradient;
+    if (kGradient) out.gradient -= widening * (share - h * h * h / 3.0) * *kGradient;
   }
   return out;
-}
-
-/// max(t, 0) with its corner rounded over [-width, width]: no step of the second derivative.
-struct Ramp {
-  double value, slope;
-};
-Ramp ramp(double t, double width) {
-  if (t <= -width) return {0.0, 0.0};
-  if (t >= width) return {t, 1.0};
-  const double x = 0.5 * (t + width) / width, x2 = x * x;
-  return {2.0 * width * x2 * x * (1.0 - 0.5 * x), x2 * (3.0 - 2.0 * x)};
 }
 
 /// As std::hypot but for lengths whose squares are none.
@@ -113,10 +55,9 @@ FieldSample opposite(FieldSample s) {
 struct BodyShape::Prepared {
   Matrix3d axes;  // rows u, v, axis: local = axes (p - a)
   double length = 1.0;
-  double bound = 0.0;               // radius of a capsule around the axis (with caps) that holds the part
-  double turnA = 0.0, turnB = 0.0;  // half the length over which side and cap take over from each other
-  double from = 0.0, to = 0.0;      // ends of that capsule's axis, metres from a
-  std::vector<double> at;           // section positions, metres from a
+  double bound = 0.0;           // radius of a capsule around the axis (with caps) that holds the part
+  double from = 0.0, to = 0.0;  // ends of that capsule's axis, metres from a
+  std::vector<double> at;       // section positions, metres from a
   std::vector<std::array<std::array<double, 4>, columns>>
       cubic;          // one a gap between sections, in the fraction of the gap
   int harmonics = 0;  // highest n that occurs
@@ -134,40 +75,31 @@ struct BodyShape::Prepared {
     return s;
   }
   /// Distance from the capsule that holds the part.
-  template <bool withGradient>
-  FieldSample capsule(const Vector3d& local) const {
-    const double beyond = local.z() - std::clamp(local.z(), from, to);
-    const Vector3d away(local.x(), local.y(), beyond);
-    const double distance = away.norm();
-    FieldSample s{distance - bound, Vector3d::Zero()};
-    if constexpr (withGradient) s.gradient = axes.transpose() * away / std::max(distance, 1e-9 * length);
-    return s;
-  }
   double outside(const BodyPart& part, Vector3d p) const {
     if (part.mirrored) p.x() = -p.x();
-    return capsule<false>(axes * (p - part.a)).value;
+    const Vector3d local = axes * (p - part.a);
+    const double beyond = std::max({from - local.z(), local.z() - to, 0.0});
+    return std::sqrt(local.x() * local.x() + local.y() * local.y() + beyond * beyond) - bound;
   }
 };
 
 /// F = (sqrt(g^2 + e^2) - 1) R with g = rho / R(theta, s) and e the distance beyond the end section over the
-/// cap's length. s stays at the end section while e grows; one takes over from the other gradually.
+/// cap's length.
 template <bool withGradient>
 FieldSample BodyShape::Prepared::cylinder(const BodyPart& part, const Vector3d& p) const {
   const Vector3d local = axes * (p - part.a);
-  const bool low = local.z() < 0.5 * (at.front() + at.back());
-  const double cap = low ? part.capA : part.capB, outwards = low ? -1.0 : 1.0;
-  const Ramp beyond = ramp(outwards * (local.z() - (low ? at.front() : at.back())), low ? turnA : turnB);
-  const double s = std::clamp(local.z() - outwards * beyond.value, at.front(), at.back());
+  const double s = std::clamp(local.z(), at.front(), at.back());
   std::size_t gap = 0;
   while (gap + 2 < at.size() && s > at[gap + 1]) ++gap;
   const double width = at[gap + 1] - at[gap], x = (s - at[gap]) / width;
+  const bool onSide = local.z() == s;
 
   std::array<double, columns> value, slope;  // slope: per metre along the axis
   const int used = harmonics > 1 ? 2 * harmonics + 1 : 3;
   for (int c = 0; c < used; ++c) {
     const auto& k = cubic[gap][c];
     value[c] = k[0] + x * (k[1] + x * (k[2] + x * k[3]));
-    slope[c] = (1.0 - beyond.slope) * (k[1] + x * (2.0 * k[2] + x * 3.0 * k[3])) / width;
+    slope[c] = onSide ? (k[1] + x * (2.0 * k[2] + x * 3.0 * k[3])) / width : 0.0;
   }
 
   const double du = local.x() - value[0], dv = local.y() - value[1];
@@ -192,18 +124,17 @@ FieldSample BodyShape::Prepared::cylinder(const BodyPart& part, const Vector3d& 
   const double R_S = polar ? r0 : -0.5 * R / w;  // dR / dS
   const double R_theta = R_S * S_theta, R_s = R_S * S_s + slope[2] * R / r0;
 
-  const double e = beyond.value / cap;
+  const double cap = local.z() < s ? part.capA : part.capB;
+  const double e = onSide ? 0.0 : std::abs(local.z() - s) / cap;
   const double g = rho / R, G = std::max(std::sqrt(g * g + e * e), 1e-12);
-  const double side = g / G, tip = e * R * beyond.slope / (G * cap);
+  const double side = onSide ? 1.0 : g / G, tip = onSide ? 0.0 : e * R / (G * cap);
   const double slopeSquared = side * side * (1.0 + (R_theta * R_theta) / (R * R) + R_s * R_s) + tip * tip;
   const double N = std::max(std::sqrt(slopeSquared), 0.3);
 
   FieldSample out{(G - 1.0) * R / N, Vector3d::Zero()};
-  if (const double far = capsule<false>(local).value; far > 0.0 && out.value < far)
-    return capsule<withGradient>(local);  // the estimate falls short beside a flat cap
   if constexpr (withGradient) {
     const double F_R = e * e / G - 1.0, F_theta = F_R * R_theta;
-    double F_s = F_R * R_s + outwards * tip;
+    double F_s = onSide ? F_R * R_s : (local.z() < s ? -tip : tip);
     F_s -= side * (slope[0] * sine + slope[1] * cosine);  // the centre moves along the axis
     F_s -= F_theta * (slope[0] * cosine - slope[1] * sine) / rho;
     const Vector3d gradient(side * sine + F_theta / rho * cosine, side * cosine - F_theta / rho * sine, F_s);
@@ -294,9 +225,6 @@ BodyShape::BodyShape(std::vector<BodyPart> parts) : parts_(std::move(parts)) {
             part.form == BodyPart::Form::Polar ? 1.0 + swing : 1.0 / std::sqrt(std::max(1.0 - swing, 0.06));
         ready.bound = std::max(ready.bound, std::hypot(section.u, section.v) + section.radius * grow);
       }
-      const double most = 0.5 * (ready.at.back() - ready.at.front());
-      ready.turnA = std::min(turnOfCap * part.capA, most);
-      ready.turnB = std::min(turnOfCap * part.capB, most);
       ready.from = ready.at.front() - part.capA;
       ready.to = ready.at.back() + part.capB;
       ready.bound *= 1.05;  // the cubics overshoot a little
@@ -388,7 +316,7 @@ BodyShape::Region BodyShape::everywhere() const { return regionOf(std::vector<ch
 template <bool withGradient>
 FieldSample BodyShape::evaluate(const Vector3d& p, const Region& region) const {
   std::array<FieldSample, maxParts> value;
-  std::array<int, maxParts> added;
+  std::array<int, maxParts> order;
   for (int n = static_cast<int>(region.nodes_.size()) - 1; n >= 0; --n) {
     const Region::Node& node = region.nodes_[n];
     FieldSample own = node.evaluated ? (*prepared_)[node.part].sample<withGradient>(parts_[node.part], p)
@@ -404,15 +332,26 @@ FieldSample BodyShape::evaluate(const Vector3d& p, const Region& region) const {
       const int child = region.children_[node.firstChild + k];
       if (parts_[region.nodes_[child].part].carved) continue;
       value[child] = smoothMin<withGradient>(own, value[child], parts_[region.nodes_[child].part].blend);
-      if (value[child].value < own.value) added[count++] = child;
+      if (value[child].value < own.value) order[count++] = child;
     }
-    std::sort(added.begin(), added.begin() + count,  // sums that do not depend on the parts' order
+    std::sort(order.begin(), order.begin() + count,
               [&](int a, int b) { return value[a].value < value[b].value; });
-    value[n] = count == 0   ? own
-               : count == 1 ? value[added[0]]
-                            : unionOf<withGradient>(own, added.data(), count, value.data(), [&](int child) {
-                                return parts_[region.nodes_[child].part].siblingBlend;
-                              });
+    if (count == 0) {
+      value[n] = own;
+      continue;
+    }
+    FieldSample total = value[order[0]];
+    const double first = parts_[region.nodes_[order[0]].part].siblingBlend;
+    for (int k = 1; k < count; ++k) {
+      const FieldSample& next = value[order[k]];
+      const double fixed = std::min(first, parts_[region.nodes_[order[k]].part].siblingBlend);
+      const double fading = 1.5 * (own.value - next.value);
+      Vector3d fadingGradient;
+      if constexpr (withGradient) fadingGradient = 1.5 * (own.gradient - next.gradient);
+      total = smoothMin<withGradient>(total, next, std::min(fixed, fading),
+                                      fading < fixed ? &fadingGradient : nullptr);
+    }
+    value[n] = total;
   }
   return value[0];
 }

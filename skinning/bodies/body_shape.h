@@ -56,12 +56,12 @@ struct BodyPart {
 /// smin_k(a, b) = min(a, b) - k h^3 / 4 with h = max(1 - |a - b| / (1.5 k), 0): curvature has no steps, which
 /// would show as bands of light, and where both agree k / 4 is added. A part with own value f0 and children
 /// c:
-///     v_c = smin(f0, value(c), k_c); of those below f0, with d_c = f0 - v_c,
-///     total = f0 - d,  sinh^2(d / K) = sum sinh^2(d_c / K),  K = ksib / (2 ln 2).
+///     v_c = smin(f0, value(c), k_c); of those below f0, in ascending order, total = smin(total, v_c,
+///     min(ksib, 1.5 (f0 - v_c))).
 /// A carved part leaves max(f0, -its own value), rounded likewise, of its parent before all that.
-/// The sum does not depend on the children's order and has no place where another child leads; deep ones fill
-/// ksib / 4 where two agree, and a child that adds nothing fills nothing. Dividing each part's value by an
-/// estimate of its slope makes radii mean lengths.
+/// Sorting makes the result independent of the children's order; the last factor ends the blend between
+/// siblings where a child adds nothing. Dividing each part's value by an estimate of its slope makes radii
+/// mean lengths.
 class BodyShape {
  public:
   /// Throws std::invalid_argument: no part, a parent that does not come earlier, too few or unordered

@@ -530,7 +530,7 @@ std::string rightName(std::string_view name) {
 }
 
 /// Raise it when the polygoniser, the weights or what follows them change their result.
-constexpr double methodVersion = 2.0;
+constexpr double methodVersion = 1.0;
 
 /// The torso is wide and its joints lie in the middle: without ribs the flank would follow the arm, whose
 /// bone is nearer. Stand-ins for rib cage and pelvis, carried by the joints of the spine. Metres, left side.
@@ -615,7 +615,7 @@ PolygoniseOptions mannequinGrid() {
   const GridLens eyes{{{0.031, 1.619, 0.137}, {-0.031, 1.619, 0.137}}, 2.0, 0.024};
   const GridLens ears{{{0.079, 1.603, 0.044}, {-0.079, 1.603, 0.044}}, 2.6, 0.05};
   const GridLens toes{{{0.195, 0.012, 0.19}, {-0.195, 0.012, 0.19}}, 2.1, 0.07};
-  return {.cell = 0.01815, .lenses = {hands, head, feet, face, eyes, ears, toes}, .symmetric = true};
+  return {.cell = 0.0181, .lenses = {hands, head, feet, face, eyes, ears, toes}, .symmetric = true};
 }
 
 Skin makeMannequinSkin(const Skeleton& mannequin, WeightLoss* loss) {
@@ -640,10 +640,8 @@ std::uint64_t mannequinSkinKey(const Skeleton& mannequin) {
   const BodyShape shape = mannequinShape();
   for (const BodyPart& part : shape.parts()) {
     add(part.a), add(part.b), add(part.sectionUp);
-    add(part.flat);
     facts.insert(facts.end(),
-                 {part.blend, part.siblingBlend, part.capA, part.capB, part.radiusA, part.radiusB,
-                  part.flatness, part.carved ? 1.0 : 0.0, static_cast<double>(part.form)});
+                 {part.blend, part.siblingBlend, part.capA, part.capB, static_cast<double>(part.form)});
     for (const Section& s : part.sections) {
       facts.insert(facts.end(), {s.at, s.u, s.v, s.radius});
       for (int n = 0; n < 4; ++n) facts.insert(facts.end(), {s.cosine[n], s.sine[n]});
