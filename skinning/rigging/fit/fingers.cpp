@@ -179,7 +179,8 @@ std::vector<FingerJoints> findFingers(const Mesh& mesh, const HandPlace& hand) {
   const double length = 2.0 * (hand.knuckles - hand.wrist).norm();
   if (!(length > 0.0) || !((hand.wrist - hand.elbow).norm() > 0.0)) return {};
   const HandGraph graph = handGraph(mesh, hand, length);
-  std::vector<FingerBranch> branches = longBranches(graph, 0.16 * length);
+  // Little fingers stand free over 0.16 to 0.25 of that length, bumps of a hand over less than 0.05.
+  std::vector<FingerBranch> branches = longBranches(graph, 0.1 * length);
   if (branches.size() < 4 || branches.size() > 5) return {};
   std::vector<std::vector<Vector3d>> lines;
   for (const FingerBranch& branch : branches) {
