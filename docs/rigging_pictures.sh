@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A picture of every trial body, fitted and posed: docs/pictures/rigged-bodies.png.
+# A picture of every trial body, fitted and posed, docs/pictures/rigged-bodies.png, and one of the tab Rig.
 #   docs/rigging_pictures.sh GELENK DATA/rig OUT.png
 # Needs ffmpeg.
 set -euo pipefail
@@ -25,3 +25,12 @@ for kind in human quadruped; do
   done
 done
 ffmpeg -loglevel error -y -i "$out/%03d.png" -vf "tile=8x$(((n + 7) / 8)):color=white" -frames:v 1 "$sheet"
+
+# The tab Rig, rig-panel.png beside it: a knee was moved, its partner went along. The frames between are for the work in the background.
+gelenk=$(realpath "$gelenk") panel=$(realpath "$(dirname "$sheet")")/rig-panel.png
+cp "$data/mh_male.obj" "$out"
+cd "$out"
+printf '%s\n' '0 do Rig human' '200 tab Rig' '201 do Rig tool on' '201 do Rig confidence on' '202 do Rig move knee_r -0.19 0.52 0.03' \
+  '360 select knee_r' '360 move 437 368' > r.replay
+HOME=$out XDG_CONFIG_HOME=$out LIBGL_ALWAYS_SOFTWARE=1 EGL_PLATFORM=surfaceless "$gelenk" sandbox mh_male.obj --offscreen --refine --size 1280x800 \
+  --frames 380 --replay r.replay --screenshot "$panel"

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "apps/commands/command_line.h"
 #include "apps/commands/commands.h"
@@ -112,10 +113,16 @@ void tellReport(const std::string& name, const RiggedBody& body, const std::stri
   for (const std::string& doubt : report.doubts) fmt::print("  doubtful: {}\n", doubt);
 }
 
-/// False where the body has none of the skeleton's limbs.
-bool rig(const std::string& path, const Request& request, json& all) {
+/// The exit status: 1 where the file cannot be read, 2 where the body has none of the skeleton's limbs.
+int rig(const std::string& path, const Request& request, json& all) {
   std::vector<Note> notes;
-  const Mesh mesh = readBody(path, notes);
+  Mesh mesh;
+  try {
+    mesh = readBody(path, notes);
+  } catch (const std::exception& unreadable) {  // the other bodies are rigged all the same
+    fmt::print(stderr, "gelenk: {}\n", unreadable.what());
+    return 1;
+  }
   RigOptions options{.up = axisOf(request.up), .front = axisOf(request.front)};
   if (request.skeleton == "pinocchio")
     options.skeleton = RigTemplate::Pinocchio;
@@ -132,7 +139,7 @@ bool rig(const std::string& path, const Request& request, json& all) {
     body = rigBody(mesh, options);
   } catch (const RigRefused& refusal) {
     fmt::print(stderr, "gelenk: {}: {}; nothing was written\n", path, refusal.what());
-    return false;
+    return 2;
   }
   const std::string name = std::filesystem::path(path).stem().string();
   const std::filesystem::path folder = request.folder;
@@ -150,17 +157,23 @@ bool rig(const std::string& path, const Request& request, json& all) {
     all.push_back(jsonOf(name, body, notes));
   else
     tellReport(name, body, request.skeleton);
-  return true;
+  return 0;
 }
 
 void run(const Request& request) {
   if (request.up != "auto" && request.front != "auto" && request.up.back() == request.front.back())
     throw std::invalid_argument("--up and --front must be two different axes");
-  bool allRigged = true;
+  std::set<std::string> names;
+  for (const std::string& body : request.bodies)
+    if (const std::string name = std::filesystem::path(body).stem().string(); !names.insert(name).second)
+      throw std::invalid_argument("two bodies are called '" + name +
+                                  "': the second would be written over the first");
+  std::set<int> statuses;
   json all = json::array();
-  for (const std::string& body : request.bodies) allRigged &= rig(body, request, all);
+  for (const std::string& body : request.bodies) statuses.insert(rig(body, request, all));
   if (request.asJson) fmt::print("{}\n", all.dump(2));
-  if (!allRigged) throw ExitStatus{2};
+  for (const int failed : {1, 2})
+    if (statuses.contains(failed)) throw ExitStatus{failed};
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ Value withMotion(const Joint& joint, const std::vector<double>& rest) {
     axis["rest"] = Value(rest[k]);
     axes.emplace_back(std::move(axis));
   }
-  motion["axes"] = Value(std::move(axes));
+  if (axes.empty() && !joint.ball) motion["fixed"] = Value(true);  // the reader passes over empty objects
+  if (!axes.empty()) motion["axes"] = Value(std::move(axes));
   if (joint.ball) {
     Value::Object ball;
     ball["rest"] = listed({rest.end() - 4, rest.end()});
@@ -72,7 +73,7 @@ Value withMotion(const Joint& joint, const std::vector<double>& rest) {
 std::optional<JointMotion> motionOf(const Value& extras) {
   if (!extras.IsObject() || !extras.Has("gelenk")) return {};
   const Value& motion = extras.Get("gelenk");
-  const bool hasAxes = motion.IsObject() && motion.Has("axes");  // an empty list is not written
+  const bool hasAxes = motion.IsObject() && motion.Has("axes");
   if (!motion.IsObject() || (hasAxes && !motion.Get("axes").IsArray()))
     throw std::invalid_argument("extras.gelenk with a list of axes was expected");
   JointMotion out;

@@ -72,6 +72,21 @@ TEST_F(RigCommand, ABallEndsWithStatusTwoAndNothingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(path("out/ball.glb")));
 }
 
+TEST_F(RigCommand, AFileThatCannotBeReadDoesNotKeepTheOthersFromBeingRigged) {
+  writeObj(path("animal.obj"), hoofedTemplate().surface);
+  const auto finished = runProgram({testing::programFile(), "rig", path("none.obj"), path("animal.obj"),
+                                    "--skeleton", "quadruped", "-o", path("out")});
+  EXPECT_EQ(finished.status, 1) << finished.output;
+  EXPECT_NE(finished.output.find("none.obj"), std::string::npos) << finished.output;
+  EXPECT_TRUE(std::filesystem::exists(path("out/animal.glb")));
+}
+
+TEST_F(RigCommand, BodiesOfOneNameAreNotWrittenOverEachOther) {
+  const auto finished = runProgram({testing::programFile(), "rig", path("a/body.obj"), path("b/body.stl")});
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_NE(finished.output.find("two bodies are called 'body'"), std::string::npos) << finished.output;
+}
+
 // Bodies with an artist's skeleton, where present. Marks of the issue in per cent of the height; the judge
 // that docs/rigging_table.sh runs measures more.
 TEST_F(RigCommand, TrialBodiesKeepTheMarksOfLimbs) {
