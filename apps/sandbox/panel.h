@@ -61,7 +61,8 @@ class Panel {
 
   /// Takes back, or does again, what the panel did to the model itself: where the document's own history has
   /// nothing more. False: neither has the panel.
-  virtual bool undoOrRedo(Sandbox&, bool /*redo*/) { return false; }
+  virtual bool takeBack(Sandbox&, bool /*redo*/) { return false; }
+  virtual bool canTakeBack(bool /*redo*/) const { return false; }
 
   /// A command of a replay, `do PANEL WORDS...`: what the panel's buttons do. Throws std::invalid_argument
   /// that says what is known.

@@ -177,7 +177,7 @@ class RigPanel final : public Panel {
     } else if (command == "weigh") {
       weighByHand(sandbox);
     } else if (command == "undo" || command == "redo") {
-      if (!undoOrRedo(sandbox, command == "redo")) sandbox.say("Nothing to undo or redo here");
+      if (!takeBack(sandbox, command == "redo")) sandbox.say("Nothing to undo or redo here");
     } else {
       throw std::invalid_argument(
           "Rig takes human, pinocchio, quadruped, 'fit FILE', 'with FILE', as-it-is, stop, cancel; tool, "
@@ -244,11 +244,13 @@ class RigPanel final : public Panel {
     }
     if (!(modifiers & GLFW_MOD_CONTROL) || (key != GLFW_KEY_Z && key != GLFW_KEY_Y)) return false;
     const bool redo = key == GLFW_KEY_Y || (modifiers & GLFW_MOD_SHIFT);
-    if (!undoOrRedo(sandbox, redo)) sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+    if (!takeBack(sandbox, redo)) sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
     return true;
   }
 
-  bool undoOrRedo(Sandbox& sandbox, bool redo) override {
+  bool canTakeBack(bool redo) const override { return rigged_ && !(redo ? redo_ : undo_).empty(); }
+
+  bool takeBack(Sandbox& sandbox, bool redo) override {
     std::vector<Rigged>&from = redo ? redo_ : undo_, &to = redo ? undo_ : redo_;
     if (weighing_.valid()) takeWeights(sandbox);  // waits for them: a quarter of a second
     if (!rigged_ || from.empty() || dragged_) return false;
@@ -290,8 +292,8 @@ class RigPanel final : public Panel {
     tooltip("Heat weights for the skeleton as it stands; what was painted in Binding is given up.");
     const auto travelButton = [&](const char* label, bool redo, const char* explanation) {
       ImGui::SameLine();
-      ImGui::BeginDisabled((redo ? redo_ : undo_).empty());
-      if (ImGui::Button(label)) undoOrRedo(sandbox, redo);
+      ImGui::BeginDisabled(!canTakeBack(redo));
+      if (ImGui::Button(label)) takeBack(sandbox, redo);
       ImGui::EndDisabled();
       tooltip(explanation);
     };

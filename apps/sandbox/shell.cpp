@@ -78,8 +78,12 @@ void fileMenu(Sandbox& sandbox) {
 void editMenu(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   if (!ImGui::BeginMenu("Edit")) return;
-  if (ImGui::MenuItem("Undo", "Ctrl+Z", false, s.session->canUndo())) undoOrRedo(sandbox, false);
-  if (ImGui::MenuItem("Redo", "Ctrl+Shift+Z", false, s.session->canRedo())) undoOrRedo(sandbox, true);
+  const auto can = [&](bool redo) {
+    return (redo ? s.session->canRedo() : s.session->canUndo()) ||
+           std::ranges::any_of(s.panels, [&](const auto& panel) { return panel->canTakeBack(redo); });
+  };
+  if (ImGui::MenuItem("Undo", "Ctrl+Z", false, can(false))) undoOrRedo(sandbox, false);
+  if (ImGui::MenuItem("Redo", "Ctrl+Shift+Z", false, can(true))) undoOrRedo(sandbox, true);
   ImGui::Separator();
   if (ImGui::MenuItem("Rest pose", "R")) s.session->resetPose();
   if (ImGui::MenuItem("Mirror pose", "M")) {

@@ -352,7 +352,7 @@ void undoOrRedo(Sandbox& sandbox, bool redo) {
   s.hover = {};
   if (redo ? s.session->redo() : s.session->undo()) return;
   for (const auto& panel : s.panels)
-    if (panel->undoOrRedo(sandbox, redo)) return;
+    if (panel->takeBack(sandbox, redo)) return;
   sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
 }
 
