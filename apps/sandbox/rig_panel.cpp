@@ -532,10 +532,9 @@ class RigPanel final : public Panel {
     for (int j = 0; j < skeleton.jointCount(); ++j) {
       const Eigen::Vector3d at = rest[j].translation();
       if (const int parent = skeleton.parent(j); parent >= 0)
-        sandbox.overlay().line(rest[parent].translation(), at, colour(s.colours().accent, 0.7f),
-                               2.0f * s.scale);
+        sandbox.overlay().line(rest[parent].translation(), at, colour(s.colours().accent, 0.7f), 2.0f);
       const bool unsure = rigged_->body.report.jointConfidence[j] < 0.5;
-      const float size = std::clamp(0.7f * nearest(j), 4.0f * s.scale, 10.0f * s.scale);
+      const float size = std::clamp(0.7f * nearest(j) / s.scale, 4.0f, 10.0f);  // at scale 1, as all widths
       sandbox.overlay().point(at, colour(unsure ? s.colours().warning : s.colours().accent),
                               hovered == j ? 1.5f * size : size);
     }
