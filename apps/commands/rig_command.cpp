@@ -9,10 +9,10 @@
 #include "apps/commands/commands.h"
 #include "apps/document/model_files.h"
 #include "apps/document/notes.h"
+#include "apps/document/surface.h"
 #include "kinematics/io/pinocchio_skeleton.h"
 #include "skinning/io/gltf.h"
 #include "skinning/io/pinocchio_weights.h"
-#include "skinning/io/stl.h"
 #include "skinning/rigging/auto_rig.h"
 
 namespace gelenk {
@@ -27,23 +27,7 @@ struct Request {
   bool asJson = false;
 };
 
-bool endsWith(std::string text, const std::string& end) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text.ends_with(end);
-}
-
 /// The triangles of one file: OBJ, STL, or all meshes of a glTF where they stand.
-Mesh readBody(const std::string& path, std::vector<Note>& notes) {
-  if (endsWith(path, ".stl")) return readStl(path);
-  if (endsWith(path, ".glb") || endsWith(path, ".gltf")) {
-    GltfModel model = readGltf(path);
-    if (!model.skin) throw std::invalid_argument("'" + path + "' holds no mesh");
-    notes = std::move(model.notes);
-    return std::move(model.skin->mesh);
-  }
-  return readMesh(path, &notes);
-}
-
 std::optional<Vector3d> axisOf(const std::string& name) {
   if (name == "auto") return {};
   const double sign = name[0] == '-' ? -1.0 : 1.0;
@@ -115,14 +99,15 @@ void tellReport(const std::string& name, const RiggedBody& body, const std::stri
 
 /// The exit status: 1 where the file cannot be read, 2 where the body has none of the skeleton's limbs.
 int rig(const std::string& path, const Request& request, json& all) {
-  std::vector<Note> notes;
-  Mesh mesh;
+  Surface surface;
   try {
-    mesh = readBody(path, notes);
+    surface = readSurface(path, SurfaceLook::None);
   } catch (const std::exception& unreadable) {  // the other bodies are rigged all the same
     fmt::print(stderr, "gelenk: {}\n", unreadable.what());
     return 1;
   }
+  const Mesh& mesh = surface.mesh;
+  std::vector<Note>& notes = surface.notes;
   RigOptions options{.up = axisOf(request.up), .front = axisOf(request.front)};
   if (request.skeleton == "pinocchio")
     options.skeleton = RigTemplate::Pinocchio;

@@ -59,7 +59,7 @@ bool isSurfaceFile(const std::string& path) {
   }
 }
 
-Surface readSurface(const std::string& path) {
+Surface readSurface(const std::string& path, SurfaceLook looks) {
   if (isStl(path)) return {.mesh = readStl(path)};
   Surface surface;
   if (fileKind(path) == FileKind::Gltf) {
@@ -68,7 +68,7 @@ Surface readSurface(const std::string& path) {
     return {std::move(model.skin->mesh), std::move(model.look), std::move(model.notes)};
   }
   surface.mesh = readMesh(path, &surface.notes);
-  if (fileKind(path) != FileKind::ObjMesh) return surface;
+  if (looks == SurfaceLook::None || fileKind(path) != FileKind::ObjMesh) return surface;
   if (auto look = readObjLook(path, surface.mesh, &surface.notes)) {
     cutSurface(*look, surface.mesh);
     if (!look->look.materials.empty()) surface.look = std::make_shared<const MeshLook>(std::move(look->look));

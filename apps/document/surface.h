@@ -21,7 +21,9 @@ struct Surface {
 /// lie beside each other (a mesh that hangs on another one is a joint's). A glTF is looked into; one that
 /// cannot be read is none.
 bool isSurfaceFile(const std::string& path);
-/// All meshes of the file, where they stand. Throws ParseError, std::system_error and std::invalid_argument.
-Surface readSurface(const std::string& path);
+enum class SurfaceLook { Read, None };
+/// All meshes of the file, where they stand; of any glTF. Throws ParseError, std::system_error and
+/// std::invalid_argument.
+Surface readSurface(const std::string& path, SurfaceLook look = SurfaceLook::Read);
 
 }  // namespace gelenk

@@ -154,17 +154,14 @@ double depthAlong(const Mesh& mesh, const Vector3d& p, const Vector3d& direction
   return std::isfinite(least) ? least : 0.0;
 }
 
-}  // namespace
-
-std::vector<RigBone> rigBones(const Mesh& mesh, const Skeleton& skeleton, const Frames& rest,
-                              const RigWeightOptions& options) {
+std::vector<RigBone> heatingBones(const Mesh& mesh, const Skeleton& skeleton, const Frames& rest,
+                                  const std::optional<Trunk>& trunk, const RigWeightOptions& options) {
   std::vector<RigBone> bones;
   const auto at = [&](int j) { return Vector3d(rest[j].translation()); };
   for (int i = 0; i < skeleton.jointCount(); ++i)
     if (const int parent = skeleton.parent(i); parent >= 0 && (at(i) - at(parent)).norm() > 0.0)
       bones.push_back(
           {{parent, at(parent), at(i)}, skeleton.joint(i).name == "neck" ? neckColumn(skeleton, i) : i});
-  const std::optional<Trunk> trunk = Trunk::of(skeleton, rest);
   if (!trunk) return bones;
   const Vector3d &chest = trunk->chest, &pelvis = trunk->pelvis;
   const double loin = trunk->down ? trunk->knees + options.ribLoin : 0.0,
@@ -183,13 +180,20 @@ std::vector<RigBone> rigBones(const Mesh& mesh, const Skeleton& skeleton, const 
   return bones;
 }
 
+}  // namespace
+
+std::vector<RigBone> rigBones(const Mesh& mesh, const Skeleton& skeleton, const Frames& rest,
+                              const RigWeightOptions& options) {
+  return heatingBones(mesh, skeleton, rest, Trunk::of(skeleton, rest), options);
+}
+
 RigWeights rigWeights(const Mesh& mesh, const Skeleton& skeleton, const RigWeightOptions& options,
                       WeightLoss* loss) {
   const Frames rest = restFrames(skeleton);
-  std::vector<Bone> byEnd;  // heat for each bone by itself
-  for (const RigBone& one : rigBones(mesh, skeleton, rest, options))
-    byEnd.push_back({one.end, one.bone.from, one.bone.to});
   const std::optional<Trunk> trunk = Trunk::of(skeleton, rest);
+  std::vector<Bone> byEnd;  // heat for each bone by itself
+  for (const RigBone& one : heatingBones(mesh, skeleton, rest, trunk, options))
+    byEnd.push_back({one.end, one.bone.from, one.bone.to});
   const double strength = trunk && trunk->down ? options.animalStrength : options.strength;
   const SparseWeights heat = boneHeatWeights(mesh, byEnd, {.strength = strength, .voxels = options.voxels});
   const std::vector<Influences> kept = fourLargest(heat, skeleton.jointCount(), loss);
