@@ -3,6 +3,7 @@
 #include "apps/commands/image.h"
 #include "apps/render/posed_bounds.h"
 #include "apps/render/signs.h"
+#include "skinning/bodies/mannequin_body.h"
 #include "skinning/bodies/polygonise.h"
 #include "skinning/gpu/render_target.h"
 #include "tests/gpu/gl_fixture.h"
@@ -129,6 +130,40 @@ TEST_F(RendererTest, FoldsAreDarkerInStillPictures) {
     EXPECT_LT(at(still, between).sum(), 0.95 * at(plain, between).sum()) << samples;
     EXPECT_NEAR(at(still, open).sum(), at(plain, open).sum(), 8) << samples;
   }
+}
+
+/// Neither the pattern of the search for folds nor the mesh's triangles show on a smooth body: how much the
+/// light bends within 4 pixels along a row of the figure's trunk, beside the picture without darker folds.
+TEST_F(RendererTest, FoldsLeaveNoStripesOnASmoothBody) {
+  Mesh mesh = polygonise(mannequinShape(), mannequinGrid());
+  const Skeleton rigid({{.name = "root"}});
+  std::vector<Influences> influences(mesh.positions.size());
+  const Skin skin = bindSkin(std::move(mesh), restFrames(rigid), std::move(influences));
+  const SkinnedMeshGl figure(skin);
+  const SkinPose pose = poseSkin(skin, restFrames(rigid));
+  scene_.bodies = {{.mesh = &figure, .pose = &pose}};
+  scene_.bounds = PosedBounds(skin)(pose);
+  scene_.size = 1.8;
+  scene_.shadows = false;
+  scene_.ground.visible = false;
+  camera_ = {.target = {-0.03, 1.2, 0.0}, .distance = 0.6, .azimuth = 0.35, .elevation = 0.09};
+  const auto unevenness = [&](const Image& image) {
+    double sum = 0.0;
+    int count = 0;
+    for (int y = 20; y < viewport.height - 20; ++y)
+      for (int x = 100; x < 200; ++x, ++count) {
+        const auto light = [&](int column) { return image.at(column, y)[0] + image.at(column, y)[1]; };
+        sum += std::abs(light(x + 4) - 2 * light(x) + light(x - 4));
+      }
+    return sum / count;
+  };
+  renderer_->setSamples(0);
+  renderer_->setSupersampling(1);
+  const double plain = unevenness(draw());
+  renderer_->setSupersampling(2);
+  const double still = unevenness(draw());
+  EXPECT_GT(plain, 0.1);
+  EXPECT_LT(still, 1.3 * plain);
 }
 
 TEST_F(RendererTest, ColoursArriveAsTheyWerePicked) {
