@@ -85,8 +85,8 @@ void setColours(const Palette& p, Theme theme) {
   c[ImGuiCol_ScrollbarGrabHovered] = p.textFaint;
   c[ImGuiCol_ScrollbarGrabActive] = p.textDim;
   c[ImGuiCol_CheckMark] = p.accent;
-  c[ImGuiCol_SliderGrab] = mix(p.panelSunken, p.accent, 0.4f);  // the value is written over it
-  c[ImGuiCol_SliderGrabActive] = mix(p.panelSunken, p.accent, 0.55f);
+  c[ImGuiCol_SliderGrab] = mix(p.panelSunken, p.accent, 0.85f);
+  c[ImGuiCol_SliderGrabActive] = p.accent;
   c[ImGuiCol_Button] = p.panelSunken;
   c[ImGuiCol_ButtonHovered] = hover;
   c[ImGuiCol_ButtonActive] = mix(p.panelSunken, p.accent, 0.4f);

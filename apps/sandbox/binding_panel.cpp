@@ -108,12 +108,12 @@ class BindingPanel final : public Panel {
                "w' = (1 - a) w + a times the mean of the neighbours along the mesh's edges.");
     float millimetres = static_cast<float>(1000.0 * radius_), strength = static_cast<float>(strength_);
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
-    if (ImGui::SliderFloat("Radius", &millimetres, static_cast<float>(5.0 * s.size()),
-                           static_cast<float>(120.0 * s.size()), "%.0f mm"))
+    if (valueSlider("Radius", millimetres, static_cast<float>(5.0 * s.size()),
+                    static_cast<float>(120.0 * s.size()), "%.0f mm"))
       radius_ = 0.001 * millimetres;
     tooltip("Of the brush, on the posed surface, millimetres. [ and ] change it.");
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
-    if (ImGui::SliderFloat("Strength", &strength, 0.02f, 1.0f, "%.2f")) strength_ = strength;
+    if (valueSlider("Strength", strength, 0.02f, 1.0f, "%.2f")) strength_ = strength;
     tooltip(
         "a at the brush's centre; it fades as (1 - (d/r)²)² towards the rim. For the lasso: a of every "
         "vertex inside.");

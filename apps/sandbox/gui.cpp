@@ -2,6 +2,7 @@
 
 #include <GLFW/glfw3.h>
 #include <imgui_impl_opengl3.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -149,6 +150,56 @@ void Gui::endFrame() {
   ImGui::Render();
   clearBackgrounds(*ImGui::GetDrawData());
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+Span placeOfValue(const Span& frame, const Span& grab, float width, float gap) {
+  const Span right{grab.high + gap, frame.high - gap}, left{frame.low + gap, grab.low - gap};
+  if (right.high - right.low >= width) return {right.high - width, right.high};
+  if (left.high - left.low >= width) return {left.low, left.low + width};
+  return right.high - right.low >= left.high - left.low ? right : left;
+}
+
+namespace {
+
+bool slider(const char* label, ImGuiDataType type, void* value, const void* lower, const void* upper,
+            const char* format, ImGuiSliderFlags flags) {
+  const ImGuiID id = ImGui::GetID(label), another = id + 1;
+  const auto typed = [&] { return ImGui::TempInputIsActive(id); };
+  const float width = ImGui::CalcItemWidth();
+  const bool writes = !typed();
+  if (writes) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0, 0, 0, 0));  // written below, beside the grab
+  const bool moved = ImGui::SliderScalar(label, type, value, lower, upper, format, flags);
+  if (writes) ImGui::PopStyleColor();
+  if (!writes || typed() || !ImGui::IsItemVisible()) return moved;
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const ImVec2 corner = ImGui::GetItemRectMin();
+  const ImRect frame(corner.x, corner.y, corner.x + width, ImGui::GetItemRectMax().y);
+  ImRect grab;  // where it was just drawn; asked for by a name that nobody can hold
+  ImGui::SliderBehavior(frame, another, type, value, lower, upper, format, flags, &grab);
+  char text[64];
+  const char* end = text + ImGui::DataTypeFormatString(text, sizeof text, type, value, format);
+  const ImVec2 size = ImGui::CalcTextSize(text, end);
+  const Span place = placeOfValue({frame.Min.x, frame.Max.x}, {grab.Min.x, grab.Max.x}, size.x,
+                                  std::min(style.FramePadding.x, 0.06f * width));
+  const float y = corner.y + style.FramePadding.y;
+  ImGui::RenderTextClipped({place.low, y}, {place.high, frame.Max.y}, text, end, &size);
+  ImGui::RenderText({frame.Max.x + style.ItemInnerSpacing.x, y}, label);
+  return moved;
+}
+
+}  // namespace
+
+bool valueSlider(const char* label, float& value, float lower, float upper, const char* format,
+                 ImGuiSliderFlags flags) {
+  return slider(label, ImGuiDataType_Float, &value, &lower, &upper, format, flags);
+}
+bool valueSlider(const char* label, double& value, double lower, double upper, const char* format,
+                 ImGuiSliderFlags flags) {
+  return slider(label, ImGuiDataType_Double, &value, &lower, &upper, format, flags);
+}
+bool valueSlider(const char* label, int& value, int lower, int upper, const char* format,
+                 ImGuiSliderFlags flags) {
+  return slider(label, ImGuiDataType_S32, &value, &lower, &upper, format, flags);
 }
 
 }  // namespace gelenk

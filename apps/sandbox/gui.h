@@ -28,4 +28,22 @@ class Gui {
   Fonts fonts_;
 };
 
+/// From where to where something lies along a line, pixels.
+struct Span {
+  float low = 0, high = 0;
+};
+/// Where a slider's value, so wide, is written within its frame: at its end, at its beginning where the grab
+/// would cover it there; where neither has room, in the wider rest, as much of it as that holds. gap: kept to
+/// both ends and to the grab.
+Span placeOfValue(const Span& frame, const Span& grab, float width, float gap);
+
+/// The sliders of every panel: as Dear ImGui's, but that the grab never covers the value.
+/// Ctrl+click types. True when moved.
+bool valueSlider(const char* label, float& value, float lower, float upper, const char* format,
+                 ImGuiSliderFlags flags = 0);
+bool valueSlider(const char* label, double& value, double lower, double upper, const char* format,
+                 ImGuiSliderFlags flags = 0);
+bool valueSlider(const char* label, int& value, int lower, int upper, const char* format,
+                 ImGuiSliderFlags flags = 0);
+
 }  // namespace gelenk

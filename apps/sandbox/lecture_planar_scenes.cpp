@@ -77,7 +77,7 @@ class ForwardScene final : public PlanarScene {
       float angle = static_cast<float>(phi[i] / degree);
       ImGui::SetNextItemWidth(-46 * sandbox.scale());
       const std::string name = fmt::format("phi_{}", i + 1);
-      if (ImGui::SliderFloat(("##" + name).c_str(), &angle, -360.0f, 360.0f, "%.1f deg")) {
+      if (valueSlider(("##" + name).c_str(), angle, -360.0f, 360.0f, "%.1f deg")) {
         phi[i] = angle * degree;
         sandbox.session().setPose(phi);
       }
@@ -178,16 +178,16 @@ class OneDimensionScene final : public PlanarScene {
     bool changed = false;
     float start = static_cast<float>(drawing_.start), target = static_cast<float>(drawing_.target);
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
-    if (ImGui::SliderFloat("start", &start, -3.1f, 3.1f, "%.3f rad")) drawing_.start = start, changed = true;
+    if (valueSlider("start", start, -3.1f, 3.1f, "%.3f rad")) drawing_.start = start, changed = true;
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
-    if (ImGui::SliderFloat("X", &target, -12.0f, 12.0f, "%.2f")) drawing_.target = target, changed = true;
+    if (valueSlider("X", target, -12.0f, 12.0f, "%.2f")) drawing_.target = target, changed = true;
     tooltip(
         "The height that the end-effector should have. Above l = 10 there is no zero, and the iteration "
         "wanders for ever.");
     int exponent = static_cast<int>(std::lround(std::log10(drawing_.delta)));
     ImGui::SetNextItemWidth(-60 * sandbox.scale());
     constexpr const char* powers[] = {"10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹"};
-    if (ImGui::SliderInt("Δ", &exponent, -8, -1, powers[std::clamp(exponent, -8, -1) + 8]))
+    if (valueSlider("Δ", exponent, -8, -1, powers[std::clamp(exponent, -8, -1) + 8]))
       drawing_.delta = std::pow(10.0, exponent), changed = true;
     tooltip("What the difference quotient is taken over.");
     if (ImGui::Button("Converging", {0.5f * ImGui::GetContentRegionAvail().x - 4, 0}))

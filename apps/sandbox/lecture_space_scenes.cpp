@@ -66,7 +66,7 @@ class RotationsScene final : public LectureScene {
     for (int k = 0; k < 3; ++k) {
       float value = static_cast<float>(angles[k] / degree);
       ImGui::SetNextItemWidth(-60 * sandbox.scale());
-      if (ImGui::SliderFloat(fmt::format("angle {}", k + 1).c_str(), &value, -180, 180, "%.1f deg"))
+      if (valueSlider(fmt::format("angle {}", k + 1).c_str(), value, -180.0f, 180.0f, "%.1f deg"))
         angles[k] = value * degree, changed = true;
     }
     if (ImGui::Button("To gimbal lock", {-1, 0}))
@@ -300,14 +300,13 @@ class LegScene final : public LectureScene {
       sandbox.setPlaying(!sandbox.playing());
     float seconds = static_cast<float>(drawing_.time);
     ImGui::SetNextItemWidth(-46 * sandbox.scale());
-    if (ImGui::SliderFloat("time", &seconds, 0.0f, static_cast<float>(drawing_.keyed.duration()) - 1e-3f,
-                           "%.2f s")) {
+    if (valueSlider("time", seconds, 0.0f, static_cast<float>(drawing_.keyed.duration()) - 1e-3f, "%.2f s")) {
       drawing_.time = seconds;
       sandbox.setPlaying(false);
       show(sandbox);
     }
     ImGui::SetNextItemWidth(-46 * sandbox.scale());
-    ImGui::SliderFloat("speed", &speed_, 0.05f, 1.5f, "%.2f");
+    valueSlider("speed", speed_, 0.05f, 1.5f, "%.2f");
     if (ImGui::Checkbox("Pinned feet: IK on top of the keyframes", &drawing_.pins)) show(sandbox);
     tooltip(
         "A foot on the ground stays where it came down: hip and knee by the two-link closed form, heel and "

@@ -170,8 +170,8 @@ class ModelPanel final : public Panel {
     ImGui::PopFont();
     float shown = static_cast<float>(value * unit);
     ImGui::SetNextItemWidth(-1);
-    const bool changed = ImGui::SliderFloat(id, &shown, static_cast<float>(low * unit),
-                                            static_cast<float>(high * unit), angle ? "%.1f°" : "%.3f m");
+    const bool changed = valueSlider(id, shown, static_cast<float>(low * unit),
+                                     static_cast<float>(high * unit), angle ? "%.1f°" : "%.3f m");
     tooltip(angle ? "Angle in degrees; inside the program radians. Ctrl+click to type."
                   : "Displacement in metres. Ctrl+click to type.");
     if (ImGui::IsItemActivated()) s.session->remember();

@@ -222,7 +222,7 @@ class MotionPanel final : public Panel {
     ImGui::Checkbox("Follow", &play_->follow);
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
     float speed = static_cast<float>(play_->speed);
-    if (ImGui::SliderFloat("Speed", &speed, -2.0f, 4.0f, "%.2f x")) play_->speed = speed;
+    if (valueSlider("Speed", speed, -2.0f, 4.0f, "%.2f x")) play_->speed = speed;
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
     float rate = static_cast<float>(editor_->clip().framesPerSecond);
     if (ImGui::InputFloat("Frames/s", &rate, 0.0f, 0.0f, "%.3f", ImGuiInputTextFlags_EnterReturnsTrue) &&
@@ -517,8 +517,9 @@ class MotionPanel final : public Panel {
   }
 
   void drawEdits(Sandbox& sandbox) {
-    ImGui::SetNextItemWidth(-90 * sandbox.scale());
-    ImGui::SliderFloat("##cutoff", &cutoff_, 0.5f, 20.0f, "cut-off %.1f Hz");
+    ImGui::SetNextItemWidth(-130 * sandbox.scale());
+    valueSlider("cut-off", cutoff_, 0.5f, 20.0f, "%.1f Hz");
+    tooltip("Of the low-pass: joints keep what is slower.");
     ImGui::SameLine();
     if (ImGui::Button("Smooth")) tried(sandbox, [&] { smooth(sandbox, cutoff_); });
     ImGui::BeginDisabled(facts(sandbox).feet.empty());
@@ -567,8 +568,7 @@ class MotionPanel final : public Panel {
     ImGui::EndDisabled();
     float falloff = static_cast<float>(editor_->falloff());
     ImGui::SetNextItemWidth(-90 * sandbox.scale());
-    if (ImGui::SliderFloat("Fade", &falloff, 0.0f, 2.0f, "%.2f s") && falloff >= 0.0f &&
-        std::isfinite(falloff)) {
+    if (valueSlider("Fade", falloff, 0.0f, 2.0f, "%.2f s") && falloff >= 0.0f && std::isfinite(falloff)) {
       editor_->setFalloff(falloff);
       sandbox.session().setClip(editor_->edits());
     }
@@ -581,13 +581,13 @@ class MotionPanel final : public Panel {
     ImGui::SetNextItemWidth(-1.0f);
     ImGui::InputTextWithHint("##second", "file with a motion", secondPath_, sizeof secondPath_);
     ImGui::BeginDisabled(secondPath_[0] == '\0');
-    ImGui::SetNextItemWidth(-90 * sandbox.scale());
-    ImGui::SliderFloat("##fade", &fadeSeconds_, 0.0f, 2.0f, "fade %.2f s");
+    ImGui::SetNextItemWidth(-130 * sandbox.scale());
+    valueSlider("fade", fadeSeconds_, 0.0f, 2.0f, "%.2f s");
     ImGui::SameLine();
     if (ImGui::Button("Append")) tried(sandbox, [&] { fade(sandbox, secondPath_, fadeSeconds_); });
     tooltip("The end of this clip fades into the beginning of the second one.");
-    ImGui::SetNextItemWidth(-90 * sandbox.scale());
-    ImGui::SliderFloat("##weight", &layerWeight_, 0.0f, 1.0f, "weight %.2f");
+    ImGui::SetNextItemWidth(-130 * sandbox.scale());
+    valueSlider("weight", layerWeight_, 0.0f, 1.0f, "%.2f");
     ImGui::SameLine();
     if (ImGui::Button("Layer"))
       tried(sandbox, [&] {

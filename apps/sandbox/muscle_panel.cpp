@@ -23,8 +23,7 @@ bool slider(Sandbox& sandbox, const char* label, double& value, double lower, do
             const char* format, const char* explanation) {
   float shown = static_cast<float>(value);
   ImGui::SetNextItemWidth(0.55f * ImGui::GetContentRegionAvail().x);
-  const bool moved =
-      ImGui::SliderFloat(label, &shown, static_cast<float>(lower), static_cast<float>(upper), format);
+  const bool moved = valueSlider(label, shown, static_cast<float>(lower), static_cast<float>(upper), format);
   tooltip(explanation);
   if (ImGui::IsItemActivated()) sandbox.session().remember();
   if (moved) value = shown;

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "apps/sandbox/gui.h"
+
 namespace gelenk {
 namespace {
 
@@ -20,13 +22,13 @@ bool slider(const Parameter& p, double& value) {
   if (p.whole) {
     int number = static_cast<int>(value);
     const bool moved =
-        ImGui::SliderInt(label.c_str(), &number, static_cast<int>(p.lower), static_cast<int>(p.upper), "%d",
-                         ImGuiSliderFlags_AlwaysClamp | (p.upper > 100.0 ? ImGuiSliderFlags_Logarithmic : 0));
+        valueSlider(label.c_str(), number, static_cast<int>(p.lower), static_cast<int>(p.upper), "%d",
+                    ImGuiSliderFlags_AlwaysClamp | (p.upper > 100.0 ? ImGuiSliderFlags_Logarithmic : 0));
     if (moved) value = number;
     return moved;
   }
   const int flags = ImGuiSliderFlags_AlwaysClamp | (isLogarithmic(p) ? ImGuiSliderFlags_Logarithmic : 0);
-  return ImGui::SliderScalar(label.c_str(), ImGuiDataType_Double, &value, &p.lower, &p.upper, "%.4g", flags);
+  return valueSlider(label.c_str(), value, p.lower, p.upper, "%.4g", flags);
 }
 
 }  // namespace

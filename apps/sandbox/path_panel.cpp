@@ -50,7 +50,7 @@ class PathPanel final : public Panel {
                                         ImGui::GetContentRegionAvail().x)
                              .c_str());
     int at = pose();
-    if (ImGui::SliderInt("##pose", &at, 0, last(), "pose %d")) goTo(sandbox, at);
+    if (valueSlider("##pose", at, 0, last(), "pose %d")) goTo(sandbox, at);
     if (ImGui::IsItemActivated()) {
       following_ = false;
       sandbox.session().remember();

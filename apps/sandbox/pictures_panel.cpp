@@ -101,7 +101,7 @@ class PicturesPanel final : public Panel {
     if (show.nullSpace && !teaching.selfMotion().empty()) {
       int at = teaching.selfMotionAt();
       const int last = static_cast<int>(teaching.selfMotion().size()) - 1;
-      if (ImGui::SliderInt("##along", &at, 0, last, "")) {
+      if (valueSlider("##along", at, 0, last, "%d")) {
         const Pose pose = teaching.selfMotion()[std::clamp(at, 0, last)];
         s.session->setPose(pose);
       }

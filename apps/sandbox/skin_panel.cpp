@@ -78,10 +78,9 @@ class SkinPanel final : public Panel {
         "A limb's bones take back their own axial turn where they begin and follow their child's where they "
         "end.");
     double millimetres = 1e3 * choice.smoothing;
-    static constexpr double none = 0.0, most = 100.0;
     if (!editing_) pending_ = millimetres;
-    ImGui::SliderScalar("##smoothing", ImGuiDataType_Double, &pending_, &none, &most,
-                        "weights smoothed over %.0f mm");
+    ImGui::SetNextItemWidth(0.55f * ImGui::GetContentRegionAvail().x);
+    valueSlider("Weights smoothed", pending_, 0.0, 100.0, "%.0f mm");
     editing_ = ImGui::IsItemActive();
     if (ImGui::IsItemDeactivatedAfterEdit()) choice.smoothing = 1e-3 * std::round(pending_);
     tooltip(

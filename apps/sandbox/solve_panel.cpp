@@ -371,8 +371,8 @@ class SolvePanel final : public Panel {
     if (goal.state != GoalState::Free) {
       float weight = static_cast<float>(goal.weight);
       ImGui::SetNextItemWidth(-80 * s.scale);
-      const bool moved = ImGui::SliderFloat("weight", &weight, 0.05f, 20.0f, "%.2f",
-                                            ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+      const bool moved = valueSlider("weight", weight, 0.05f, 20.0f, "%.2f",
+                                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
       if (ImGui::IsItemActivated()) s.session->remember();
       tooltip(
           "On the squared error of this goal, times what its state brings (a pin weighs more). A heavier "
