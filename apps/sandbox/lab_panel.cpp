@@ -46,6 +46,7 @@ class LabPanel final : public Panel {
   std::string name() const override { return "Lab"; }
   bool hasInspector() const override { return true; }
   bool hasBottomStrip() const override { return true; }
+  std::string stripTitle() const override { return "Comparison"; }
 
   void opened(Sandbox& sandbox, bool) override {
     runners_.clear();

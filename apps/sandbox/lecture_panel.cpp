@@ -97,6 +97,7 @@ class LecturePanel final : public Panel {
   std::string name() const override { return "Lecture"; }
   bool hasInspector() const override { return true; }
   bool hasBottomStrip() const override { return true; }
+  std::string stripTitle() const override { return "Derivation"; }
 
   void drawMenu(Sandbox& sandbox) override {
     if (!ImGui::BeginMenu("Lecture")) return;

@@ -66,6 +66,7 @@ class MotionPanel final : public Panel {
   std::string name() const override { return "Motion"; }
   bool hasInspector() const override { return true; }
   bool hasBottomStrip() const override { return true; }
+  std::string stripTitle() const override { return "Timeline"; }
 
   void opened(Sandbox& sandbox, bool fromFile) override {
     play_ = &sandbox.session().playback();

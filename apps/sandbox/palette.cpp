@@ -83,7 +83,7 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
   add("Light theme", "", [](Sandbox& s) { s.state().theme() = Theme::Light; });
   add("Dark theme", "", [](Sandbox& s) { s.state().theme() = Theme::Dark; });
   add("Inspector on or off", "", [](Sandbox& s) { s.state().inspectorOpen = !s.state().inspectorOpen; });
-  add("Plots on or off", "", [](Sandbox& s) { s.state().stripOpen = !s.state().stripOpen; });
+  add("Bottom strip on or off", "", [](Sandbox& s) { s.state().stripOpen = !s.state().stripOpen; });
   add("Presentation: the derivation in large type", "F5",
       [](Sandbox& s) { s.state().presenting = !s.state().presenting; });
   add("Play or pause", "Space", [](Sandbox& s) { s.setPlaying(!s.playing()); });
@@ -97,7 +97,8 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
   for (const auto& panel : sandbox.state().panels) {
     const std::string name = panel->name();
     if (panel->hasInspector()) add("Tab " + name, "", [name](Sandbox& s) { s.showInspector(name); });
-    if (panel->hasBottomStrip()) add("Strip " + name, "", [name](Sandbox& s) { s.showBottomStrip(name); });
+    if (panel->hasBottomStrip())
+      add("Strip " + panel->stripTitle(), "", [name](Sandbox& s) { s.showBottomStrip(name); });
   }
   for (const std::string& name : frameSolverNames()) {
     const SolverEntry& entry = solverEntry(name);

@@ -24,7 +24,7 @@ class Panel {
  public:
   virtual ~Panel() = default;
 
-  /// The tab's title.
+  /// The inspector tab's title, and the panel's name in replays, commands and the status file.
   virtual std::string name() const = 0;
 
   virtual bool hasInspector() const { return false; }
@@ -32,6 +32,8 @@ class Panel {
   virtual void drawInspector(Sandbox&) {}
 
   virtual bool hasBottomStrip() const { return false; }
+  /// What its tab there shows, in a word or two; no other tab is called that.
+  virtual std::string stripTitle() const { return name(); }
   /// Inside the bottom strip's tab (plots, timeline).
   virtual void drawBottomStrip(Sandbox&) {}
 

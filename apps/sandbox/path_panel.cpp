@@ -29,6 +29,7 @@ class PathPanel final : public Panel {
   std::string name() const override { return "Path"; }
   bool hasInspector() const override { return true; }
   bool hasBottomStrip() const override { return true; }
+  std::string stripTitle() const override { return "Along the path"; }
 
   void drawInspector(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();

@@ -111,7 +111,7 @@ void viewMenu(Sandbox& sandbox) {
   if (ImGui::MenuItem("Frame everything", "Home")) frameEverything(sandbox, true);
   ImGui::Separator();
   ImGui::MenuItem("Inspector", nullptr, &s.inspectorOpen);
-  ImGui::MenuItem("Plots", nullptr, &s.stripOpen);
+  ImGui::MenuItem("Bottom strip", nullptr, &s.stripOpen);
   ImGui::MenuItem("Presentation", "F5", &s.presenting);
   ImGui::Separator();
   if (ImGui::MenuItem("Light theme", nullptr, s.theme() == Theme::Light)) s.theme() = Theme::Light;
@@ -153,28 +153,26 @@ void menuBar(Sandbox& sandbox) {
   ImGui::EndMainMenuBar();
 }
 
-/// Tabs in as many rows as they need, so that none is hidden; `current` is the one in front.
-template <typename Has, typename Draw>
-void tabs(Sandbox& sandbox, const char* id, std::string& current, Has has, Draw draw) {
+/// Tabs in as many rows as they need, so that none is hidden, and the one in front.
+void stripTabs(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
   Panel* front = nullptr;
   for (const auto& panel : s.panels)
-    if (has(*panel) && (!front || panel->name() == current)) front = panel.get();
+    if (panel->hasBottomStrip() && (!front || panel->name() == s.stripTab)) front = panel.get();
   if (!front) return;
-  current = front->name();
+  s.stripTab = front->name();
   const float gap = 2 * s.scale, right = ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x;
   float x = ImGui::GetCursorPosX();
-  ImGui::PushID(id);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {gap, 2 * s.scale});
   for (const auto& panel : s.panels) {
-    if (!has(*panel)) continue;
-    const std::string name = panel->name();
-    const float width = ImGui::CalcTextSize(name.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+    if (!panel->hasBottomStrip()) continue;
+    const std::string title = panel->stripTitle();
+    const float width = ImGui::CalcTextSize(title.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
     if (x + width <= right && x > ImGui::GetCursorStartPos().x) ImGui::SameLine(x);
     if (x + width > right) x = ImGui::GetCursorPosX();
     ImGui::PushStyleColor(ImGuiCol_Button,
                           ImGui::GetStyleColorVec4(panel.get() == front ? ImGuiCol_TabActive : ImGuiCol_Tab));
-    if (ImGui::Button(name.c_str())) current = name;
+    if (ImGui::Button(title.c_str())) s.stripTab = panel->name();
     ImGui::PopStyleColor();
     x += width + gap;
   }
@@ -182,10 +180,9 @@ void tabs(Sandbox& sandbox, const char* id, std::string& current, Has has, Draw 
   ImGui::Separator();
   ImGui::BeginChild(front->name().c_str(), {0, 0}, false, ImGuiWindowFlags_None);
   ImGui::PushItemWidth(-1.0f);
-  draw(*front);
+  front->drawBottomStrip(sandbox);
   ImGui::PopItemWidth();
   ImGui::EndChild();
-  ImGui::PopID();
 }
 
 /// The inspector's tabs under each other at the window's edge: all in sight at every width.
@@ -294,9 +291,7 @@ void strip(Sandbox& sandbox) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * s.scale, 6 * s.scale});
   ImGui::Begin("##strip", nullptr, fixedWindow | ImGuiWindowFlags_NoScrollbar);
   ImGui::PopStyleVar();
-  tabs(
-      sandbox, "##strip tabs", s.stripTab, [](const Panel& p) { return p.hasBottomStrip(); },
-      [&](Panel& p) { p.drawBottomStrip(sandbox); });
+  stripTabs(sandbox);
   ImGui::End();
 }
 

@@ -158,6 +158,31 @@ TEST(Layout, EveryTabIsInSightAtEveryWidthAndTheStripGrows) {
             layOut(stage.state(), 1280, 800).strip.height + 20);
 }
 
+/// Motion, Path, Lab and Lecture stood twice in one window; replays and the palette know the strip's tabs.
+TEST(Layout, NoTwoTabsOfTheWindowHaveOneTitle) {
+  Stage stage("planar");
+  std::set<std::string> titles;
+  int tabs = 0;
+  for (const auto& panel : stage.state().panels) {
+    if (panel->hasInspector()) ++tabs, titles.insert(panel->name());
+    if (panel->hasBottomStrip()) ++tabs, titles.insert(panel->stripTitle());
+  }
+  EXPECT_EQ(titles.size(), static_cast<std::size_t>(tabs));
+  const std::vector<Action> actions = actionsOf(stage.sandbox);
+  for (const auto& panel : stage.state().panels) {
+    stage.play("0 tab " + panel->name() + "\n", 2);
+    EXPECT_TRUE(stage.state().inspectorTab == panel->name() || stage.state().stripTab == panel->name() ||
+                panel->name() == "Rig")
+        << panel->name();  // the Rig panel is there for bodies that were rigged here
+    if (!panel->hasBottomStrip()) continue;
+    const auto action = std::ranges::find(actions, "Strip " + panel->stripTitle(), &Action::name);
+    ASSERT_NE(action, actions.end()) << panel->stripTitle();
+    action->run(stage.sandbox);
+    stage.play("", 1);
+    EXPECT_EQ(stage.state().stripTab, panel->name());
+  }
+}
+
 TEST(Unsaved, ChangesAreAskedAboutBeforeTheyAreLost) {
   Stage stage("figure", true);
   stage.play("", 2);
