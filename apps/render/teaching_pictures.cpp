@@ -72,10 +72,33 @@ void addEllipsoid(Overlay& overlay, const Vector3d& centre, const Eigen::Matrix3
 
 }  // namespace
 
-double ConvergenceMap::reachedShare() const {
-  int looked = 0, reached = 0;
-  for (const Cell& cell : rows) looked += cell.solved, reached += cell.reached;
-  return looked > 0 ? static_cast<double>(reached) / looked : 0.0;
+ConvergenceMap::Shares ConvergenceMap::shares() const {
+  int looked = 0, other = 0, missed = 0;
+  for (const Cell& cell : rows) {
+    looked += cell.solved;
+    missed += cell.solved && !cell.reached;
+    other += cell.reached && cell.otherBranch;
+  }
+  const double all = std::max(looked, 1);
+  return {(looked - other - missed) / all, other / all, missed / all};
+}
+
+Colour ConvergenceMap::reachedColour(double many, bool otherBranch) {
+  constexpr float alpha = 0.78f;
+  const auto t = static_cast<float>(std::clamp(many, 0.0, 1.0));
+  if (!otherBranch) return withAlpha(viridis(1.0f - 0.92f * t), alpha);
+  // Rose, from bright to dark as viridis is: a hue of its own also to those who do not tell red from green.
+  constexpr Colour few{1.0f, 0.74f, 0.86f}, most{0.42f, 0.02f, 0.24f};
+  return {few.r + t * (most.r - few.r), few.g + t * (most.g - few.g), few.b + t * (most.b - few.b), alpha};
+}
+
+Colour ConvergenceMap::notReachedColour() { return {0.5f, 0.5f, 0.52f, 0.3f}; }
+
+Colour ConvergenceMap::colour(const Cell& cell) const {
+  if (!cell.reached) return notReachedColour();
+  const double least = std::log1p(fewestIterations), most = std::log1p(mostIterations);
+  return reachedColour((std::log1p(cell.iterations) - least) / std::max(most - least, 1e-9),
+                       cell.otherBranch);
 }
 
 std::optional<TeachingPictures::Effector> TeachingPictures::effectorOf(const Session& session,
@@ -383,13 +406,7 @@ void TeachingPictures::convergence(const Session& session, const Frames& frames,
     for (int x = 0; x < cells; x += stride) {
       const ConvergenceMap::Cell& cell = map_.rows[y * cells + x];
       if (!cell.solved) continue;
-      const double least = std::log1p(map_.fewestIterations), most = std::log1p(map_.mostIterations);
-      const auto t = static_cast<float>((std::log1p(cell.iterations) - least) / std::max(most - least, 1e-9));
-      Colour colour =
-          cell.reached ? viridis(1.0f - 0.92f * std::clamp(t, 0.0f, 1.0f)) : Colour{0.5f, 0.5f, 0.52f};
-      if (cell.reached && cell.otherBranch)
-        colour = {0.55f * colour.r + 0.45f, 0.55f * colour.g + 0.25f, 0.55f * colour.b + 0.25f};
-      colour.a = cell.reached ? 0.78f : 0.16f;
+      const Colour colour = map_.colour(cell);
       const auto corner = [&](int i, int j) -> Vector3d {
         return map_.corner + below + static_cast<double>(std::min(x + i * stride, cells)) / cells * map_.u +
                static_cast<double>(std::min(y + j * stride, cells)) / cells * map_.v;

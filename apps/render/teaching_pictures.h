@@ -26,7 +26,15 @@ struct ConvergenceMap {
   };
   std::vector<Cell> rows;                              ///< cells * cells, v outer
   int fewestIterations = 1 << 30, mostIterations = 1;  ///< among those that reached
-  double reachedShare() const;                         ///< of the cells looked at
+
+  struct Shares {  ///< of the cells looked at; they add up to 1
+    double sameBranch = 0.0, otherBranch = 0.0, notReached = 0.0;
+  };
+  Shares shares() const;
+  /// What a cell is drawn in; 0: as few iterations as any that reached, 1: as many, on a logarithmic scale.
+  Colour colour(const Cell& cell) const;
+  static Colour reachedColour(double many, bool otherBranch);
+  static Colour notReachedColour();
 };
 
 /// Pictures that explain an arm: ellipsoids of velocity and force, the set that can be reached, other

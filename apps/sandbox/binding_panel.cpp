@@ -273,8 +273,8 @@ class BindingPanel final : public Panel {
   }
 
   static void scaleBar(const Sandbox::State& s) {
-    colourBar(s);
-    tooltip("Weight of the target, 0 (violet) to 1 (yellow).");
+    colourBar(s, "0", "1");
+    tooltip("Weight of the target.");
   }
 
   void facts(Sandbox& sandbox) const {

@@ -110,17 +110,10 @@ class PicturesPanel final : public Panel {
     heading(s, "OF THE SOLVER");
     ImGui::Checkbox("Convergence map", &show.convergence);
     tooltip(
-        "The present solver from the present pose to a grid of targets: bright, few iterations; dark, many; "
-        "grey, "
-        "not reached within 60; reddish, reached with the last joint bent the other way. One attempt, "
-        "without "
+        "The present solver from the present pose to a grid of targets, one attempt at each, without "
         "restarts. Coarse while you drag, fine at rest.");
     if (show.convergence && teaching.map().cells > 0) {
-      colourBar(s);
-      ImGui::Text("%d iterations", teaching.map().mostIterations);
-      ImGui::SameLine();
-      ImGui::TextColored(s.colours().textDim, "to 0; %.1f %% reached%s",
-                         100.0 * teaching.map().reachedShare(), teaching.isWorking() ? " so far" : "");
+      legend(s, teaching.map(), teaching.isWorking());
       if (ImGui::Button("Write as .csv")) write(sandbox, nextFileName(".csv"));
       tooltip("A line a cell: target (metres), iterations, reached, other branch.");
     }
@@ -156,6 +149,29 @@ class PicturesPanel final : public Panel {
   }
 
  private:
+  /// Every colour of the map, and how much of it has that colour.
+  static void legend(const Sandbox::State& s, const ConvergenceMap& map, bool isWorking) {
+    const auto [same, other, missed] = map.shares();
+    const auto share = [&](const char* what, double part) {
+      ImGui::TextUnformatted(fmt::format("{:.1f} % {}", 100.0 * part, what).c_str());
+    };
+    ImGui::PushFont(s.gui.fonts().small);
+    const bool any = map.fewestIterations <= map.mostIterations;
+    const std::string few = any ? fmt::format("{} iterations", map.fewestIterations) : "few iterations",
+                      many = any ? std::to_string(map.mostIterations) : "many";
+    share("reached", same);
+    colourBar(
+        s, [](float t) { return ConvergenceMap::reachedColour(t, false); }, few.c_str(), many.c_str());
+    if (other > 0.0) {
+      share("reached, bent the other way", other);
+      colourBar(s, [](float t) { return ConvergenceMap::reachedColour(t, true); });
+    }
+    share("not reached", missed);
+    colourBar(s, [](float) { return ConvergenceMap::notReachedColour(); });
+    if (isWorking) ImGui::TextColored(s.colours().textDim, "so far");
+    ImGui::PopFont();
+  }
+
   static void write(Sandbox& sandbox, const std::string& path) {
     const ConvergenceMap& map = sandbox.state().view->teaching().map();
     std::string text = "x,y,z,iterations,reached,other_branch\n";

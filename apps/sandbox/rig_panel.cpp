@@ -311,7 +311,7 @@ class RigPanel final : public Panel {
     tooltip(
         "How near the fitted surface lies to the body around each joint: 0 (violet), look here, to 1 "
         "(yellow).");
-    colourBar(s);
+    colourBar(s, "0, look here", "1");
     leastSure(sandbox);
     ImGui::TextColored(
         s.colours().textDim, "%s",

@@ -203,9 +203,11 @@ void drawShell(Sandbox& sandbox);
 
 /// A small dim line of words over a group of an inspector.
 void heading(const Sandbox::State& state, const char* words);
-/// viridis from 0 to 1 over the whole width.
-void colourBar(const Sandbox::State& state);
-/// The same, with what its ends mean below it.
+/// A colour map, viridis where none is named, from 0 to 1 over the whole width, with what its ends mean below
+/// it; without words where other lines say it.
+using ColourMap = Colour (*)(float t);
+void colourBar(const Sandbox::State& state, ColourMap map);
+void colourBar(const Sandbox::State& state, ColourMap map, const char* least, const char* most);
 void colourBar(const Sandbox::State& state, const char* least, const char* most);
 /// A tooltip over the item before it: what a quantity is, its unit and formula.
 void tooltip(const char* words);

@@ -537,25 +537,28 @@ void heading(const Sandbox::State& state, const char* words) {
   ImGui::PopFont();
 }
 
-void colourBar(const Sandbox::State& state) {
+void colourBar(const Sandbox::State& state, ColourMap map) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = 10 * state.scale;
   constexpr int steps = 48;
   for (int i = 0; i < steps; ++i) {
-    const Colour c = viridis((static_cast<float>(i) + 0.5f) / steps);
-    ImGui::GetWindowDrawList()->AddRectFilled(
-        {at.x + width * static_cast<float>(i) / steps, at.y},
-        {at.x + width * static_cast<float>(i + 1) / steps + 0.5f, at.y + height},
-        colour32({c.r, c.g, c.b, 1}));
+    const Colour c = map((static_cast<float>(i) + 0.5f) / steps);
+    const auto edge = [&](int k) { return std::round(at.x + width * static_cast<float>(k) / steps); };
+    ImGui::GetWindowDrawList()->AddRectFilled({edge(i), at.y}, {edge(i + 1), at.y + height},
+                                              colour32(toImVec4(c)));
   }
   ImGui::Dummy({width, height});
 }
 
 void colourBar(const Sandbox::State& state, const char* least, const char* most) {
-  colourBar(state);
+  colourBar(state, viridis, least, most);
+}
+
+void colourBar(const Sandbox::State& state, ColourMap map, const char* least, const char* most) {
+  colourBar(state, map);
   ImGui::PushFont(state.gui.fonts().small);
   ImGui::TextColored(state.colours().textDim, "%s", least);
-  ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(most).x);
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(most).x);
   ImGui::TextColored(state.colours().textDim, "%s", most);
   ImGui::PopFont();
 }

@@ -132,6 +132,50 @@ TEST(TeachingPictures, TheMapIsCoarseFirstAndTheSameInTheEnd) {
     EXPECT_EQ(once.pictures.map().rows[i].iterations, bit.pictures.map().rows[i].iterations);
 }
 
+/// What the legend says of the map is what is drawn: three kinds of cells, their shares, their colours.
+TEST(TeachingPictures, TheMapsLegendHasItsColoursAndShares) {
+  Session session = sessionOf("planar", {"convergence"});
+  session.setPose(VectorXd::Constant(session.q().size(), 0.5));  // bent: there is another way
+  Drawn drawn;
+  drawn.draw(session);
+  const ConvergenceMap& map = drawn.pictures.map();
+  double same = 0, other = 0, missed = 0;
+  for (const ConvergenceMap::Cell& cell : map.rows)
+    (!cell.reached ? missed : cell.otherBranch ? other : same) += 1;
+  const double all = static_cast<double>(map.rows.size());
+  const ConvergenceMap::Shares shares = map.shares();
+  EXPECT_DOUBLE_EQ(shares.sameBranch, same / all);
+  EXPECT_DOUBLE_EQ(shares.otherBranch, other / all);
+  EXPECT_DOUBLE_EQ(shares.notReached, missed / all);
+  EXPECT_GT(std::min({same, other, missed}), 0.02 * all);  // all three are there
+
+  using Seen = Eigen::Vector4f;
+  const auto seen = [](const Colour& c) { return Seen(c.r, c.g, c.b, c.a); };
+  ASSERT_EQ(drawn.inScene.fills.size(), 6 * map.rows.size());  // two triangles a cell
+  for (std::size_t i = 0; i < map.rows.size(); ++i)
+    EXPECT_LT((seen(drawn.inScene.fills[6 * i].colour) - seen(map.colour(map.rows[i]))).norm(), 1e-6) << i;
+  // The ends of the legend's scales are those of the cells, and no two kinds look alike.
+  for (const bool otherBranch : {false, true}) {
+    const auto of = [&](int iterations) {
+      return seen(map.colour(
+          {.solved = true, .reached = true, .otherBranch = otherBranch, .iterations = iterations}));
+    };
+    EXPECT_EQ(of(map.fewestIterations), seen(ConvergenceMap::reachedColour(0.0, otherBranch)));
+    EXPECT_EQ(of(map.mostIterations), seen(ConvergenceMap::reachedColour(1.0, otherBranch)));
+    const auto apart = [&](const Colour& a, const Colour& b) { return (seen(a) - seen(b)).head<3>().norm(); };
+    for (double t = 0.0; t <= 1.0; t += 0.02) {
+      EXPECT_GT(apart(ConvergenceMap::reachedColour(t, otherBranch), ConvergenceMap::notReachedColour()),
+                0.2f)
+          << t;
+      for (double u = 0.0; u <= 1.0; u += 0.02)
+        EXPECT_GT(apart(ConvergenceMap::reachedColour(t, otherBranch),
+                        ConvergenceMap::reachedColour(u, !otherBranch)),
+                  0.2f)
+            << t << " " << u;
+    }
+  }
+}
+
 TEST(TeachingPictures, WhatCannotBeDrawnSaysWhy) {
   const Session session = sessionOf("figure", {"solutions", "null_space", "convergence"});
   Drawn drawn;
