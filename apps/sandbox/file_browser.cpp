@@ -17,9 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Without what says nothing: "a/./b/" is "a/b".
+std::string plain(const std::string& folder) {
+  std::string path = fs::path(folder).lexically_normal().string();
+  if (path.size() > 1 && path.back() == '/') path.pop_back();
+  return path;
+}
+
 std::string home() {
   const char* folder = std::getenv("HOME");
-  return folder ? folder : "";
+  return folder ? plain(folder) : "";
 }
 
 std::string lower(std::string text) {
@@ -75,6 +82,22 @@ std::vector<BrowserEntry> folderEntries(const std::string& folder, const std::st
   return entries;
 }
 
+std::vector<BrowserPlace> browserPlaces() {
+  std::vector<BrowserPlace> places;
+  if (!home().empty()) places.push_back({"Home", home()});
+  std::error_code error;
+  const fs::path here = fs::current_path(error);
+  if (!error && !fs::equivalent(here, home(), error)) places.push_back({"Here", plain(here.string())});
+  return places;
+}
+
+std::string FileBrowser::whyEmpty() const {
+  if (!entries_.empty()) return "";
+  if (!readable_) return "This folder cannot be read.";
+  if (purpose_ == Purpose::Save) return "No scenes and no folders here yet.";
+  return filter_ == 0 ? "Nothing here that opens." : "Nothing of this kind here.";
+}
+
 void FileBrowser::begin(Purpose purpose, const std::string& folder, const std::string& name) {
   purpose_ = purpose;
   std::snprintf(name_, sizeof name_, "%s", name.c_str());
@@ -85,9 +108,11 @@ void FileBrowser::begin(Purpose purpose, const std::string& folder, const std::s
 }
 
 void FileBrowser::enter(const std::string& folder) {
-  folder_ = fs::path(folder).lexically_normal().string();
-  if (folder_.size() > 1 && folder_.back() == '/') folder_.pop_back();
+  folder_ = plain(folder);
   selected_.clear();
+  std::error_code error;
+  fs::directory_iterator(folder_, error);
+  readable_ = !error;
   entries_ = folderEntries(folder_, purpose_ == Purpose::Save ? ".json" : filters[filter_].endings);
 }
 
@@ -95,12 +120,8 @@ void FileBrowser::places(Sandbox& sandbox, float height, std::optional<std::stri
   Sandbox::State& s = sandbox.state();
   ImGui::BeginChild("places", {190 * s.scale, height});
   heading(s, "PLACES");
-  std::error_code error;
-  const auto place = [&](const char* name, const std::string& folder) {
-    if (!folder.empty() && ImGui::Selectable(name, folder == folder_)) enter(folder);
-  };
-  place("Home", home());
-  place("Here", fs::current_path(error).string());
+  for (const BrowserPlace& place : browserPlaces())
+    if (ImGui::Selectable(place.name.c_str(), place.folder == folder_)) enter(place.folder);
   if (purpose_ == Purpose::Open) {
     if (!s.preferences.recent.empty()) heading(s, "RECENT");
     for (const std::string& path : s.preferences.recent) {
@@ -118,7 +139,9 @@ void FileBrowser::places(Sandbox& sandbox, float height, std::optional<std::stri
 
 void FileBrowser::list(Sandbox& sandbox, float height, std::optional<std::string>& chosen) {
   Sandbox::State& s = sandbox.state();
+  ImGui::PushStyleVar(ImGuiStyleVar_ChildBorderSize, 1.0f);
   ImGui::BeginChild("list", {430 * s.scale, height}, true);
+  ImGui::PopStyleVar();
   const fs::path folder(folder_);
   std::string into;
   if (folder.has_parent_path() && folder != folder.root_path() && ImGui::Selectable("‹ one folder up"))
@@ -137,7 +160,8 @@ void FileBrowser::list(Sandbox& sandbox, float height, std::optional<std::string
     }
     ImGui::PopID();
   }
-  if (entries_.empty()) ImGui::TextColored(s.colours().textDim, "Nothing here that opens.");
+  if (const std::string why = whyEmpty(); !why.empty())
+    ImGui::TextColored(s.colours().textDim, "%s", why.c_str());
   ImGui::EndChild();
   if (!into.empty()) enter(into);
 }

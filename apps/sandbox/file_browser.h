@@ -20,6 +20,12 @@ std::vector<BrowserEntry> folderEntries(const std::string& folder, const std::st
 /// Endings of everything that opens: models, motions, scenes.
 std::string openableEndings();
 
+/// Folders to begin at: Home, and Here, where the program runs, if that is another.
+struct BrowserPlace {
+  std::string name, folder;
+};
+std::vector<BrowserPlace> browserPlaces();
+
 /// Folders, files and what was opened lately, as a dialog in the window.
 class FileBrowser {
  public:
@@ -28,6 +34,8 @@ class FileBrowser {
   /// Inside a popup. The path or the built-in model's name that was chosen; nullopt: nothing yet.
   std::optional<std::string> draw(Sandbox& sandbox);
   const std::string& folder() const { return folder_; }
+  /// Why the folder's list is empty; "": it is not.
+  std::string whyEmpty() const;
 
  private:
   void enter(const std::string& folder);
@@ -37,6 +45,7 @@ class FileBrowser {
   Purpose purpose_ = Purpose::Open;
   std::string folder_, selected_;
   std::vector<BrowserEntry> entries_;
+  bool readable_ = true;
   int filter_ = 0;
   char name_[1024] = "";
   bool focus_ = true;

@@ -145,12 +145,11 @@ void CommandPalette::draw(Sandbox& sandbox) {
   ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 30 * s.scale}, ImGuiCond_Always,
                           {0.5f, 0.0f});
   ImGui::SetNextWindowSize({width, 0});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 9 * s.scale);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelRaised);
+  pushFloating(s);
   ImGui::Begin("##palette", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                    ImGuiWindowFlags_NoSavedSettings);
+  dropShadow(s);
   if (std::exchange(focus_, false)) {
     ImGui::SetWindowFocus();
     ImGui::SetKeyboardFocusHere();
@@ -186,8 +185,7 @@ void CommandPalette::draw(Sandbox& sandbox) {
   const bool left = ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows) &&
                     !ImGui::IsWindowAppearing();
   ImGui::End();
-  ImGui::PopStyleColor();
-  ImGui::PopStyleVar(2);
+  popFloating();
   if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE) || left || run) open_ = false;
   if (!run) return;
   try {

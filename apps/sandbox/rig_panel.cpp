@@ -330,19 +330,19 @@ class RigPanel final : public Panel {
     const Layout::Rect& view = s.layout.view;
     ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.4f * view.height}, ImGuiCond_Always,
                             {0.5f, 0.5f});
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 9 * s.scale);
+    pushFloating(s);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {20 * s.scale, 16 * s.scale});
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelRaised);
     ImGui::Begin("##rig", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings);
+    dropShadow(s);
     if (working())
       drawProgress(s);
     else
       drawQuestion(sandbox);
     ImGui::End();
-    ImGui::PopStyleColor();
-    ImGui::PopStyleVar(2);
+    ImGui::PopStyleVar();
+    popFloating();
   }
 
   std::string status() const override {

@@ -201,6 +201,11 @@ void askForFiles(Sandbox::State& state);
 Layout layOut(const Sandbox::State& state, int width, int height);
 void drawShell(Sandbox& sandbox);
 
+/// Around the present window, which floats over others: a soft shadow, and the corners that go with it
+/// (pushFloating before its Begin, popFloating after its End).
+void pushFloating(const Sandbox::State& state);
+void dropShadow(const Sandbox::State& state);
+void popFloating();
 /// A small dim line of words over a group of an inspector.
 void heading(const Sandbox::State& state, const char* words);
 /// A colour map, viridis where none is named, from 0 to 1 over the whole width, with what its ends mean below

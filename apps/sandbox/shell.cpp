@@ -358,12 +358,12 @@ void help(Sandbox& sandbox) {
   ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.5f * view.height}, ImGuiCond_Always,
                           {0.5f, 0.5f});
   ImGui::SetNextWindowBgAlpha(0.97f);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 9 * s.scale);
+  pushFloating(s);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {22 * s.scale, 18 * s.scale});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, s.colours().panelRaised);
   ImGui::Begin("##help", &s.helpOpen,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings);
+  dropShadow(s);
   ImGui::PushFont(s.gui.fonts().large);
   ImGui::TextUnformatted("Mouse and keys");
   ImGui::PopFont();
@@ -383,8 +383,8 @@ void help(Sandbox& sandbox) {
   if (ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered() && !ImGui::IsWindowAppearing())
     s.helpOpen = false;
   ImGui::End();
-  ImGui::PopStyleColor();
-  ImGui::PopStyleVar(2);
+  ImGui::PopStyleVar();
+  popFloating();
 }
 
 /// Save, leave or stay.
@@ -431,10 +431,13 @@ void dialogs(Sandbox& sandbox) {
   const Layout::Rect& view = s.layout.view;
   ImGui::SetNextWindowPos({view.x + 0.5f * view.width, view.y + 0.5f * view.height}, ImGuiCond_Always,
                           {0.5f, 0.5f});
-  if (!ImGui::BeginPopupModal(
-          title, nullptr,
-          ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove))
-    return;
+  pushFloating(s);
+  const bool isOpen = ImGui::BeginPopupModal(
+      title, nullptr,
+      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove);
+  popFloating();
+  if (!isOpen) return;
+  dropShadow(s);
   ImGui::PushFont(s.gui.fonts().medium);
   ImGui::TextUnformatted(title);
   ImGui::PopFont();
@@ -528,6 +531,30 @@ void drawShell(Sandbox& sandbox) {
     const std::string name = std::exchange(s.toOpen, {});
     s.afterFrame = [name](Sandbox& box) { box.requestOpen(name); };
   }
+}
+
+void pushFloating(const Sandbox::State& state) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 9 * state.scale);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, state.colours().panelRaised);
+}
+
+void dropShadow(const Sandbox::State& state) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const ImVec2 low = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  const float reach = std::round(14 * state.scale), corner = 9 * state.scale;
+  draw->PushClipRectFullScreen();
+  for (float away = 1.0f; away < reach; away += 1.0f) {
+    const float near = 1.0f - away / reach;
+    draw->AddRect({low.x - away, low.y - away}, {low.x + size.x + away, low.y + size.y + away},
+                  colour32({0, 0, 0, 0.16f * near * near}), corner + away, 0, 1.0f);
+  }
+  draw->PopClipRect();
+}
+
+void popFloating() {
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(2);
 }
 
 void heading(const Sandbox::State& state, const char* words) {

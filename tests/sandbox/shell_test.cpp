@@ -121,6 +121,35 @@ TEST(FileBrowser, ListsFoldersFirstAndOnlyWhatOpens) {
   EXPECT_TRUE(folderEntries((stage.folder / "missing").string(), "").empty());
 }
 
+/// Home and Here stood there twice, both chosen, where the program runs at home.
+TEST(FileBrowser, NoFolderIsOfferedTwice) {
+  Stage stage("planar");
+  const char* before = std::getenv("HOME");
+  const std::string kept = before ? before : "", here = fs::current_path().string();
+  const auto placesWithHome = [&](const std::string& folder) {
+    setenv("HOME", folder.c_str(), 1);
+    std::string names;
+    for (const BrowserPlace& place : browserPlaces()) names += place.name + " ";
+    return names;
+  };
+  EXPECT_EQ(placesWithHome(here), "Home ");
+  EXPECT_EQ(placesWithHome(here + "/."), "Home ");
+  EXPECT_EQ(placesWithHome(stage.folder.string()), "Home Here ");
+  before ? setenv("HOME", kept.c_str(), 1) : unsetenv("HOME");
+}
+
+TEST(FileBrowser, AnEmptyListSaysWhy) {
+  Stage stage("planar");
+  FileBrowser browser;
+  browser.begin(FileBrowser::Purpose::Open, stage.folder.string(), "");
+  EXPECT_EQ(browser.whyEmpty(), "Nothing here that opens.");
+  browser.begin(FileBrowser::Purpose::Save, stage.folder.string(), "scene.json");
+  EXPECT_EQ(browser.whyEmpty(), "No scenes and no folders here yet.");
+  writeFile((stage.folder / "a.json").string(), "");
+  browser.begin(FileBrowser::Purpose::Save, stage.folder.string(), "scene.json");
+  EXPECT_EQ(browser.whyEmpty(), "");
+}
+
 TEST(Preferences, RecentFilesAndSizesAreRememberedAndDamageIsNothing) {
   Stage stage("planar");
   const std::string scene = (stage.folder / "scene.json").string();
