@@ -138,6 +138,11 @@ class BindingPanel final : public Panel {
     return sandbox.session().skin() && tool_ != Tool::Off && inFront(sandbox);
   }
 
+  std::string mouseHint() const override {
+    return tool_ == Tool::Brush ? "Paint on the body · [ ] smaller, larger brush · Esc lets it go"
+                                : "Draw around vertices: they change when you let go · Esc lets it go";
+  }
+
   bool pressed(Sandbox& sandbox, const Vector2d& pixel) override {
     lasso_.clear();
     lastStamp_.reset();

@@ -75,6 +75,8 @@ class Panel {
   /// A tool that works on the view with the left mouse button, such as a brush: while true the sandbox shows
   /// and drags nothing under the mouse, presses go to pressed(), and keys to keyPressed() first.
   virtual bool takesMouse(const Sandbox&) const { return false; }
+  /// What the mouse does while takesMouse(), for the status line.
+  virtual std::string mouseHint() const { return {}; }
   /// Window pixel. True: the moves up to the release are the tool's; false: they turn the camera.
   virtual bool pressed(Sandbox&, const Eigen::Vector2d& /*pixel*/) { return false; }
   virtual void moved(Sandbox&, const Eigen::Vector2d& /*pixel*/) {}

@@ -89,6 +89,10 @@ class PathPanel final : public Panel {
     return drawing_ && sandbox.frameNumber() - shownAt_ <= 1;
   }
 
+  std::string mouseHint() const override {
+    return "Draw a line: let go, and the effector follows it · Esc ends it";
+  }
+
   bool pressed(Sandbox& sandbox, const Vector2d& pixel) override {
     Sandbox::State& s = sandbox.state();
     const auto effector = TeachingPictures::effectorOf(sandbox.session(), s.selectedGoal);

@@ -214,6 +214,10 @@ class RigPanel final : public Panel {
     return rigged_ && moving_ && sandbox.frameNumber() - shownAt_ <= 1;
   }
 
+  std::string mouseHint() const override {
+    return "Drag a joint: let go, and the skin is weighed anew · drag the ground to orbit · Esc ends it";
+  }
+
   bool pressed(Sandbox& sandbox, const Eigen::Vector2d& pixel) override {
     if (edited_ || work_.valid()) return false;  // the last one waits for its weights
     dragged_ = jointAt(sandbox, pixel);

@@ -185,6 +185,8 @@ void frameSelection(Sandbox& sandbox);         ///< everything where nothing is 
 void undoOrRedo(Sandbox& sandbox, bool redo);  ///< says so where there is nothing
 /// The handle that a press at the window's pixel takes.
 std::optional<GoalId> handleAt(const Sandbox::State& state, const Eigen::Vector2d& pixel);
+/// The panel whose tool has the mouse; nullptr: dragging is on.
+Panel* toolOf(Sandbox& sandbox);
 /// Another method; where only pins stand in its way they are freed, and that is said.
 void chooseSolver(Sandbox& sandbox, const std::string& name);
 
@@ -200,6 +202,8 @@ std::string nextFileName(const std::string& ending);
 void askForFiles(Sandbox::State& state);
 Layout layOut(const Sandbox::State& state, int width, int height);
 void drawShell(Sandbox& sandbox);
+/// What the mouse does now, as the status line says it.
+std::string mouseHint(Sandbox& sandbox);
 
 /// Around the present window, which floats over others: a soft shadow, and the corners that go with it
 /// (pushFloating before its Begin, popFloating after its End).

@@ -295,7 +295,11 @@ void strip(Sandbox& sandbox) {
   ImGui::End();
 }
 
-std::string hint(const Sandbox::State& s) {
+}  // namespace
+
+std::string mouseHint(Sandbox& sandbox) {
+  const Sandbox::State& s = sandbox.state();
+  if (const Panel* tool = toolOf(sandbox)) return tool->mouseHint();
   if (s.gesture.kind == Gesture::Kind::Drag) {
     if (s.turning()) return "Turning the goal · release T or Alt to move it";
     return "X Y Z lock an axis · Shift: ground plane · T or Alt turns · P pins · Esc cancels";
@@ -314,6 +318,8 @@ std::string hint(const Sandbox::State& s) {
              ? "Drag the arm · drag the ground to pan · wheel zooms · H: help"
              : "Drag a handle or the skin · drag the ground to orbit · wheel zooms · H: help";
 }
+
+namespace {
 
 void statusLine(Sandbox& sandbox) {
   Sandbox::State& s = sandbox.state();
@@ -336,7 +342,7 @@ void statusLine(Sandbox& sandbox) {
   if (s.recorder.isRunning()) facts = fmt::format("film {:.0f} s · {}", s.recorder.seconds(), facts);
   const float width = ImGui::CalcTextSize(facts.c_str()).x;
   const float x = ImGui::GetWindowWidth() - width - 12 * s.scale;
-  const std::string help = hint(s);
+  const std::string help = mouseHint(sandbox);
   if (ImGui::CalcTextSize(help.c_str()).x + 40 * s.scale < x) {
     ImGui::TextColored(s.colours().text, "%s", help.c_str());
     ImGui::SameLine(x);

@@ -109,13 +109,6 @@ void continueDrag(Sandbox::State& s) {
                         (*target - s.gesture.start).cwiseMax(-10.0 * s.size()).cwiseMin(10.0 * s.size()));
 }
 
-/// The panel whose tool has the mouse; nullptr: dragging is on.
-Panel* toolOf(Sandbox& sandbox) {
-  for (const auto& panel : sandbox.state().panels)
-    if (panel->takesMouse(sandbox)) return panel.get();
-  return nullptr;
-}
-
 void press(Sandbox& sandbox, int button) {
   Sandbox::State& s = sandbox.state();
   if (s.gesture.kind != Gesture::Kind::None) return;
@@ -315,6 +308,12 @@ void trackModifiers(Sandbox::State& s, const InputEvent& event) {
 }
 
 }  // namespace
+
+Panel* toolOf(Sandbox& sandbox) {
+  for (const auto& panel : sandbox.state().panels)
+    if (panel->takesMouse(sandbox)) return panel.get();
+  return nullptr;
+}
 
 std::string nextFileName(const std::string& ending) {
   for (int n = 1;; ++n)

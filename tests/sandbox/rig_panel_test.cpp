@@ -87,6 +87,7 @@ TEST(RigPanel, AMeshIsRiggedMendedByHandAndUndone) {
   const Eigen::Vector3d left = stage.at("elbow_l"), right = stage.at("elbow_r"), wrist = stage.at("wrist_l");
   const double carried = stage.weightOn("elbow_l");
   stage.play("0 tab Rig\n1 do Rig tool on\n3 move 5 5\n");
+  EXPECT_TRUE(mouseHint(stage.sandbox).starts_with("Drag a joint")) << mouseHint(stage.sandbox);
   const auto pixel = stage.sandbox.state().toWindow(left).pixel;
   stage.play("0 move " + std::to_string(pixel.x()) + " " + std::to_string(pixel.y()) +
              "\n1 press left\n2 move " + std::to_string(pixel.x() + 6) + " " + std::to_string(pixel.y() - 5) +

@@ -212,6 +212,26 @@ TEST(Layout, NoTwoTabsOfTheWindowHaveOneTitle) {
   }
 }
 
+/// "Drag a handle" stood there while joints of a rig were moved, weights painted, paths drawn.
+TEST(StatusLine, SaysWhatTheMouseDoesInTheToolThatHasIt) {
+  Stage stage("figure");
+  const auto says = [&](const char* words) {
+    EXPECT_NE(mouseHint(stage.sandbox).find(words), std::string::npos) << mouseHint(stage.sandbox);
+  };
+  stage.play("0 move 20 60\n", 2);
+  says("Drag a handle");
+  stage.play("0 tab Binding\n3 key b\n", 3);
+  says("Paint");
+  stage.play("0 key v\n", 3);
+  says("Draw around");
+  stage.play("0 key escape\n", 3);
+  says("Drag a handle");
+  stage.play("0 open panda\n1 tab Path\n3 do Path draw on\n", 3);
+  says("Draw a line");
+  stage.play("0 tab Solve\n", 3);
+  says("Drag a handle");
+}
+
 TEST(Unsaved, ChangesAreAskedAboutBeforeTheyAreLost) {
   Stage stage("figure", true);
   stage.play("", 2);
