@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "apps/commands/solver_colour.h"
 #include "apps/render/scene_view.h"
@@ -22,12 +23,24 @@ std::vector<Eigen::Vector3f> comparedColours(const LabSettings& lab) {
   return colours;
 }
 
+std::vector<std::string> comparedNames(const LabSettings& lab) {
+  std::vector<std::string> names;
+  std::map<std::string, int> count;
+  for (const std::string& solver : lab.solvers) {
+    const std::string name(solverSpec(solver).name);
+    const int n = ++count[name];
+    names.push_back(n == 1 ? name : fmt::format("{} ({})", name, n));
+  }
+  return names;
+}
+
 void addComparedSolvers(const Session& session, double size, std::vector<Ghost>& ghosts,
                         std::vector<SceneLabel>& labels) {
   const LabSettings& lab = session.document().lab;
   const IkProblem problem = session.problem();
   if (!lab.compare || lab.poses.size() != lab.solvers.size() || problem.goals.empty()) return;
   const std::vector<Eigen::Vector3f> colours = comparedColours(lab);
+  const std::vector<std::string> names = comparedNames(lab);
   for (std::size_t i = 0; i < lab.solvers.size(); ++i) {
     const Eigen::VectorXd& q = lab.poses[i];
     if (q.size() != session.q().size()) continue;  // it cannot do these goals
@@ -41,7 +54,7 @@ void addComparedSolvers(const Session& session, double size, std::vector<Ghost>&
       double error = 0.0;
       for (const GoalError& goal : judge(problem, q).goals) error = std::max(error, goal.position);
       labels.push_back({frames[problem.goals.front().joint].translation(),
-                        fmt::format("{}  {:.1f} mm", lab.solvers[i], 1e3 * error),
+                        fmt::format("{}  {:.1f} mm", names[i], 1e3 * error),
                         {colours[i].x(), colours[i].y(), colours[i].z(), 1.0f}});
     }
     ghosts.push_back(

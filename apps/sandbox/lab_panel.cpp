@@ -27,7 +27,8 @@ using Eigen::VectorXd;
 
 /// One solver that follows the same goals with a pose of its own.
 struct Runner {
-  std::string solver;
+  std::string solver;  ///< with its parameters
+  std::string name;    ///< short
   std::unique_ptr<FrameSolver> method;
   VectorXd q, begin;  ///< now, and when the comparison began
   IkReport report;
@@ -168,13 +169,13 @@ class LabPanel final : public Panel {
       Curve residual{.values = runner.residuals,
                      .colour = toImVec4(runner.colour),
                      .width = 2.0f,
-                     .label = runner.solver,
+                     .label = runner.name,
                      .dots = true};
       residuals.push_back(residual);
       Curve error{.values = {runner.errors.begin(), runner.errors.end()},
                   .colour = toImVec4(runner.colour),
                   .width = 1.8f,
-                  .label = runner.solver};
+                  .label = runner.name};
       for (double& v : error.values) v *= 1e3;
       errors.push_back(error);
     }
@@ -216,10 +217,12 @@ class LabPanel final : public Panel {
   /// From where the document has them, else from its own pose.
   void build(Sandbox& sandbox) {
     runners_.clear();
+    const std::vector<std::string> names = comparedNames(*lab_);
     const bool known = lab_->poses.size() == lab_->solvers.size();
     for (std::size_t i = 0; i < lab_->solvers.size(); ++i) {
       Runner& runner = runners_.emplace_back();
       runner.solver = lab_->solvers[i];
+      runner.name = names[i];
       runner.method = makeFrameSolver(lab_->solvers[i], sandbox.session().sharedSkeleton());
       runner.q = runner.begin = sandbox.session().q();
       if (known && lab_->poses[i].size() > 0) runner.q = lab_->poses[i];
@@ -273,10 +276,12 @@ class LabPanel final : public Panel {
     for (const Runner& runner : runners_) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextColored(toImVec4(runner.colour), "%s", runner.solver.c_str());
-      tooltip(runner.unsupported.empty()
-                  ? (std::string("This frame ended: ") + toString(runner.report.why)).c_str()
-                  : runner.unsupported.c_str());
+      ImGui::TextColored(toImVec4(runner.colour), "%s", runner.name.c_str());
+      tooltip(fmt::format("{}\n{}", runner.solver,
+                          runner.unsupported.empty()
+                              ? std::string("This frame ended: ") + toString(runner.report.why)
+                              : runner.unsupported)
+                  .c_str());
       const auto cell = [&](const std::string& text, const char* meaning) {
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(runner.unsupported.empty() ? text.c_str() : "–");

@@ -161,7 +161,9 @@ class MusclePanel final : public Panel {
     return dragged_ || (under_ && !handleAt(s, s.mouse));
   }
 
-  std::string mouseHint() const override { return "Drag: the plane of the lattice grows or shrinks · Shift turns it"; }
+  std::string mouseHint() const override {
+    return "Drag: the plane of the lattice grows or shrinks · Shift turns it";
+  }
 
   bool pressed(Sandbox& sandbox, const Vector2d& pixel) override {
     const int links = static_cast<int>(limbs_[shownLimb_].shape.links.size());

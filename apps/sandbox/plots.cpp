@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/render/label_places.h"
 #include "apps/render/mathematics.h"
 #include "apps/render/rulers.h"
 
@@ -40,23 +41,10 @@ Area drawFrame(ImDrawList* draw, const std::string& title, ImVec2 position, ImVe
 }
 
 struct Label {
-  ImVec2 at;
-  float width;
+  LabelBox box;
   ImVec4 colour;
   std::string words;
 };
-
-/// From the lowest up: a label that would stand on another moves above it.
-void moveApart(std::vector<Label>& labels, float height) {
-  std::sort(labels.begin(), labels.end(), [](const Label& a, const Label& b) { return a.at.y > b.at.y; });
-  for (std::size_t i = 1; i < labels.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      const bool beside = labels[i].at.x > labels[j].at.x + labels[j].width ||
-                          labels[j].at.x > labels[i].at.x + labels[i].width;
-      if (!beside && std::abs(labels[i].at.y - labels[j].at.y) < height)
-        labels[i].at.y = labels[j].at.y - height;
-    }
-}
 
 }  // namespace
 
@@ -115,8 +103,9 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
     text(draw, fonts.small, {area.high.x - textWidth(fonts.small, look.xLabel), position.y + 6 * scale},
          palette.textFaint, look.xLabel);
 
-  draw->PushClipRect({area.low.x - 4 * scale, area.low.y - 6 * scale},
-                     {area.high.x + 6 * scale, area.high.y + 4 * scale}, true);
+  const ImVec2 from{area.low.x - 4 * scale, area.low.y - 6 * scale},
+      to{area.high.x + 6 * scale, area.high.y + 4 * scale};
+  draw->PushClipRect(from, to, true);
   std::vector<ImVec2> points;
   std::vector<Label> labels;
   for (const Curve& curve : curves) {
@@ -129,19 +118,20 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
     if (curve.dots || points.size() == 1)
       for (const ImVec2& p : points) draw->AddCircleFilled(p, 2.4f * scale, colour32(curve.colour));
     if (!curve.label.empty()) {
-      const float width = textWidth(fonts.small, curve.label);
-      const ImVec2 at(std::min(points.back().x + 6 * scale, area.high.x - width),
-                      std::clamp(points.back().y - fonts.small->FontSize - 2 * scale, area.low.y - 4 * scale,
-                                 area.high.y));
-      labels.push_back({at, width, {curve.colour.x, curve.colour.y, curve.colour.z, 1.0f}, curve.label});
+      const float height = fonts.small->FontSize;
+      labels.push_back({{points.back().x + 4 * scale, points.back().y - height - 2 * scale,
+                         textWidth(fonts.small, curve.label) + 4 * scale, height},
+                        {curve.colour.x, curve.colour.y, curve.colour.z, 1.0f},
+                        curve.label});
     }
   }
-  moveApart(labels, 0.95f * fonts.small->FontSize);
-  for (const Label& label : labels) {  // to be read also over a curve
-    draw->AddRectFilled({label.at.x - 2 * scale, label.at.y},
-                        {label.at.x + label.width + 2 * scale, label.at.y + fonts.small->FontSize},
+  LabelPlaces places({from.x, from.y, to.x - from.x, to.y - from.y});
+  for (Label& label : labels) {
+    if (!places.place(label.box)) continue;
+    const LabelBox& box = label.box;  // to be read also over a curve
+    draw->AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + box.height},
                         colour32(palette.plotBackground, 0.8f), 2 * scale);
-    text(draw, fonts.small, label.at, label.colour, label.words);
+    text(draw, fonts.small, {box.x + 2 * scale, box.y}, label.colour, label.words);
   }
   draw->PopClipRect();
 }

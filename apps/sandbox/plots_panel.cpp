@@ -44,10 +44,11 @@ class PlotsPanel final : public Panel {
           {.values = s.plots.earlier[i].residuals,
            .colour = toImVec4(solverColour(s.plots.earlier[i].solver), 0.18f + 0.1f * static_cast<float>(i)),
            .width = 1.4f});
+    const std::string name = s.session->solver(), title(solverEntry(name).title);
     curves.push_back({.values = s.plots.residuals,
-                      .colour = toImVec4(solverColour(s.session->solver())),
+                      .colour = toImVec4(solverColour(name)),
                       .width = 2.0f,
-                      .label = std::string(solverEntry(s.session->solver()).title),
+                      .label = ImGui::CalcTextSize(title.c_str()).x < 0.7f * size.x ? title : name,
                       .dots = true});
     drawPlot({.title = "Residual per iteration",
               .xLabel = "iteration",

@@ -1,5 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "apps/render/lab_marks.h"
+#include "apps/render/label_places.h"
+#include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "tests/sandbox/stage.h"
 
@@ -49,6 +54,57 @@ TEST(LabPanel, ItsChoiceIsThatOfTheDocument) {
   EXPECT_EQ(stage.sandbox.document().lab.solvers, (std::vector<std::string>{"sdls", "qp"}));
   ASSERT_TRUE(stage.sandbox.open("planar"));
   EXPECT_TRUE(stage.play("0 move 5 5\n", 3).empty());
+}
+
+TEST(LabPanel, PlotsAndTablesHaveShortNames) {
+  LabSettings lab;
+  lab.solvers = {"lm-gain-ratio", "dls[lambda=0.2]", "dls[lambda=0.3]", "drag"};
+  EXPECT_EQ(comparedNames(lab), (std::vector<std::string>{"lm-gain-ratio", "dls", "dls (2)", "drag"}));
+}
+
+/// Labels of curves that end in one place moved above each other, out of the plot at its top.
+TEST(Plots, EveryLabelStandsWholeWithinItsPlotAndOnNoOther) {
+  Stage stage;
+  stage.play("", 1);
+  const Fonts& fonts = stage.sandbox.state().gui.fonts();
+  for (const double last : {1.0, 0.5, 1e-6})
+    for (const ImVec2 size : {ImVec2(290, 150), ImVec2(180, 130), ImVec2(600, 300)}) {
+      std::vector<Curve> curves;
+      for (const char* name : {"lm-gain-ratio", "exact-hessian", "task-priority", "dls (2)"}) {
+        const float hue = 0.2f * static_cast<float>(curves.size());
+        curves.push_back({.values = {1.0, 0.9, last}, .colour = {hue, 0.5f, 0.9f, 0.4f}, .label = name});
+      }
+      ImGui::NewFrame();
+      ImGui::SetNextWindowPos({0, 0});
+      ImGui::SetNextWindowSize({640, 480});
+      ImGui::Begin("plot alone");
+      drawPlot({.title = "t", .xLabel = "i", .logarithmic = true, .lowest = 1e-6}, curves, {10, 30}, size,
+               palette(Theme::Light), fonts, 1.0f);
+      std::vector<LabelBox> boxes;
+      for (const Curve& curve : curves) {
+        const ImU32 ink = colour32({curve.colour.x, curve.colour.y, curve.colour.z, 1.0f});
+        constexpr float far = std::numeric_limits<float>::max();
+        ImVec2 low{far, far}, high{-far, -far};
+        int corners = 0;
+        for (const ImDrawVert& v : ImGui::GetWindowDrawList()->VtxBuffer) {
+          if (v.col != ink) continue;
+          ++corners;
+          low = {std::min(low.x, v.pos.x), std::min(low.y, v.pos.y)};
+          high = {std::max(high.x, v.pos.x), std::max(high.y, v.pos.y)};
+        }
+        const auto glyphs = std::ranges::count_if(curve.label, [](char c) { return c != ' '; });
+        EXPECT_EQ(corners, 4 * glyphs) << curve.label;  // none was clipped away
+        EXPECT_GE(low.x, 10.0f);
+        EXPECT_GE(low.y, 30.0f + fonts.small->FontSize) << curve.label;  // below the title
+        EXPECT_LE(high.x, 10.0f + size.x) << curve.label;
+        EXPECT_LE(high.y, 30.0f + size.y) << curve.label;
+        const LabelBox box{low.x, low.y, high.x - low.x, high.y - low.y};
+        for (const LabelBox& other : boxes) EXPECT_FALSE(box.overlaps(other)) << curve.label;
+        boxes.push_back(box);
+      }
+      ImGui::End();
+      ImGui::EndFrame();
+    }
 }
 
 }  // namespace
