@@ -3,6 +3,7 @@
 #include <imgui_impl_opengl3.h>
 
 #include <cmath>
+#include <utility>
 
 #include "apps/render/mathematics.h"
 #include "apps/render/rulers.h"
@@ -53,14 +54,19 @@ void writeWords(const LabelPen& pen, ImVec2 at, const ImVec4& named, const std::
 
 void writeLabels(const LabelPen& pen, const std::vector<SceneLabel>& labels, const Camera& camera,
                  const Viewport& viewport, ImVec2 corner) {
+  const float dot = 6 * pen.scale;  // half of its width: what labels name must stay in sight
+  std::vector<std::pair<const SceneLabel*, ImVec2>> seen;
   for (const SceneLabel& label : labels) {
     const Projected p = project(camera, viewport, label.at);
-    if (p.depth > 0.0)
-      writeWords(pen,
-                 {corner.x + static_cast<float>(p.pixel.x()) + 8 * pen.scale,
-                  corner.y + static_cast<float>(p.pixel.y()) - 8 * pen.scale},
-                 toImVec4(label.colour), label.text, true);
+    if (p.depth <= 0.0) continue;
+    const ImVec2 at(corner.x + static_cast<float>(p.pixel.x()), corner.y + static_cast<float>(p.pixel.y()));
+    pen.places->take(
+        {std::floor(at.x - dot), std::floor(at.y - dot), std::ceil(2 * dot), std::ceil(2 * dot)});
+    seen.emplace_back(&label, at);
   }
+  for (const auto& [label, at] : seen)
+    writeWords(pen, {at.x + 12 * pen.scale, at.y - 8 * pen.scale}, toImVec4(label->colour), label->text,
+               true);
 }
 
 LabelWriter::LabelWriter(Theme theme, float scale) : theme_(theme), scale_(scale) {

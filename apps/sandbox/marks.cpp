@@ -158,9 +158,18 @@ void drawMarks(Sandbox& sandbox) {
   writeLabels(pen, s.labels, s.camera(), s.viewport(), corner);
   drawConstraint(pen, sandbox);
   drawGizmo(sandbox.state(), *draw);
-  if (s.show().handles && (!s.shownFrames || s.handlesOnShown))
+  if (s.show().handles && (!s.shownFrames || s.handlesOnShown)) {
+    std::vector<const SceneGoal*> shown;
     for (const SceneGoal& goal : s.session->goals())
-      if (isGoalShown(sandbox.session(), goal)) nameGoal(pen, sandbox, goal);
+      if (isGoalShown(sandbox.session(), goal)) shown.push_back(&goal);
+    for (const SceneGoal* goal : shown) {  // no words on a handle
+      const ImVec2 at = toImVec2(s.toWindow(s.session->reached(goal->id)).pixel);
+      const float half = 7 * s.scale;
+      places.take(
+          {std::floor(at.x - half), std::floor(at.y - half), std::ceil(2 * half), std::ceil(2 * half)});
+    }
+    for (const SceneGoal* goal : shown) nameGoal(pen, sandbox, *goal);
+  }
   nameGesture(pen, sandbox);
   drawHover(pen, sandbox);
   drawNotices(pen, s.gui.fonts().regular, sandbox);

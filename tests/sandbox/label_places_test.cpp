@@ -4,6 +4,10 @@
 
 #include <random>
 
+#include "apps/render/label_writer.h"
+#include "apps/sandbox/sandbox_state.h"
+#include "tests/sandbox/stage.h"
+
 namespace gelenk {
 namespace {
 
@@ -44,6 +48,48 @@ TEST(Labels, OneThatHasRoomStaysAndOneWhosePointIsGoneGoes) {
   EXPECT_FALSE(again.overlaps(box));
   LabelBox gone{130, 40, 20, 10};
   EXPECT_FALSE(places.place(gone));
+}
+
+/// At the edge of the view a label was moved in, over the dot that it names.
+TEST(Labels, NeverCoverTheDotThatTheyName) {
+  testing::Stage stage({.model = "planar", .width = 640, .height = 480});
+  stage.play("", 1);
+  Sandbox::State& s = stage.sandbox.state();
+  const Viewport viewport = s.viewport();
+  const Camera& camera = s.camera();
+  int inView = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double side = 0.6 * s.size();
+    const Eigen::Vector3d place = camera.target + side * ((i % 20) / 10.0 - 1.0) * camera.axes().col(0) +
+                                  side * ((i / 20) / 10.0 - 1.0) * camera.axes().col(1);
+    const Projected p = project(camera, viewport, place);
+    if (p.pixel.x() < 40 || p.pixel.y() < 5 || p.pixel.x() > viewport.width - 5 ||
+        p.pixel.y() > viewport.height - 30)
+      continue;
+    ++inView;
+    ImGui::NewFrame();
+    ImGui::Begin("labels alone");
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    const int before = draw.VtxBuffer.Size;
+    LabelPlaces places = roomForLabels({0, 0}, viewport, true, 1.0f);
+    draw.PushClipRectFullScreen();
+    writeLabels({&draw, palette(Theme::Light), s.gui.fonts().small, 1.0f, &places},
+                {{place, "end-effector", {1, 0, 0, 1}}}, camera, viewport, {0, 0});
+    draw.PopClipRect();
+    ASSERT_GT(draw.VtxBuffer.Size, before);
+    ImVec2 low = draw.VtxBuffer[before].pos, high = low;
+    for (int v = before; v < draw.VtxBuffer.Size; ++v) {
+      const ImVec2 at = draw.VtxBuffer[v].pos;
+      low = {std::min(low.x, at.x), std::min(low.y, at.y)};
+      high = {std::max(high.x, at.x), std::max(high.y, at.y)};
+    }
+    const LabelBox label{low.x, low.y, high.x - low.x, high.y - low.y};
+    const auto x = static_cast<float>(p.pixel.x()), y = static_cast<float>(p.pixel.y());
+    EXPECT_FALSE(label.overlaps({x - 4, y - 4, 8, 8})) << p.pixel.transpose();
+    ImGui::End();
+    ImGui::EndFrame();
+  }
+  EXPECT_GT(inView, 30);
 }
 
 }  // namespace
