@@ -99,8 +99,7 @@ class MotionPanel final : public Panel {
     if (fileKind(path) != FileKind::Amc) return false;
     const ModelReference& reference = sandbox.state().session->document().model;
     const bool isAsf = fileKind(reference.nameOrFile) == FileKind::Asf;
-    if (!isAsf && reference.files.asf.empty())
-      throw std::invalid_argument("open the ASF skeleton of this motion first");
+    if (!isAsf && reference.files.asf.empty()) return false;  // opened with the ASF that lies beside it
     ModelReference next = reference;
     next.files.amc = path;
     sandbox.openModel(readModel(next), next);

@@ -1,10 +1,12 @@
 // What a first user met (the review of the sandbox), a test a bug: each failed before it was mended.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/document/model_files.h"
 #include "apps/document/muscle_settings.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
@@ -215,6 +217,31 @@ TEST(Review, TTurnsTheGoalThatIsDragged) {
   stage.play("0 grab " + tool + "\n2 keydown t\n3 shift-by 30 0 4\n9 keyup t\n", 3);
   ASSERT_TRUE(stage.sandbox.session().dragged());
   EXPECT_EQ(stage.sandbox.session().goal(*stage.sandbox.session().dragged()).goal.kind, GoalKind::Pose);
+}
+
+/// 16: an AMC that was dropped asked for its ASF, which lay beside it.
+TEST(Review, AMotionThatIsDroppedFindsItsSkeletonBesideIt) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("gelenk_review_" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  Imported motion = importFiles(testing::inputFolder() + "/forearm.bvh");
+  exportFile((folder / "walk.asf").string(), motion);
+  exportFile((folder / "walk.amc").string(), motion);
+  const int joints = importFiles((folder / "walk.asf").string()).model.skeleton.jointCount();
+  {
+    Stage stage("figure");
+    stage.play("0 drop " + (folder / "walk.amc").string() + "\n", 3);
+    EXPECT_EQ(stage.sandbox.session().skeleton().jointCount(), joints);
+    EXPECT_TRUE(stage.sandbox.session().model().clip);
+  }
+  fs::remove(folder / "walk.asf");  // and alone it says what is missing, and what opens it
+  Stage stage("figure");
+  stage.play("0 drop " + (folder / "walk.amc").string() + "\n", 3);
+  ASSERT_FALSE(stage.sandbox.state().notices.empty());
+  EXPECT_NE(stage.sandbox.state().notices.back().words.find("open the .asf first"), std::string::npos)
+      << stage.sandbox.state().notices.back().words;
+  EXPECT_EQ(stage.sandbox.session().model().name, "figure");
+  fs::remove_all(folder);
 }
 
 /// 9: edges were stepped. Where a person watches, what stands still is drawn once more, smooth; it stays
