@@ -204,6 +204,8 @@ Layout layOut(const Sandbox::State& state, int width, int height);
 void drawShell(Sandbox& sandbox);
 /// What the mouse does now, as the status line says it.
 std::string mouseHint(Sandbox& sandbox);
+/// At its right: the solver and its last frame, the renderer.
+std::string statusFacts(Sandbox& sandbox);
 
 /// Around the present window, which floats over others: a soft shadow, and the corners that go with it
 /// (pushFloating before its Begin, popFloating after its End).

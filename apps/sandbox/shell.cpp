@@ -319,6 +319,21 @@ std::string mouseHint(Sandbox& sandbox) {
              : "Drag a handle or the skin · drag the ground to orbit · wheel zooms · H: help";
 }
 
+std::string statusFacts(Sandbox& sandbox) {
+  const Sandbox::State& s = sandbox.state();
+  const FrameSolve& solve = s.session->lastSolve();
+  std::string facts = solve.ran ? fmt::format("{} it · {} · {:.0f} µs · ", solve.iterations,
+                                              describeErrors(solve), 1e6 * solve.seconds)
+                                : std::string("at rest · ");
+  facts += fmt::format("{} dof", s.session->skeleton().nv());
+  if (s.secondsPerFrame > 0.0) facts += fmt::format(" · {:.0f} fps", 1.0 / s.secondsPerFrame);
+  std::string renderer = sandbox.renderer();
+  if (const auto at = renderer.find(" ("); at != std::string::npos) renderer.resize(at);
+  facts = std::string(solverEntry(s.session->solver()).title) + " · " + facts + " · " + renderer;
+  if (s.recorder.isRunning()) facts = fmt::format("film {:.0f} s · {}", s.recorder.seconds(), facts);
+  return facts;
+}
+
 namespace {
 
 void statusLine(Sandbox& sandbox) {
@@ -330,16 +345,7 @@ void statusLine(Sandbox& sandbox) {
   ImGui::Begin("##status", nullptr,
                fixedWindow | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PushFont(s.gui.fonts().small);
-  const FrameSolve& solve = s.session->lastSolve();
-  std::string facts = solve.ran ? fmt::format("{} it · {} · {:.0f} µs · ", solve.iterations,
-                                              describeErrors(solve), 1e6 * solve.seconds)
-                                : std::string("at rest · ");
-  facts += fmt::format("{} dof", s.session->skeleton().nv());
-  if (s.secondsPerFrame > 0.0) facts += fmt::format(" · {:.0f} fps", 1.0 / s.secondsPerFrame);
-  std::string renderer = sandbox.renderer();
-  if (const auto at = renderer.find(" ("); at != std::string::npos) renderer.resize(at);
-  facts = std::string(solverEntry(s.session->solver()).title) + " · " + facts + " · " + renderer;
-  if (s.recorder.isRunning()) facts = fmt::format("film {:.0f} s · {}", s.recorder.seconds(), facts);
+  const std::string facts = statusFacts(sandbox);
   const float width = ImGui::CalcTextSize(facts.c_str()).x;
   const float x = ImGui::GetWindowWidth() - width - 12 * s.scale;
   const std::string help = mouseHint(sandbox);

@@ -11,6 +11,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
+#include "solvers/problem/ik_solver.h"
 #include "tests/places.h"
 #include "tests/sandbox/stage.h"
 
@@ -194,6 +195,45 @@ TEST(Review, ATargetOutOfReachIsCalledThat) {
   session.setTarget(hand, session.reached(hand) + Vector3d(-2.0, 0.6, 0.4));
   stage.play("", 300);
   EXPECT_TRUE(describeSolve(session).starts_with("out of reach by ")) << describeSolve(session);
+}
+
+/// 13: status line, list and Lab named one solver in three ways. Lists have the catalogue's titles.
+TEST(Review, TheStatusLineNamesASolverAsTheListsDo) {
+  Stage stage("planar");
+  for (const std::string& name : frameSolverNames()) {
+    stage.sandbox.session().setSolver(name);
+    EXPECT_TRUE(statusFacts(stage.sandbox).starts_with(std::string(solverEntry(name).title) + " · "))
+        << statusFacts(stage.sandbox);
+  }
+}
+
+/// 6: the click after Esc was swallowed.
+TEST(Review, TheFirstClickAfterEscCounts) {
+  Stage stage("planar");
+  stage.play("0 tab Solve\n", 2);
+  const Sandbox::State& s = stage.sandbox.state();
+  const Layout::Rect &inspector = s.layout.inspector, &rail = s.layout.rail;
+  const auto click = [&](double x, double y) {
+    stage.play("0 move " + at({x, y}) + "\n2 press left\n4 release left\n", 2);
+  };
+  const auto isOpen = [] { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup); };
+  for (float y = inspector.y; y < inspector.y + inspector.height && !isOpen(); y += 8)
+    click(inspector.x + 60, y);  // for the list of solvers
+  ASSERT_TRUE(isOpen());
+  stage.play("0 key escape\n", 3);
+  ASSERT_FALSE(isOpen());
+  const float row = s.gui.fonts().small->FontSize + 17 * s.scale;  // of the rail
+  click(rail.x + 0.5f * rail.width, rail.y + 8 * s.scale + 1.5f * row);
+  EXPECT_EQ(s.inspectorTab, "Model");
+}
+
+/// 8: the message of endings left out .json, which scenes have.
+TEST(Review, WhatDoesNotOpenIsToldWithEveryEndingThatDoes) {
+  Stage stage("planar");
+  EXPECT_FALSE(stage.sandbox.open("myscene"));
+  const std::string said = stage.sandbox.state().notices.back().words;
+  EXPECT_NE(said.find(".json"), std::string::npos) << said;
+  EXPECT_NE(said.find(knownExtensions()), std::string::npos) << said;
 }
 
 /// 14: dragging a hand lifted the whole body, though "Pinned feet" is ticked.
