@@ -109,6 +109,39 @@ std::size_t headSpan(const TextTable& table, std::size_t column) {
   return end - column;
 }
 
+std::vector<std::vector<std::size_t>> partsOf(const TextTable& table, const std::vector<float>& widths,
+                                              float gap, float room) {
+  std::vector<std::vector<std::size_t>> parts(1);
+  float taken = 0.0f;
+  std::size_t firstHead = headSpan(table, 0), next = 0;
+  for (std::size_t j = 0; j < widths.size(); j = next) {
+    next = std::min(j + headSpan(table, j), widths.size());
+    float width = 0.0f;
+    for (std::size_t k = j; k < next; ++k) width += widths[k] + gap;
+    if (taken + width > room + gap && parts.back().size() > firstHead) {
+      parts.emplace_back();
+      taken = 0.0f;
+      for (std::size_t k = 0; k < firstHead; ++k) {
+        parts.back().push_back(k);
+        taken += widths[k] + gap;
+      }
+    }
+    for (std::size_t k = j; k < next; ++k) parts.back().push_back(k);
+    taken += width;
+  }
+  return parts;
+}
+
+TextTable withColumns(const TextTable& table, const std::vector<std::size_t>& columns) {
+  TextTable some{.rows = {}, .hasHeads = table.hasHeads};
+  for (const TextTable::Row& row : table.rows) {
+    some.rows.emplace_back();
+    for (const std::size_t j : columns)
+      if (j < row.size()) some.rows.back().push_back(row[j]);
+  }
+  return some;
+}
+
 std::vector<TextPiece> piecesOf(const std::string& derivation) {
   std::vector<TextPiece> pieces;
   const auto continued = [&](TextPiece::Kind kind) -> TextTable& {

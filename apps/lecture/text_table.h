@@ -34,6 +34,14 @@ bool isNumberColumn(const TextTable& table, std::size_t column);
 /// How many columns a head stands over.
 std::size_t headSpan(const TextTable& table, std::size_t column);
 
+/// Which columns stand together where a table is wider than its room: as many parts as that takes, below each
+/// other, each beginning with the table's first column; columns under one head stay together. widths, gap
+/// between two columns, room: of one unit.
+std::vector<std::vector<std::size_t>> partsOf(const TextTable& table, const std::vector<float>& widths,
+                                              float gap, float room);
+/// Some of a table's columns.
+TextTable withColumns(const TextTable& table, const std::vector<std::size_t>& columns);
+
 /// The derivation as a terminal shows it: the columns of its tables padded with blanks.
 std::string padded(const std::string& derivation);
 

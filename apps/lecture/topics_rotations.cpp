@@ -156,7 +156,7 @@ std::string rotationsDerivation(const Angles& angles) {
   std::string out =
       "T_(i -> i+1) = T(l_i, 0) R(phi_(i+1)),  R(phi) = R(phi^x, phi^y, phi^z): rotations about x, then y, "
       "then z of the moving frame.\n";
-  out += text::heads({"i", "l_i", "phi^x", "phi^y", "phi^z", "q = (w", "x", "y", "z)"});
+  out += text::heads({"i", "l_i", "(phi^x, phi^y, phi^z)", "", "", "q = (w, x, y, z)", "", "", ""});
   for (std::size_t i = 0; i < 3; ++i) {
     const Quaterniond q = rotationOf(angles[i]);
     std::vector<std::string> cells{std::to_string(i + 1), fmt::format("{:g}", lengths[i])};
@@ -165,7 +165,7 @@ std::string rotationsDerivation(const Angles& angles) {
     out += text::row(cells);
   }
   const auto end = [](std::vector<std::string> cells, const Vector3d& at) {
-    text::append(cells, at, 9);
+    text::append(cells, at, 5);
     return text::row(cells);
   };
   out += "\nThe end-effector:\n";
@@ -175,7 +175,7 @@ std::string rotationsDerivation(const Angles& angles) {
   out += text::heads({"order", "angles", "", "", "end-effector", "", ""});
   for (const EulerOrder& order : eulerOrders()) {
     std::vector<std::string> cells{std::string(order.name)};
-    text::append(cells, eulerFromRotation(order, rotationOf(angles[0]).toRotationMatrix()) / degree, 4);
+    text::append(cells, eulerFromRotation(order, rotationOf(angles[0]).toRotationMatrix()) / degree, 2);
     out += end(cells, framesByEuler(order, angles).back().translation());
   }
   return out + fmt::format("  largest difference of any matrix entry: {:.1e}\n", ordersApart(angles));

@@ -37,8 +37,8 @@ void writeWords(const LabelPen& pen, ImVec2 at, const ImVec4& named, const std::
                 bool isFormula) {
   const ImVec4 colour = inkOf(named, pen.colours);
   ImFont* font = pen.font;
-  ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, text.c_str());
-  if (isFormula) size = {mathExtent(font, font->FontSize, text).width, size.y};
+  ImVec2 size = font->CalcTextSizeA(pen.size, 1e9f, 0.0f, text.c_str());
+  if (isFormula) size = {mathExtent(font, pen.size, text).width, size.y};
   // In whole pixels: sharp, and the same wherever the picture lies.
   LabelBox box{std::floor(at.x - 5 * pen.scale), std::floor(at.y - 2 * pen.scale),
                std::ceil(size.x + 10 * pen.scale), std::ceil(size.y + 4 * pen.scale)};
@@ -47,22 +47,26 @@ void writeWords(const LabelPen& pen, ImVec2 at, const ImVec4& named, const std::
   pen.draw->AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + box.height},
                           colour32(pen.colours.panelRaised, 0.82f), 4 * pen.scale);
   if (isFormula)
-    drawMathematics(*pen.draw, font, font->FontSize, at, colour32(colour), text);
+    drawMathematics(*pen.draw, font, pen.size, at, colour32(colour), text);
   else
-    pen.draw->AddText(font, font->FontSize, at, colour32(colour), text.c_str());
+    pen.draw->AddText(font, pen.size, at, colour32(colour), text.c_str());
 }
 
 void writeLabels(const LabelPen& pen, const std::vector<SceneLabel>& labels, const Camera& camera,
                  const Viewport& viewport, ImVec2 corner) {
   const float dot = 6 * pen.scale;  // half of its width: what labels name must stay in sight
+  const auto pixelOf = [&](const Projected& p) {
+    return ImVec2(corner.x + static_cast<float>(p.pixel.x()), corner.y + static_cast<float>(p.pixel.y()));
+  };
   std::vector<std::pair<const SceneLabel*, ImVec2>> seen;
   for (const SceneLabel& label : labels) {
-    const Projected p = project(camera, viewport, label.at);
+    const Projected p = project(camera, viewport, label.at),
+                    mark = project(camera, viewport, label.mark.value_or(label.at));
     if (p.depth <= 0.0) continue;
-    const ImVec2 at(corner.x + static_cast<float>(p.pixel.x()), corner.y + static_cast<float>(p.pixel.y()));
+    const ImVec2 middle = pixelOf(mark);
     pen.places->take(
-        {std::floor(at.x - dot), std::floor(at.y - dot), std::ceil(2 * dot), std::ceil(2 * dot)});
-    seen.emplace_back(&label, at);
+        {std::floor(middle.x - dot), std::floor(middle.y - dot), std::ceil(2 * dot), std::ceil(2 * dot)});
+    seen.emplace_back(&label, pixelOf(p));
   }
   for (const auto& [label, at] : seen)
     writeWords(pen, {at.x + 12 * pen.scale, at.y - 8 * pen.scale}, toImVec4(label->colour), label->text,
@@ -92,8 +96,9 @@ void LabelWriter::write(const std::vector<SceneLabel>& labels, const Camera& cam
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
   LabelPlaces places = roomForLabels({0, 0}, viewport, planar, scale_);
-  writeLabels({ImGui::GetBackgroundDrawList(), palette(theme_), fonts_.small, scale_, &places}, labels,
-              camera, viewport, {0, 0});
+  writeLabels({ImGui::GetBackgroundDrawList(), palette(theme_), fonts_.small, fonts_.small->FontSize, scale_,
+               &places},
+              labels, camera, viewport, {0, 0});
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());

@@ -14,6 +14,7 @@ struct LabelPen {
   ImDrawList* draw;
   const Palette& colours;
   ImFont* font;
+  float size;  ///< of the type, pixels
   float scale;
   LabelPlaces* places;
 };

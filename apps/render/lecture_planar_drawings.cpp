@@ -29,8 +29,10 @@ std::string pair(const Vector2d& p, const char* format = "({:.5g}, {:.5g})") {
                      std::abs(p.y()) < 1e-12 ? 0.0 : p.y());
 }
 
-void label(const LectureCanvas& canvas, const Vector3d& at, const std::string& text, const Colour& colour) {
-  canvas.labels.push_back({at, text, withAlpha(colour, 1.0f)});
+/// Beside a mark, by so much.
+void label(const LectureCanvas& canvas, const Vector3d& mark, const Vector3d& beside, const std::string& text,
+           const Colour& colour) {
+  canvas.labels.push_back({mark + beside, text, withAlpha(colour, 1.0f), mark});
 }
 
 LectureColours coloursOf(const LectureCanvas& canvas) {
@@ -73,7 +75,7 @@ void PlanarDrawing::cross(const LectureCanvas& canvas, const Vector2d& at, const
   const Vector3d p = inSpace(at);
   canvas.overlay.line(p - a * (ex + ey), p + a * (ex + ey), colour, 2.5f);
   canvas.overlay.line(p - a * (ex - ey), p + a * (ex - ey), colour, 2.5f);
-  label(canvas, p + 1.4 * a * (ex + ey), text, colour);
+  label(canvas, p, 1.4 * a * (ex + ey), text, colour);
 }
 
 // --- 10.1.2: forward kinematics
@@ -106,8 +108,8 @@ void ForwardDrawing::draw(const LectureCanvas& canvas) {
   }
   links(canvas.overlay, phi, colours.first);
   for (std::size_t i = 0; i < P.size(); ++i)
-    label(canvas,
-          inSpace(P[i]) + chain.reach() * (i % 2 ? Vector3d(0.035, 0.045, 0) : Vector3d(0.035, -0.075, 0)),
+    label(canvas, inSpace(P[i]),
+          chain.reach() * (i % 2 ? Vector3d(0.035, 0.045, 0) : Vector3d(0.035, -0.075, 0)),
           fmt::format("{}{} {}", i + 1 < P.size() ? "P" : "X = P", i + 1, pair(P[i], "({:.3f}, {:.3f})")),
           colours.text);
 }
@@ -141,7 +143,7 @@ void TwoLinkDrawing::draw(const LectureCanvas& canvas) {
     const TwoLinkBranch& b = solution.branch[i];
     links(canvas.overlay, Vector2d(b.phi1, b.phi2), branchColours[i], 3.0f);
     label(
-        canvas, inSpace(linkPoints(chain, Vector2d(b.phi1, b.phi2))[1]) + Vector3d(0.6, 0.6, 0),
+        canvas, inSpace(linkPoints(chain, Vector2d(b.phi1, b.phi2))[1]), Vector3d(0.6, 0.6, 0),
         fmt::format("phi = ({:.1f}, {:.1f}) deg", std::remainder(b.phi1, 2 * M_PI) / degree, b.phi2 / degree),
         branchColours[i]);
   }
@@ -152,7 +154,7 @@ void TwoLinkDrawing::draw(const LectureCanvas& canvas) {
         const auto P = linkPoints(chain, Vector2d(c.phi1, c.phi2));
         for (int i = 0; i < 2; ++i)
           canvas.overlay.dashedLine(inSpace(P[i]), inSpace(P[i + 1]), 0.35, colours.linear, 1.5f);
-        label(canvas, inSpace(P[1]) + Vector3d(0.6, -0.8, 0), "arctangent, misses", colours.linear);
+        label(canvas, inSpace(P[1]), Vector3d(0.6, -0.8, 0), "arctangent, misses", colours.linear);
       }
   cross(canvas, X, "X " + pair(X, "({:.2f}, {:.2f})"));
 }
@@ -185,13 +187,13 @@ void OneDimensionDrawing::draw(const LectureCanvas& canvas) {
   const LectureColours colours = coloursOf(canvas);
   const double r = 1.1 * chain.reach();
   canvas.overlay.dashedLine({-r, target, 0}, {r, target, 0}, 0.3, colours.target, 2.0f);
-  label(canvas, {-r, target + 0.5, 0}, fmt::format("height X = {:g}", target), colours.target);
+  label(canvas, {-r, target, 0}, 0.5 * ey, fmt::format("height X = {:g}", target), colours.target);
   for (std::size_t i = 0; i < run.size() && i <= at; ++i) {
     const Vector3d end = inSpace(endEffector(chain, VectorXd::Constant(1, run[i].phi)));
     const bool now = i == at;
     canvas.overlay.line(Vector3d::Zero(), end, now ? colours.first : colours.faint, now ? 3.0f : 1.5f);
     canvas.overlay.point(end, now ? colours.first : colours.faint, now ? 10.0f : 7.0f);
-    label(canvas, 1.05 * end, fmt::format("phi^{}", i), now ? colours.first : colours.text);
+    label(canvas, end, 0.05 * end, fmt::format("phi^{}", i), now ? colours.first : colours.text);
   }
 }
 
@@ -260,11 +262,11 @@ void NewtonDrawing::draw(const LectureCanvas& canvas) {
     truePath(over, at, colours.truth, 2.5f);
     const Vector2d end = run.steps[at + 1].f;
     if (now.step.norm() > 0.05)
-      label(canvas, inSpace(end) + Vector3d(0, -0.05 * chain.reach(), 0),
+      label(canvas, inSpace(end), Vector3d(0, -0.05 * chain.reach(), 0),
             fmt::format("f(phi^{}) {}", at + 1, pair(end, "({:.2f}, {:.2f})")), colours.truth);
   }
   if (now.g.norm() > 0.1 * chain.reach())
-    label(canvas, inSpace(now.f) + Vector3d(-0.02, 0.045, 0) * chain.reach(),
+    label(canvas, inSpace(now.f), Vector3d(-0.02, 0.045, 0) * chain.reach(),
           fmt::format("f(phi^{}) {}", at, pair(now.f, "({:.2f}, {:.2f})")), colours.first);
   cross(canvas, target, "X^neu " + pair(target, "({:g}, {:g})"));
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 
 #include "apps/render/colour.h"
@@ -12,6 +13,7 @@ struct SceneLabel {
   Eigen::Vector3d at;
   std::string text;
   Colour colour;
+  std::optional<Eigen::Vector3d> mark = {};  ///< what it names, where that lies elsewhere: no label covers it
 };
 
 }  // namespace gelenk

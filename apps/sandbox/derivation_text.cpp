@@ -30,9 +30,10 @@ float lasting(float width, const std::string& name) {
   return widest;
 }
 
-constexpr float columnGap = 1.2f;
+constexpr float columnGap = 1.2f, narrowGap = 0.6f;
 
-std::vector<Column> columnsOf(const TextTable& table) {
+/// room: that they should do with, in units of the type's size; gaps between them give way first.
+std::vector<Column> columnsOf(const TextTable& table, float room) {
   std::vector<Column> columns;
   for (const TextTable::Row& row : table.rows) columns.resize(std::max(columns.size(), row.size()));
   const float em = ImGui::GetFontSize();
@@ -57,17 +58,22 @@ std::vector<Column> columnsOf(const TextTable& table) {
     column.rest = lasting(column.rest, name + "rest");
     column.width = lasting(std::max(column.width, column.whole + column.rest), name);
   }
+  float wide = 0.0f;
+  for (const Column& column : columns) wide += column.width;
+  const float gap = columns.size() < 2 ? 0.0f
+                                       : std::clamp((room - wide) / static_cast<float>(columns.size() - 1),
+                                                    narrowGap, columnGap);
   for (std::size_t j = 0; j < columns.size(); ++j) {  // a head that is wider than all its columns
     const std::size_t span = headSpan(table, j);
     if (span == 1) continue;
-    float below = columnGap * static_cast<float>(span - 1);
+    float below = gap * static_cast<float>(span - 1);
     for (std::size_t k = j; k < j + span; ++k) below += columns[k].width;
     columns[j].width += std::max(0.0f, widthOf(table.rows[0][j]) / em - below);
   }
   float x = 0.0f;
   for (Column& column : columns) {
     column.left = x;
-    x += column.width + columnGap;
+    x += column.width + gap;
   }
   return columns;
 }
@@ -171,6 +177,19 @@ std::vector<std::string> wrapped(const std::string& line, float width) {
 
 float rightEdge(const std::vector<Column>& columns) { return columns.back().left + columns.back().width; }
 
+/// The table, or parts of it where it would have to be set in much smaller type. room: in units of the type.
+std::vector<TextTable> readable(const TextTable& table, float room) {
+  constexpr float least = 0.75f, goodEnough = 0.85f;  // of the type's size
+  const std::vector<Column> columns = columnsOf(table, room);
+  if (!table.hasHeads || least * rightEdge(columns) <= room) return {table};
+  std::vector<float> widths;
+  for (const Column& column : columns) widths.push_back(column.width);
+  std::vector<TextTable> parts;
+  for (const auto& part : partsOf(table, widths, narrowGap, room / goodEnough))
+    parts.push_back(withColumns(table, part));
+  return parts;
+}
+
 }  // namespace
 
 void drawDerivation(const std::string& text, ImFont* font, float size) {
@@ -197,17 +216,28 @@ void drawDerivation(const std::string& text, ImFont* font, float size) {
       }
       continue;
     }
-    ImGui::PushID(count++);
-    const std::vector<Column> columns = columnsOf(piece.table);
-    ImGui::PopID();
     const bool isMatrix = piece.kind == TextPiece::Kind::Matrix;
     const float indent = isMatrix ? left / size : 1.0f;  // a blank of a line, whatever the type
-    fit(size * (indent + rightEdge(columns) + (isMatrix ? 1.0f : 0.0f)));
+    const float room =
+        (ImGui::GetContentRegionAvail().x - 0.2f * size) / size - indent - (isMatrix ? 1.0f : 0.0f);
+    ImGui::PushID(count++);
+    const std::vector<TextTable> parts = isMatrix ? std::vector{piece.table} : readable(piece.table, room);
+    std::vector<std::vector<Column>> columns;
+    float widest = 0.0f;
+    for (const TextTable& part : parts) {
+      columns.push_back(columnsOf(part, room));
+      widest = std::max(widest, rightEdge(columns.back()));
+    }
+    ImGui::PopID();
+    fit(size * (indent + widest + (isMatrix ? 1.0f : 0.0f)));
     const float from = indent * ImGui::GetFontSize();
-    if (isMatrix)
-      drawMatrix(piece.table, columns, from);
-    else
-      drawRows(piece.table, columns, from, 0.0f);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (i > 0) ImGui::Dummy({0, 0.2f * ImGui::GetFontSize()});
+      if (isMatrix)
+        drawMatrix(parts[i], columns[i], from);
+      else
+        drawRows(parts[i], columns[i], from, 0.0f);
+    }
   }
   fit(0.0f);
   ImGui::PopFont();
@@ -215,8 +245,8 @@ void drawDerivation(const std::string& text, ImFont* font, float size) {
 
 void drawTable(const std::string& rows, int now) {
   const TextTable table = piecesOf(rows).front().table;
-  const std::vector<Column> columns = columnsOf(table);
   const float room = ImGui::GetContentRegionAvail().x;
+  const std::vector<Column> columns = columnsOf(table, room / ImGui::GetFontSize());
   const float shrunk = std::min(1.0f, room / (ImGui::GetFontSize() * rightEdge(columns)));
   ImGui::SetWindowFontScale(shrunk);
   const float stretch = columns.size() < 2

@@ -69,23 +69,23 @@ std::optional<GizmoPlace> gizmoOf(const Sandbox::State& s) {
     place.rings[axis] = rotation && !planar && goal.surface.triangle < 0;
   }
   if (s.toWindow(place.at).depth <= 0.0) return std::nullopt;
-  place.size = arrowPixels * s.scale * pixelSize(s.camera(), s.viewport(), place.at);
+  place.size = arrowPixels * s.viewScale() * pixelSize(s.camera(), s.viewport(), place.at);
   return place;
 }
 
 std::optional<GizmoPart> gizmoPartAt(const Sandbox::State& s, const GizmoPlace& place,
                                      const Vector2d& pixel) {
   const Vector2d middle = s.toWindow(place.at).pixel;
-  if ((pixel - middle).norm() < freeRadius * s.scale) return std::nullopt;
+  if ((pixel - middle).norm() < freeRadius * s.viewScale()) return std::nullopt;
   std::optional<GizmoPart> best;
-  double nearest = reach * s.scale;
+  double nearest = reach * s.viewScale();
   const auto consider = [&](double distance, GizmoPart part) {
     if (distance < nearest) best = part, nearest = distance;
   };
   for (int axis = 0; axis < 3; ++axis) {
     if (place.arrows[axis]) {
       const Vector2d tip = s.toWindow(place.at + place.size * Vector3d::Unit(axis)).pixel;
-      if ((tip - middle).norm() > freeRadius * s.scale)  // else it points at the viewer
+      if ((tip - middle).norm() > freeRadius * s.viewScale())  // else it points at the viewer
         consider(distanceToSegment(pixel, middle, tip), {GizmoPart::Kind::Arrow, axis});
     }
     if (place.rings[axis]) {
@@ -117,7 +117,7 @@ void drawGizmo(const Sandbox::State& s, ImDrawList& draw) {
                                                               : gizmoPartAt(s, *place, s.mouse);
   const Vector2d middle = s.toWindow(place->at).pixel;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto width = [&](GizmoPart part) { return (lit == part ? 3.2f : 2.0f) * s.scale; };
+    const auto width = [&](GizmoPart part) { return (lit == part ? 3.2f : 2.0f) * s.viewScale(); };
     if (const GizmoPart part{GizmoPart::Kind::Ring, axis}; place->rings[axis]) {
       std::vector<ImVec2> points;
       for (const Vector2d& p : ringPixels(s, *place, axis)) points.push_back(toImVec2(p));
@@ -127,12 +127,12 @@ void drawGizmo(const Sandbox::State& s, ImDrawList& draw) {
     if (const GizmoPart part{GizmoPart::Kind::Arrow, axis}; place->arrows[axis]) {
       const Vector2d tip = s.toWindow(place->at + place->size * Vector3d::Unit(axis)).pixel;
       const double length = (tip - middle).norm();
-      if (length <= freeRadius * s.scale) continue;
+      if (length <= freeRadius * s.viewScale()) continue;
       const Vector2d way = (tip - middle) / length, across(-way.y(), way.x());
       const ImU32 colour = axisColour(axis, lit == part);
-      const double head = 11.0 * s.scale;
-      draw.AddLine(toImVec2(middle + freeRadius * s.scale * way), toImVec2(tip - 0.8 * head * way), colour,
-                   width(part));
+      const double head = 11.0 * s.viewScale();
+      draw.AddLine(toImVec2(middle + freeRadius * s.viewScale() * way), toImVec2(tip - 0.8 * head * way),
+                   colour, width(part));
       draw.AddTriangleFilled(toImVec2(tip), toImVec2(tip - head * way + 0.45 * head * across),
                              toImVec2(tip - head * way - 0.45 * head * across), colour);
     }

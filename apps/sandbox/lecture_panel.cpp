@@ -141,21 +141,27 @@ class LecturePanel final : public Panel {
     }
     if (scene_->hasPlot()) {
       const ImVec2 available = ImGui::GetContentRegionAvail();
-      ImGui::BeginChild("plot", {0.42f * available.x, 0});
+      ImGui::BeginChild("plot", {0.34f * available.x, 0});
       scene_->drawPlot(sandbox);
       ImGui::EndChild();
       ImGui::SameLine();
     }
     ImGui::BeginChild("derivation", {0, 0});
-    drawSwitch(sandbox);
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing,
+                        {ImGui::GetStyle().ItemSpacing.x, 3 * sandbox.scale()});  // more lines at a glance
     ImFont* font = sandbox.state().gui.fonts().regular;
     drawDerivation(shown_, font, font->FontSize);
+    ImGui::PopStyleVar();
     ImGui::EndChild();
+  }
+
+  void drawBesideTabs(Sandbox& sandbox) override {
+    if (topic_) drawSwitch(sandbox);
   }
 
   bool drawPresentation(Sandbox& sandbox) override {
     if (!topic_) return false;
-    const float size = ImGui::GetIO().DisplaySize.y / 30.0f;  // to be read from the last row
+    const float size = sandbox.state().presentationType();
     ImGui::PushFont(sandbox.state().gui.fonts().title);
     ImGui::SetWindowFontScale(1.2f * size / sandbox.state().gui.fonts().title->FontSize);
     ImGui::PushTextWrapPos();
@@ -226,7 +232,7 @@ class LecturePanel final : public Panel {
     ImGui::PushFont(sandbox.state().gui.fonts().small);
     if (ImGui::RadioButton("slide", !live_)) live_ = false;
     tooltip("The derivation with the slide's own numbers.");
-    ImGui::SameLine();
+    ImGui::SameLine(0, 12 * sandbox.scale());
     if (ImGui::RadioButton("live", live_)) live_ = true;
     tooltip("Every number of the derivation follows the arm while you drag it.");
     ImGui::PopFont();

@@ -220,8 +220,20 @@ class OneDimensionScene final : public PlanarScene {
   /// f over phi with X, the iterates, and the secants that the difference quotient gives.
   void drawPlot(Sandbox& sandbox) override {
     const Palette& colours = sandbox.state().colours();
+    const float scale = sandbox.scale();
+    ImFont* small = sandbox.state().gui.fonts().small;
     ImDrawList* draw = ImGui::GetWindowDrawList();
-    const ImVec2 at = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
+    const ImVec2 corner = ImGui::GetCursorScreenPos(), whole = ImGui::GetContentRegionAvail();
+    draw->AddRectFilled(corner, {corner.x + whole.x, corner.y + whole.y}, colour32(colours.plotBackground),
+                        6 * scale);
+    const auto write = [&](float x, float y, float share,
+                           const std::string& text) {  // of its width lies left of x
+      const float width = mathExtent(small, small->FontSize, text).width;
+      drawMathematics(*draw, small, small->FontSize, {x - share * width, y}, colour32(colours.textDim), text);
+    };
+    write(corner.x + 10 * scale, corner.y + 6 * scale, 0.0f, "f(phi) = l sin phi, the tangents and X");
+    const ImVec2 at{corner.x + 36 * scale, corner.y + small->FontSize + 11 * scale},
+        size{whole.x - 44 * scale, whole.y - 2 * small->FontSize - 19 * scale};
     double low = -M_PI, high = M_PI;
     for (std::size_t i = 0; i <= drawing_.at && i < drawing_.run.size(); ++i)
       low = std::min(low, drawing_.run[i].phi - 0.3), high = std::max(high, drawing_.run[i].phi + 0.3);
@@ -229,34 +241,47 @@ class OneDimensionScene final : public PlanarScene {
     const auto px = [&](double phi) {
       return at.x + static_cast<float>((phi - low) / (high - low)) * size.x;
     };
-    const auto py = [&](double value) { return at.y + size.y * (0.5f - static_cast<float>(value / 26.0)); };
-    draw->AddRectFilled(at, {at.x + size.x, at.y + size.y}, colour32(colours.plotBackground),
-                        6 * sandbox.scale());
+    const auto py = [&](double value) { return at.y + size.y * (0.5f - static_cast<float>(value / 24.0)); };
+    for (const int value : {-10, -5, 0, 5, 10}) {
+      const float y = std::round(py(value)) + 0.5f;
+      draw->AddLine({at.x, y}, {at.x + size.x, y}, colour32(value == 0 ? colours.border : colours.plotGrid),
+                    1.0f);
+      write(at.x - 6 * scale, y - 0.55f * small->FontSize, 1.0f, std::to_string(value));
+    }
+    const double tick = high - low < 4.0 * M_PI ? 0.5 : high - low < 9.0 * M_PI ? 1.0 : 2.0;  // pi
+    for (double n = std::ceil(low / M_PI / tick) * tick; n * M_PI <= high; n += tick) {
+      const float x = std::round(px(n * M_PI)) + 0.5f;
+      draw->AddLine({x, at.y + size.y}, {x, at.y + size.y + 3 * scale}, colour32(colours.border), 1.0f);
+      const double halves = std::round(2.0 * n);
+      const bool isWhole = std::fmod(halves, 2.0) == 0.0;
+      const double count = isWhole ? 0.5 * halves : halves;  // of pi or of pi/2
+      write(x, at.y + size.y + 4 * scale, 0.5f,
+            count == 0.0 ? "0"
+                         : (count < 0.0 ? "-" : "") +
+                               (std::abs(count) == 1.0 ? "" : fmt::format("{:g} ", std::abs(count))) +
+                               (isWhole ? "pi" : "pi/2"));
+    }
     draw->PushClipRect(at, {at.x + size.x, at.y + size.y}, true);
-    draw->AddLine({at.x, py(0)}, {at.x + size.x, py(0)}, colour32(colours.plotGrid), 1.0f);
     draw->AddLine({at.x, py(drawing_.target)}, {at.x + size.x, py(drawing_.target)},
-                  colour32(colours.bad, 0.8f), 1.5f);
+                  colour32(colours.bad, 0.8f), 1.5f * scale);
     std::vector<ImVec2> curve;
     for (int i = 0; i <= 300; ++i) {
       const double phi = low + (high - low) * i / 300.0;
       curve.push_back({px(phi), py(oneLinkHeight(phi))});
     }
     draw->AddPolyline(curve.data(), static_cast<int>(curve.size()), colour32(colours.accent), 0,
-                      2.0f * sandbox.scale());
+                      2.0f * scale);
     for (std::size_t i = 0; i <= drawing_.at && i < drawing_.run.size(); ++i) {
       const NewtonStep1d& s = drawing_.run[i];
       const double f = s.g + drawing_.target;
-      draw->AddCircleFilled({px(s.phi), py(f)}, 4.0f * sandbox.scale(), colour32(colours.held));
+      draw->AddCircleFilled({px(s.phi), py(f)}, 4.0f * scale, colour32(colours.held));
       draw->AddLine({px(s.phi), py(drawing_.target)}, {px(s.phi), py(f)}, colour32(colours.textFaint), 1.0f);
       if (i + 1 < drawing_.run.size() && i < drawing_.at)
         draw->AddLine({px(s.phi), py(f)}, {px(drawing_.run[i + 1].phi), py(drawing_.target)},
-                      colour32(colours.held), 1.8f * sandbox.scale());
+                      colour32(colours.held), 1.8f * scale);
     }
     draw->PopClipRect();
-    drawMathematics(*draw, ImGui::GetFont(), ImGui::GetFontSize(),
-                    {at.x + 8 * sandbox.scale(), at.y + 4 * sandbox.scale()}, colour32(colours.textDim),
-                    "f(phi) = l sin phi, the tangents and X");
-    ImGui::Dummy(size);
+    ImGui::Dummy(whole);
   }
 
   std::string derivation(Sandbox&) override {

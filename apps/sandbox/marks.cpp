@@ -147,8 +147,11 @@ void drawMarks(Sandbox& sandbox) {
   const Layout::Rect& view = s.layout.view;
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   const ImVec2 corner{view.x, view.y};
-  LabelPlaces places = roomForLabels(corner, s.viewport(), s.session->model().planar, s.scale);
-  const LabelPen pen{draw, s.colours(), s.gui.fonts().small, s.scale, &places};
+  LabelPlaces places = roomForLabels(corner, s.viewport(), s.session->model().planar, s.viewScale());
+  const Fonts& fonts = s.gui.fonts();
+  ImFont* font = s.presenting ? fonts.title : fonts.small;
+  const float size = fonts.small->FontSize * s.viewScale() / s.scale;
+  const LabelPen pen{draw, s.colours(), font, size, s.viewScale(), &places};
   // It is opaque: nothing needs to be blended.
   draw->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glDisable(GL_BLEND); }, nullptr);
   draw->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.picture.texture())),
@@ -164,7 +167,7 @@ void drawMarks(Sandbox& sandbox) {
       if (isGoalShown(sandbox.session(), goal)) shown.push_back(&goal);
     for (const SceneGoal* goal : shown) {  // no words on a handle
       const ImVec2 at = toImVec2(s.toWindow(s.session->reached(goal->id)).pixel);
-      const float half = 7 * s.scale;
+      const float half = 7 * s.viewScale();
       places.take(
           {std::floor(at.x - half), std::floor(at.y - half), std::ceil(2 * half), std::ceil(2 * half)});
     }

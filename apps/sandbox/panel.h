@@ -37,7 +37,11 @@ class Panel {
   /// Inside the bottom strip's tab (plots, timeline).
   virtual void drawBottomStrip(Sandbox&) {}
 
-  /// What a room sees: half of the window, in large type and without controls. False: nothing to present.
+  /// To the right of the strip's tabs, while the panel's is in front: a switch that would take a line of it.
+  virtual void drawBesideTabs(Sandbox&) {}
+
+  /// What a room sees: half of the window or more, in large type, without controls. False: nothing to
+  /// present.
   virtual bool drawPresentation(Sandbox&) { return false; }
 
   /// Inside the main menu bar, between Model and Help: `if (ImGui::BeginMenu("Lecture")) {...}`.

@@ -75,7 +75,7 @@ std::string madeFrom(const Sandbox::State& s, const RenderScene& scene, const Vi
   facts.add(camera.target), facts.add(camera.up);
   facts.add(camera.distance, camera.azimuth, camera.elevation, camera.verticalFieldOfView,
             camera.orthographic);
-  facts.add(viewport.width, viewport.height, s.scale, s.view.get(), s.session->weightsVersion());
+  facts.add(viewport.width, viewport.height, s.viewScale(), s.view.get(), s.session->weightsVersion());
   facts.addAll(toString(s.session->document().skin));
   facts.add(scene.theme, scene.xray, scene.shadows, scene.lightFromViewer, scene.size, scene.ground.visible,
             scene.ground.grid, scene.ground.height);
@@ -102,7 +102,7 @@ void renderView(Sandbox& sandbox) {
   s.extras.selected = s.goalSelected();
   s.extras.whole = false;
   s.extras.viewport = s.viewport();
-  s.extras.pixelScale = s.scale;
+  s.extras.pixelScale = s.viewScale();
   const RenderScene scene = s.view->compose(*s.session, s.extras);
   s.labels = scene.labels;
   const Viewport viewport = s.viewport();
@@ -118,7 +118,8 @@ void renderView(Sandbox& sandbox) {
   s.picture.resize(drawn.width, drawn.height, s.drawnSmall);
   s.renderer.setSupersampling(fine ? 2 : 1);
   s.renderer.setQuick(s.drawnSmall);
-  s.renderer.draw(scene, s.camera(), drawn, s.picture.framebuffer(), static_cast<float>(share) * s.scale);
+  s.renderer.draw(scene, s.camera(), drawn, s.picture.framebuffer(),
+                  static_cast<float>(share) * s.viewScale());
 }
 
 }  // namespace

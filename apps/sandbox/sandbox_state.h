@@ -156,6 +156,10 @@ struct Sandbox::State {
   Theme& theme() const { return session->theme(); }
   std::optional<int> selectedJoint() const { return session->selectedJoint(); }
 
+  /// Type of a presentation, pixels: to be read from the last row.
+  float presentationType() const { return static_cast<float>(windowHeight) / 30.0f; }
+  /// Of what is written and drawn over the view: larger where a room looks at it.
+  float viewScale() const { return presenting ? std::max(scale, presentationType() / 20.0f) : scale; }
   bool turning() const { return alt || turnKey; }
   double size() const { return view->size(); }  ///< diagonal of the rest pose, metres
 

@@ -176,6 +176,10 @@ void stripTabs(Sandbox& sandbox) {
     ImGui::PopStyleColor();
     x += width + gap;
   }
+  const ImVec2 below = ImGui::GetCursorPos();
+  ImGui::SameLine(x + 16 * s.scale);
+  front->drawBesideTabs(sandbox);
+  ImGui::SetCursorPos(below);
   ImGui::PopStyleVar();
   ImGui::Separator();
   ImGui::BeginChild(front->name().c_str(), {0, 0}, false, ImGuiWindowFlags_None);
@@ -494,9 +498,10 @@ Layout layOut(const Sandbox::State& s, int width, int height) {
                          : s.gui.fonts().regular->FontSize + 2 * ImGui::GetStyle().FramePadding.y;
   const float status = s.gui.fonts().small->FontSize + 10 * scale;
   if (s.presenting) {
-    const float half = std::round(0.5f * w);
-    return {.view = {0, 0, w - half, h},
-            .inspector = {w - half, 0, half, h},
+    // Half of the window, or more of a narrow one, for the tables' sake.
+    const float words = std::round(std::max(0.5f * w, std::min(0.8f * h + 66 * scale, 0.56f * w)));
+    return {.view = {0, 0, w - words, h},
+            .inspector = {w - words, 0, words, h},
             .rail = {},
             .strip = {},
             .statusLine = {}};

@@ -29,7 +29,7 @@ Hover hoverAt(Sandbox& sandbox, const Vector2d& pixel) {
   if (const auto goal = handleAt(s, pixel))
     return {.kind = Hover::Kind::Goal, .goal = *goal, .position = session.reached(*goal)};
   if (s.show().skeleton || !session.skin()) {
-    double nearest = jointReach * s.scale;
+    double nearest = jointReach * s.viewScale();
     for (int i = 0; i < session.skeleton().jointCount(); ++i) {
       const Projected p = s.toWindow(sandbox.shownFrames()[i].translation());
       if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
@@ -324,7 +324,7 @@ std::string nextFileName(const std::string& ending) {
 std::optional<GoalId> handleAt(const Sandbox::State& s, const Vector2d& pixel) {
   if (!s.show().handles || (s.shownFrames && !s.handlesOnShown)) return std::nullopt;
   std::optional<GoalId> best;
-  double nearest = handleReach * s.scale;
+  double nearest = handleReach * s.viewScale();
   for (const SceneGoal& goal : s.session->goals()) {
     if (!isGoalShown(*s.session, goal)) continue;
     const Projected p = s.toWindow(s.session->reached(goal.id));

@@ -158,6 +158,25 @@ TEST(TextTables, StandInColumnsWithTheirDecimalPointsBelowEachOther) {
   EXPECT_FALSE(isNumber("1 and 2"));
 }
 
+/// A table that is wider than its room, such as Newton's in a presentation, comes in parts that each say what
+/// their rows are; columns under one head stay together, and none is lost.
+TEST(TextTables, AreParted) {
+  const TextTable table =
+      piecesOf(text::heads({"i", "phi", "", "f", "", "|g|"}) + text::row({"0", "1", "2", "3", "4", "5"}))
+          .front()
+          .table;
+  const std::vector<float> widths{1, 4, 4, 4, 4, 3};
+  using Parts = std::vector<std::vector<std::size_t>>;
+  EXPECT_EQ(partsOf(table, widths, 1, 25), (Parts{{0, 1, 2, 3, 4, 5}}));  // 20 wide and 5 gaps
+  EXPECT_EQ(partsOf(table, widths, 1, 24), (Parts{{0, 1, 2, 3, 4}, {0, 5}}));
+  EXPECT_EQ(partsOf(table, widths, 1, 15), (Parts{{0, 1, 2}, {0, 3, 4, 5}}));
+  EXPECT_EQ(partsOf(table, widths, 1, 2), (Parts{{0, 1, 2}, {0, 3, 4}, {0, 5}}));
+  const TextTable second = withColumns(table, {0, 3, 4});
+  EXPECT_TRUE(second.hasHeads);
+  EXPECT_EQ(second.rows, (std::vector<TextTable::Row>{{"i", "f", ""}, {"0", "3", "4"}}));
+  EXPECT_EQ(headSpan(second, 1), 2u);
+}
+
 TEST(TextTables, MatricesAndIndentedLinesAreToldApart) {
   const auto pieces = piecesOf("  D =\n    [ 1  -2.5 ]\n    [ 3 4 ]\n\nx\n");
   ASSERT_EQ(pieces.size(), 4u);
@@ -192,7 +211,7 @@ TEST(Derivations, InSpaceToo) {
 
   const Eigen::Vector3d quarter(0.0, 0.0, M_PI / 2), none = Eigen::Vector3d::Zero();
   const std::string turned = rotationsDerivation({quarter, none, none});
-  EXPECT_NE(turned.find("quaternions\t0.000000000\t2.300000000\t0.000000000"), std::string::npos)
+  EXPECT_NE(turned.find("quaternions\t0.00000\t2.30000\t0.00000"), std::string::npos)
       << turned;  // all links along y
 
   const Skeleton figure = mannequin();

@@ -50,6 +50,30 @@ TEST(Labels, OneThatHasRoomStaysAndOneWhosePointIsGoneGoes) {
   EXPECT_FALSE(places.place(gone));
 }
 
+/// The words of one point stood on the cross of another, which is named from the side.
+TEST(Labels, LeaveWhatIsNamedFromTheSideInSight) {
+  testing::Stage stage({.model = "planar", .width = 640, .height = 480});
+  stage.play("", 1);
+  Sandbox::State& s = stage.sandbox.state();
+  const Camera& camera = s.camera();
+  const Eigen::Vector3d cross = camera.target;
+  ImGui::NewFrame();
+  ImGui::Begin("labels alone");
+  LabelPlaces places = roomForLabels({0, 0}, s.viewport(), true, 1.0f);
+  writeLabels({ImGui::GetWindowDrawList(), palette(Theme::Light), s.gui.fonts().small, 13.0f, 1.0f, &places},
+              {{cross + 0.2 * s.size() * camera.axes().col(1), "X", {1, 0, 0, 1}, cross}}, camera,
+              s.viewport(), {0, 0});
+  const Projected p = project(camera, s.viewport(), cross);
+  LabelBox words{static_cast<float>(p.pixel.x()) - 30, static_cast<float>(p.pixel.y()) - 6, 60, 12};
+  const LabelBox wanted = words;
+  ASSERT_TRUE(places.place(words));
+  EXPECT_FALSE(
+      words.overlaps({static_cast<float>(p.pixel.x()) - 4, static_cast<float>(p.pixel.y()) - 4, 8, 8}));
+  EXPECT_NEAR(std::abs(words.y - wanted.y), 14, 3);  // no farther than it must
+  ImGui::End();
+  ImGui::EndFrame();
+}
+
 /// At the edge of the view a label was moved in, over the dot that it names.
 TEST(Labels, NeverCoverTheDotThatTheyName) {
   testing::Stage stage({.model = "planar", .width = 640, .height = 480});
@@ -73,7 +97,7 @@ TEST(Labels, NeverCoverTheDotThatTheyName) {
     const int before = draw.VtxBuffer.Size;
     LabelPlaces places = roomForLabels({0, 0}, viewport, true, 1.0f);
     draw.PushClipRectFullScreen();
-    writeLabels({&draw, palette(Theme::Light), s.gui.fonts().small, 1.0f, &places},
+    writeLabels({&draw, palette(Theme::Light), s.gui.fonts().small, 13.0f, 1.0f, &places},
                 {{place, "end-effector", {1, 0, 0, 1}}}, camera, viewport, {0, 0});
     draw.PopClipRect();
     ASSERT_GT(draw.VtxBuffer.Size, before);
