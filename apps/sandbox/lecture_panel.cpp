@@ -156,7 +156,9 @@ class LecturePanel final : public Panel {
   }
 
   void drawBesideTabs(Sandbox& sandbox) override {
-    if (topic_) drawSwitch(sandbox);
+    if (!topic_) return;
+    ImGui::SameLine(0, 16 * sandbox.scale());
+    drawSwitch(sandbox);
   }
 
   bool drawPresentation(Sandbox& sandbox) override {

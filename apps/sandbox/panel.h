@@ -37,7 +37,8 @@ class Panel {
   /// Inside the bottom strip's tab (plots, timeline).
   virtual void drawBottomStrip(Sandbox&) {}
 
-  /// To the right of the strip's tabs, while the panel's is in front: a switch that would take a line of it.
+  /// To the right of the strip's tabs, after ImGui::SameLine, while the panel's is in front: a switch that
+  /// would take a line of the strip.
   virtual void drawBesideTabs(Sandbox&) {}
 
   /// What a room sees: half of the window or more, in large type, without controls. False: nothing to

@@ -176,10 +176,7 @@ void stripTabs(Sandbox& sandbox) {
     ImGui::PopStyleColor();
     x += width + gap;
   }
-  const ImVec2 below = ImGui::GetCursorPos();
-  ImGui::SameLine(x + 16 * s.scale);
   front->drawBesideTabs(sandbox);
-  ImGui::SetCursorPos(below);
   ImGui::PopStyleVar();
   ImGui::Separator();
   ImGui::BeginChild(front->name().c_str(), {0, 0}, false, ImGuiWindowFlags_None);

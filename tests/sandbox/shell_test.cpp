@@ -1,5 +1,6 @@
 // The frame around the picture: palette, browser, gizmo, splitters, unsaved changes, presentation, films.
 #include <gtest/gtest.h>
+#include <imgui_internal.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -214,6 +215,25 @@ TEST(Layout, APresentationIsToBeReadFromTheLastRow) {
   const Layout narrow = layOut(stage.state(), 1280, 800);
   EXPECT_GT(narrow.inspector.width, 690);
   EXPECT_EQ(narrow.view.width + narrow.inspector.width, 1280);
+}
+
+/// What stands beside the tabs takes no line, with an example open or none.
+TEST(Layout, EveryTabOfTheStripBeginsAtTheSameHeight) {
+  std::set<float> heights;
+  for (const char* model : {"lecture:newton-1d", "planar"}) {
+    Stage stage(model);
+    for (const auto& panel : stage.state().panels) {
+      if (!panel->hasBottomStrip()) continue;
+      stage.sandbox.showBottomStrip(panel->name());
+      stage.play("", 2);
+      const std::string name = "##strip/" + panel->name();
+      for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+        if (std::string_view(window->Name).starts_with(name) &&
+            std::string_view(window->Name).find('/', name.size()) == std::string_view::npos)
+          heights.insert(window->Pos.y);
+    }
+  }
+  EXPECT_EQ(heights.size(), 1u);
 }
 
 /// Motion, Path, Lab and Lecture stood twice in one window; replays and the palette know the strip's tabs.
