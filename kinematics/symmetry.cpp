@@ -104,4 +104,13 @@ VectorXd mirrorPose(const Skeleton& skeleton, const VectorXd& q) {
   return mirrored;
 }
 
+std::string whyNotMirrored(const Skeleton& skeleton) {
+  try {
+    mirrorPose(skeleton, neutral(skeleton));
+    return {};
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
 }  // namespace gelenk

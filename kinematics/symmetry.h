@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "kinematics/skeleton.h"
 
@@ -16,5 +17,8 @@ std::vector<int> mirrorPartners(const Skeleton& skeleton);
 /// the skeleton itself is not symmetric (offsets beyond 1e-6 of its size, another motion, or axes that are no
 /// reflections of each other).
 Eigen::VectorXd mirrorPose(const Skeleton& skeleton, const Eigen::VectorXd& q);
+
+/// Why no pose of it can be reflected; empty: every one can.
+std::string whyNotMirrored(const Skeleton& skeleton);
 
 }  // namespace gelenk

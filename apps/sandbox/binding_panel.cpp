@@ -109,9 +109,9 @@ class BindingPanel final : public Panel {
     float millimetres = static_cast<float>(1000.0 * radius_), strength = static_cast<float>(strength_);
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
     if (valueSlider("Radius", millimetres, static_cast<float>(5.0 * s.size()),
-                    static_cast<float>(120.0 * s.size()), "%.0f mm"))
+                    static_cast<float>(120.0 * s.size()), formatLength(radius_).c_str()))
       radius_ = 0.001 * millimetres;
-    tooltip("Of the brush, on the posed surface, millimetres. [ and ] change it.");
+    tooltip("Of the brush, on the posed surface. [ and ] change it.");
     ImGui::SetNextItemWidth(0.6f * ImGui::GetContentRegionAvail().x);
     if (valueSlider("Strength", strength, 0.02f, 1.0f, "%.2f")) strength_ = strength;
     tooltip(

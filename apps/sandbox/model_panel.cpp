@@ -6,6 +6,7 @@
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
+#include "kinematics/symmetry.h"
 
 namespace gelenk {
 namespace {
@@ -29,14 +30,13 @@ class ModelPanel final : public Panel {
     if (ImGui::Button("Rest pose", {half, 0})) s.session->resetPose();
     tooltip("The bind pose (R). Handles pinned at the beginning are pinned again.");
     ImGui::SameLine();
-    if (ImGui::Button("Mirror", {half, 0})) {
-      try {
-        s.session->mirrorPose();
-      } catch (const std::exception& error) {
-        sandbox.say(error.what(), true);
-      }
-    }
-    tooltip("Left and right change places (M): reflection in the plane x = 0.");
+    const std::string whyNot = whyNotMirrored(skeleton);
+    ImGui::BeginDisabled(!whyNot.empty());
+    if (ImGui::Button("Mirror", {half, 0})) s.session->mirrorPose();
+    ImGui::EndDisabled();
+    tooltip(("Left and right change places (M): reflection in the plane x = 0." +
+             (whyNot.empty() ? "" : "\n\nNot this model: " + whyNot))
+                .c_str());
     if (ImGui::Button("Within limits, at random", {-1, 0})) {
       s.session->remember();
       Eigen::VectorXd q = randomWithinLimits(skeleton, random_);

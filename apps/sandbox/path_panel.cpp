@@ -35,13 +35,21 @@ class PathPanel final : public Panel {
     Sandbox::State& s = sandbox.state();
     shownAt_ = sandbox.frameNumber();
     heading(s, "PATH OF THE EFFECTOR");
+    const std::string whyNot = plan_.q.empty() ? prepare(sandbox) : std::string();
+    ImGui::BeginDisabled(!whyNot.empty());
     ImGui::Checkbox("Draw with the mouse", &drawing_);
+    ImGui::EndDisabled();
     tooltip(
         "Press, draw, release: the effector follows the line in the plane through it that faces you, and "
         "keeps its orientation. Fewest jumps first, then least motion (docs/solutions.md).");
-    if (!reason_.empty())
+    if (!whyNot.empty()) {
+      drawing_ = false;
+      ImGui::TextColored(s.colours().textDim, "%s",
+                         brokenAtBlanks(whyNot, ImGui::GetContentRegionAvail().x).c_str());
+    } else if (!reason_.empty()) {
       ImGui::TextColored(s.colours().warning, "%s",
                          brokenAtBlanks(reason_, ImGui::GetContentRegionAvail().x).c_str());
+    }
     if (plan_.q.empty()) return;
     ImGui::Text("%zu poses, %zu jumps, %.3f rad", plan_.q.size(), plan_.jumps.size(), plan_.length);
     for (const PathJump& jump : plan_.jumps)
@@ -95,14 +103,11 @@ class PathPanel final : public Panel {
 
   bool pressed(Sandbox& sandbox, const Vector2d& pixel) override {
     Sandbox::State& s = sandbox.state();
-    const auto effector = TeachingPictures::effectorOf(sandbox.session(), s.selectedGoal);
-    if (!effector) {
-      reason_ = "no goal of a point says which effector is meant";
-      return false;
-    }
-    joint_ = effector->joint, pointInJoint_ = effector->pointInJoint;
-    start_ = sandbox.session().frames()[joint_] * pointInJoint_;
     forget();
+    reason_ = prepare(sandbox);
+    if (!reason_.empty()) return false;
+    pointInJoint_ = TeachingPictures::effectorOf(sandbox.session(), s.selectedGoal)->pointInJoint;
+    start_ = sandbox.session().frames()[joint_] * pointInJoint_;
     add(sandbox, pixel);
     return true;
   }
@@ -136,6 +141,7 @@ class PathPanel final : public Panel {
   void opened(Sandbox&, bool) override {
     forget();
     planner_.reset();
+    joint_ = -1;
     drawing_ = false;
   }
 
@@ -197,15 +203,25 @@ class PathPanel final : public Panel {
       drawn_.push_back(*place);
   }
 
+  /// Why the present effector can follow no line; empty: it can.
+  std::string prepare(Sandbox& sandbox) {
+    const Session& session = sandbox.session();
+    const auto effector = TeachingPictures::effectorOf(session, sandbox.state().selectedGoal);
+    if (!effector) return "no goal of a point says which effector is meant";
+    if (joint_ == effector->joint) return whyNoPlanner_;
+    joint_ = effector->joint;
+    whyNoPlanner_.clear();
+    planner_.reset();
+    try {
+      planner_.emplace(session.skeleton(), joint_);
+    } catch (const std::invalid_argument& error) {
+      whyNoPlanner_ = error.what();
+    }
+    return whyNoPlanner_;
+  }
+
   void plan(Sandbox& sandbox) {
     Session& session = sandbox.session();
-    try {
-      if (!planner_ || plannedJoint_ != joint_) planner_.emplace(session.skeleton(), joint_);
-      plannedJoint_ = joint_;
-    } catch (const std::invalid_argument& error) {
-      reason_ = error.what();
-      return;
-    }
     double length = 0.0;
     std::vector<Isometry3d> keys;
     for (std::size_t k = 0; k < drawn_.size(); ++k) {
@@ -265,12 +281,13 @@ class PathPanel final : public Panel {
   }
 
   bool drawing_ = false, following_ = false;
-  int shownAt_ = -2, joint_ = -1, plannedJoint_ = -1;
-  double at_ = 0.0;  ///< pose
+  int shownAt_ = -2, joint_ = -1;  ///< the effector's, that planner_ is of
+  double at_ = 0.0;                ///< pose
   Vector3d pointInJoint_ = Vector3d::Zero(), start_ = Vector3d::Zero();
   std::vector<Vector3d> drawn_;  ///< world
   std::vector<Isometry3d> poses_;
   std::optional<PathPlanner> planner_;
+  std::string whyNoPlanner_;
   PathPlan plan_;
   std::string branch_;  ///< of the pose shown
   std::string reason_;  ///< why there is no motion; empty: nothing amiss

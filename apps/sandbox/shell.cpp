@@ -11,6 +11,7 @@
 #include "apps/sandbox/key_help.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "kinematics/forward_kinematics.h"
+#include "kinematics/symmetry.h"
 #include "skinning/gpu/driver.h"
 #include "solvers/problem/ik_solver.h"
 
@@ -86,13 +87,9 @@ void editMenu(Sandbox& sandbox) {
   if (ImGui::MenuItem("Redo", "Ctrl+Shift+Z", false, can(true))) undoOrRedo(sandbox, true);
   ImGui::Separator();
   if (ImGui::MenuItem("Rest pose", "R")) s.session->resetPose();
-  if (ImGui::MenuItem("Mirror pose", "M")) {
-    try {
-      s.session->mirrorPose();
-    } catch (const std::exception& error) {
-      sandbox.say(error.what(), true);
-    }
-  }
+  const std::string whyNot = whyNotMirrored(s.session->skeleton());
+  if (ImGui::MenuItem("Mirror pose", "M", false, whyNot.empty())) s.session->mirrorPose();
+  if (!whyNot.empty()) tooltip(whyNot.c_str());
   if (ImGui::MenuItem("Let every goal go")) s.session->removeAllGoals();
   ImGui::EndMenu();
 }

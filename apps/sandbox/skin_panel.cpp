@@ -5,6 +5,7 @@
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/skin_comparison.h"
+#include "skinning/blend/limb_chains.h"
 
 namespace gelenk {
 namespace {
@@ -46,7 +47,6 @@ class SkinPanel final : public Panel {
     heading(s, "BODY");
     ImGui::TextColored(s.colours().textDim, "%zu vertices · %zu triangles", skin.mesh.positions.size(),
                        skin.mesh.triangles.size());
-    for (const Note& note : s.session->model().notes) ImGui::TextWrapped("%s", note.line().c_str());
     heading(s, "SKINNING");
     method(s);
     heading(s, "SIDE BY SIDE");
@@ -73,10 +73,14 @@ class SkinPanel final : public Panel {
     tooltip(
         "How the motions of a vertex's bones are blended: linearly, as dual quaternions, or about its centre "
         "of rotation.");
+    const bool hasLimbs = !limbChains(s.session->skeleton()).empty();
+    ImGui::BeginDisabled(!hasLimbs);
     ImGui::Checkbox("Spread twist along limbs", &choice.twist);
-    tooltip(
-        "A limb's bones take back their own axial turn where they begin and follow their child's where they "
-        "end.");
+    ImGui::EndDisabled();
+    tooltip(hasLimbs
+                ? "A limb's bones take back their own axial turn where they begin and follow their child's "
+                  "where they end."
+                : "No arm or leg is known in this model by its joints' names.");
     double millimetres = 1e3 * choice.smoothing;
     if (!editing_) pending_ = millimetres;
     ImGui::SetNextItemWidth(0.55f * ImGui::GetContentRegionAvail().x);

@@ -166,7 +166,7 @@ class SolvePanel final : public Panel {
     row("σ min", measured ? fmt::format("{:.4f}", sigma[rank - 1]) : "–",
         "Smallest singular value of the goal's position Jacobian J (3 x n; 2 x n in the plane): metres a "
         "radian in the direction that moves least. 0 at a singularity.");
-    row("Manipulability", measured ? fmt::format("{:.2e}", sigma.head(rank).prod()) : "–",
+    row("Manipulability", measured ? fmt::format("{:.3g}", sigma.head(rank).prod()) : "–",
         "w = √det(J Jt), Jt the transpose of J: the product of the singular values of the goal's position "
         "Jacobian (Yoshikawa "
         "1985): volume of the velocity ellipsoid.");

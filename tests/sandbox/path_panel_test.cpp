@@ -75,6 +75,18 @@ TEST(PathPanel, TheToolFollowsTheLineThatTheMouseDrew) {
   }
 }
 
+/// The line was drawn to its end before the reason came; now the tool is grey, and the mouse drags the body.
+TEST(PathPanel, AModelWithoutASerialChainKeepsTheMouse) {
+  for (const char* model : {"figure", "ur5"}) {
+    testing::Stage stage({.model = model, .width = 900, .height = 640});
+    stage.play("0 tab Path\n1 do Path draw on\n", 3);
+    const auto& panels = stage.sandbox.state().panels;
+    const bool takes =
+        std::ranges::any_of(panels, [&](const auto& p) { return p->takesMouse(stage.sandbox); });
+    EXPECT_EQ(takes, std::string(model) == "ur5") << model;
+  }
+}
+
 TEST(PathPanel, WhatCannotBeFollowedIsSaid) {
   Stage stage({.model = "ur5", .width = 800, .height = 480});
   stage.frame();

@@ -198,6 +198,12 @@ TEST(Mirror, AsymmetricSkeletonsAreRefusedByName) {
   EXPECT_THROW(mirrorPartners(oneArmed), std::invalid_argument);
 }
 
+TEST(Mirror, WhetherAModelCanBeMirroredIsKnownBeforehand) {
+  EXPECT_EQ(whyNotMirrored(mannequin()), "");
+  EXPECT_NE(whyNotMirrored(Skeleton({{.name = "root"}, {.name = "hand_l", .parent = 0}})).find("hand_r"),
+            std::string::npos);
+}
+
 TEST(Mirror, SidesAreFoundInTheUsualSpellings) {
   std::vector<Joint> joints{{.name = "hips"}};
   for (const std::string name : {"LeftArm", "RightArm", "leg.L", "leg.R", "hand_l", "hand_r"})
