@@ -132,6 +132,7 @@ class PicturesPanel final : public Panel {
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
     const TeachingPictures& teaching = sandbox.state().view->teaching();
     const auto nth = [&](const std::vector<Eigen::VectorXd>& poses, int first) {
+      if (poses.empty()) throw std::invalid_argument("there is no other pose of this effector to take");
       const auto n = parseInteger(words[1]);
       if (!n || *n < first || *n >= first + static_cast<int>(poses.size()))
         throw std::invalid_argument(fmt::format("expected a number from {} to {}, found '{}'", first,

@@ -173,7 +173,10 @@ Remote::~Remote() {
   link_->send({{"gelenk", messageVersion}, {"event", "closed"}});
 }
 
-bool Remote::isOver() const { return link_->over || (link_->gone && !link_->keep); }
+bool Remote::isOver() const {
+  const std::lock_guard lock(link_->mutex);  // what came before the end is answered yet
+  return link_->over || (link_->gone && !link_->keep && link_->lines.empty());
+}
 
 void Remote::wait(double seconds) {
   std::unique_lock lock(link_->mutex);

@@ -35,6 +35,11 @@ constexpr std::array keyNames{
     KeyName{"f5", GLFW_KEY_F5},
     KeyName{"down", GLFW_KEY_DOWN},
     KeyName{"up", GLFW_KEY_UP},
+    KeyName{"left", GLFW_KEY_LEFT},
+    KeyName{"right", GLFW_KEY_RIGHT},
+    KeyName{"end", GLFW_KEY_END},
+    KeyName{"[", GLFW_KEY_LEFT_BRACKET},
+    KeyName{"]", GLFW_KEY_RIGHT_BRACKET},
     KeyName{"?", GLFW_KEY_SLASH},
     KeyName{"backspace", GLFW_KEY_BACKSPACE},
 };
@@ -104,8 +109,8 @@ void check(const std::string& file, const Replay::Command& command) {
       throw ParseError(file, command.line, "a number of frames of at least 1", "'" + word + "'");
     if (kind == 'k' && !keyCode(word))
       throw ParseError(file, command.line,
-                       "a key: a letter, a digit, tab, space, delete, home, escape, enter, shift, ctrl, alt, "
-                       "f5, f12, up, down, backspace or ?",
+                       "a key: a letter, a digit, tab, space, delete, home, end, escape, enter, shift, ctrl, "
+                       "alt, f5, f12, up, down, left, right, backspace, [, ] or ?",
                        "'" + word + "'");
     if (kind == 'b' && !buttonCode(word))
       throw ParseError(file, command.line, "left, right or middle", "'" + word + "'");

@@ -58,7 +58,7 @@ class SolvePanel final : public Panel {
       if (pinned) session.setState(added, GoalState::Pinned);
       sandbox.state().selectedGoal = added;
     } else {
-      throw std::invalid_argument("Solve takes 'goal KIND FIELD=VALUE ...' and 'balance on|off'");
+      throw std::invalid_argument("Solve takes 'add KIND', 'goal KIND FIELD=VALUE ...' and 'balance on|off'");
     }
   }
 

@@ -125,5 +125,18 @@ TEST_F(BadInput, AnOpenGlOlderThan33IsTold) {
                 {"MESA_GL_VERSION_OVERRIDE=3.1", "LIBGL_ALWAYS_SOFTWARE=1"});
 }
 
+/// They were dropped where the pipe ended before the first frame.
+TEST_F(BadInput, RequestsOfAPipeThatHasEndedAreAnswered) {
+  const std::string requests = file("requests", R"({"gelenk": 1, "id": 1, "do": "get"}
+{"gelenk": 1, "id": 2, "do": "dance"}
+)");
+  const Finished finished =
+      runProgram({"sh", "-c", testing::programFile() + " sandbox planar --remote --offscreen < " + requests});
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_NE(finished.output.find(R"("id":1,)"), std::string::npos) << finished.output;
+  EXPECT_NE(finished.output.find("no message is called 'dance'"), std::string::npos) << finished.output;
+  EXPECT_NE(finished.output.find(R"("event":"closed")"), std::string::npos) << finished.output;
+}
+
 }  // namespace
 }  // namespace gelenk

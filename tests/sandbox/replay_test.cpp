@@ -21,6 +21,13 @@ TEST(Replay, LastsUntilTheLastMoveAndRelease) {
   EXPECT_EQ(Replay::parse("r", "3 drag hand_r 10 0 20\n").length(), 25);
 }
 
+/// Arrows, End and the brush's brackets could be pressed in a window alone.
+TEST(Replay, CanPressEveryKeyThatTheWindowKnows) {
+  for (const char* key :
+       {"left", "right", "up", "down", "home", "end", "[", "]", "?", "f5", "f12", "delete", "k"})
+    EXPECT_NO_THROW(Replay::parse("test", std::string("0 key ") + key + "\n")) << key;
+}
+
 TEST(Replay, SaysWhichLineIsWrongAndWhatBelongsThere) {
   EXPECT_EQ(messageOf("0 move 1 2\nnow move 1 2\n"), "drag.txt:2: expected a frame number, found 'now'");
   EXPECT_EQ(messageOf("9 move 1 2\n8 move 1 2\n"), "drag.txt:2: expected a frame not before 9, found 8");
