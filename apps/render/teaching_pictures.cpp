@@ -216,22 +216,43 @@ void TeachingPictures::reach(const Session& session, const Effector& at, const L
     overlay.point(cloud_[i] + below, withAlpha(viridis(cloudValue_[i]), 0.55f), 3.0f, Overlay::Shape::Plain);
 }
 
+namespace {
+
+CompleteSetTask solutionTask(const SerialChain& chain, const TeachingPictures::Effector& at) {
+  return {.task = chain.n > 3 ? TipTask::Pose : TipTask::Position, .pointInTip = at.pointInJoint};
+}
+
+}  // namespace
+
+std::string TeachingPictures::whyNoSolutions(const Skeleton& skeleton, const Effector& at) {
+  const SerialChainResult chain = extractSerialChain(skeleton, at.joint);
+  return chain.whyNot.empty() ? CompleteSet::whyNot(skeleton, at.joint, solutionTask(chain.chain, at))
+                              : chain.whyNot;
+}
+
+std::string TeachingPictures::whyNoSelfMotion(const Skeleton& skeleton, const Effector& at) {
+  const SerialChainResult chain = extractSerialChain(skeleton, at.joint);
+  if (!chain.whyNot.empty()) return chain.whyNot;
+  return chain.chain.n == 7 && !chain.chain.hasPrismatic ? ""
+                                                         : "it is drawn for arms of seven turning joints";
+}
+
+std::string TeachingPictures::whyNoMap(const Skeleton& skeleton, const Effector& at) {
+  const std::vector<int> path = pathTo(skeleton, at.joint);
+  return std::ranges::any_of(path, [&](int j) { return isFreeRoot(skeleton.joint(j)); })
+             ? "the model's root moves freely, everything can be reached"
+             : "";
+}
+
 void TeachingPictures::otherSolutions(const Session& session, const Frames& frames, const Effector& at,
                                       std::vector<Ghost>& ghosts) {
   const Skeleton& skeleton = session.skeleton();
   solutions_.clear();
-  const SerialChainResult chain = extractSerialChain(skeleton, at.joint);
-  if (!chain.whyNot.empty()) {
-    reasons_.push_back("all solutions: " + chain.whyNot);
-    return;
-  }
-  CompleteSetTask task{.task = chain.chain.n > 3 ? TipTask::Pose : TipTask::Position,
-                       .pointInTip = at.pointInJoint};
-  if (const std::string why = CompleteSet::whyNot(skeleton, at.joint, task); !why.empty()) {
+  if (const std::string why = whyNoSolutions(skeleton, at); !why.empty()) {
     reasons_.push_back("all solutions: " + why);
     return;
   }
-  const CompleteSet set(skeleton, at.joint, task);
+  const CompleteSet set(skeleton, at.joint, solutionTask(extractSerialChain(skeleton, at.joint).chain, at));
   Vector6d reference = Vector6d::Zero();
   for (int i = 0; i < set.joints(); ++i) reference[i] = session.q()[set.chain().qIndex[i]];
   ArmSolutions found;
@@ -259,15 +280,13 @@ void TeachingPictures::otherSolutions(const Session& session, const Frames& fram
 void TeachingPictures::nullSpace(const Session& session, const Frames& frames, const Effector& at,
                                  std::vector<Ghost>& ghosts) {
   const Skeleton& skeleton = session.skeleton();
-  const SerialChainResult chain = extractSerialChain(skeleton, at.joint);
   selfMotionAt_ = 0;
-  if (!chain.whyNot.empty() || chain.chain.n != 7 || chain.chain.hasPrismatic) {
+  if (const std::string why = whyNoSelfMotion(skeleton, at); !why.empty()) {
     selfMotion_.clear();
-    reasons_.push_back("self-motion: " + (chain.whyNot.empty()
-                                              ? "it is drawn for arms of seven turning joints"
-                                              : chain.whyNot));
+    reasons_.push_back("self-motion: " + why);
     return;
   }
+  const SerialChainResult chain = extractSerialChain(skeleton, at.joint);
   Vector7d now;
   for (int i = 0; i < 7; ++i) now[i] = session.q()[chain.chain.qIndex[i]];
   // The tip's pose to a micrometre: along its own self-motion nothing is computed again.
@@ -315,8 +334,8 @@ void TeachingPictures::convergence(const Session& session, const Frames& frames,
                                    const Look& look, Overlay& overlay) {
   const Skeleton& skeleton = session.skeleton();
   const std::vector<int> path = pathTo(skeleton, at.joint);
-  if (std::ranges::any_of(path, [&](int j) { return isFreeRoot(skeleton.joint(j)); })) {
-    reasons_.push_back("convergence map: the model's root moves freely, everything can be reached");
+  if (const std::string why = whyNoMap(skeleton, at); !why.empty()) {
+    reasons_.push_back("convergence map: " + why);
     return;
   }
   const std::string& solver = session.solver();

@@ -70,6 +70,11 @@ class TeachingPictures {
   };
   static std::optional<Effector> effectorOf(const Session& session, std::optional<GoalId> selected);
 
+  /// Why there is no such picture of an effector, in whatever pose; empty: there is one.
+  static std::string whyNoSolutions(const Skeleton& skeleton, const Effector& at);
+  static std::string whyNoSelfMotion(const Skeleton& skeleton, const Effector& at);
+  static std::string whyNoMap(const Skeleton& skeleton, const Effector& at);
+
  private:
   void ellipsoids(const Session& session, const Frames& frames, const Effector& at, const Look& look,
                   Overlay& overlay) const;

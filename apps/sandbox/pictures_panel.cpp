@@ -67,6 +67,7 @@ class PicturesPanel final : public Panel {
     Sandbox::State& s = sandbox.state();
     ViewOptions& show = s.show();
     const TeachingPictures& teaching = s.view->teaching();
+    learnWhatCannotBeDrawn(sandbox);
     heading(s, "OF THE EFFECTOR");
     ImGui::Checkbox("Velocity ellipsoid", &show.velocityEllipsoid);
     tooltip(
@@ -82,11 +83,9 @@ class PicturesPanel final : public Panel {
     tooltip(
         "5,000 random poses within the joints' limits; bright where the arm moves well in all directions.");
     heading(s, "OTHER POSES OF THE SAME EFFECTOR");
-    ImGui::Checkbox("All solutions", &show.solutions);
-    tooltip(
-        "Every other solution within the limits, from the complete set (docs/solutions.md). A click on a "
-        "ghost "
-        "takes it, N the next, Shift + N the one before.");
+    choice("All solutions", show.solutions, noSolutions_,
+           "Every other solution within the limits, from the complete set (docs/solutions.md). A click on a "
+           "ghost takes it, N the next, Shift + N the one before.");
     if (show.solutions) {
       ImGui::TextColored(s.colours().textDim, "%zu beside this one", teaching.solutions().size());
       for (std::size_t i = 0; i < teaching.solutions().size(); ++i) {
@@ -96,8 +95,8 @@ class PicturesPanel final : public Panel {
         tooltip("Takes this pose.");
       }
     }
-    ImGui::Checkbox("Self-motion", &show.nullSpace);
-    tooltip("How a seven-joint arm moves while its tool stands still; the slider goes along.");
+    choice("Self-motion", show.nullSpace, noSelfMotion_,
+           "How a seven-joint arm moves while its tool stands still; the slider goes along.");
     if (show.nullSpace && !teaching.selfMotion().empty()) {
       int at = teaching.selfMotionAt();
       const int last = static_cast<int>(teaching.selfMotion().size()) - 1;
@@ -108,10 +107,9 @@ class PicturesPanel final : public Panel {
       if (ImGui::IsItemActivated()) s.session->remember();
     }
     heading(s, "OF THE SOLVER");
-    ImGui::Checkbox("Convergence map", &show.convergence);
-    tooltip(
-        "The present solver from the present pose to a grid of targets, one attempt at each, without "
-        "restarts. Coarse while you drag, fine at rest.");
+    choice("Convergence map", show.convergence, noMap_,
+           "The present solver from the present pose to a grid of targets, one attempt at each, without "
+           "restarts. Coarse while you drag, fine at rest.");
     if (show.convergence && teaching.map().cells > 0) {
       legend(s, teaching.map(), teaching.isWorking());
       if (ImGui::Button("Write as .csv")) write(sandbox, nextFileName(".csv"));
@@ -150,6 +148,33 @@ class PicturesPanel final : public Panel {
   }
 
  private:
+  /// Grey where the model has none, unless it is asked for already.
+  static void choice(const char* label, bool& shown, const std::string& whyNot, const char* explanation) {
+    ImGui::BeginDisabled(!whyNot.empty() && !shown);
+    ImGui::Checkbox(label, &shown);
+    ImGui::EndDisabled();
+    tooltip(whyNot.empty() ? explanation : (std::string(explanation) + "\n\nNot here: " + whyNot).c_str());
+  }
+
+  /// Once an effector.
+  void learnWhatCannotBeDrawn(Sandbox& sandbox) {
+    const Session& session = sandbox.session();
+    const auto at = TeachingPictures::effectorOf(session, sandbox.state().selectedGoal);
+    const int joint = at ? at->joint : -1;
+    const std::shared_ptr<const Model> model = session.sharedModel();
+    if (model == model_ && joint == joint_) return;
+    model_ = model, joint_ = joint;
+    noSolutions_ = noSelfMotion_ = noMap_ = at ? "" : "no goal of a point says which effector is meant";
+    if (!at) return;
+    noSolutions_ = TeachingPictures::whyNoSolutions(session.skeleton(), *at);
+    noSelfMotion_ = TeachingPictures::whyNoSelfMotion(session.skeleton(), *at);
+    noMap_ = TeachingPictures::whyNoMap(session.skeleton(), *at);
+  }
+
+  std::shared_ptr<const Model> model_;
+  int joint_ = -1;
+  std::string noSolutions_, noSelfMotion_, noMap_;
+
   /// Every colour of the map, and how much of it has that colour.
   static void legend(const Sandbox::State& s, const ConvergenceMap& map, bool isWorking) {
     const auto [same, other, missed] = map.shares();

@@ -184,6 +184,25 @@ TEST(TeachingPictures, WhatCannotBeDrawnSaysWhy) {
   EXPECT_TRUE(drawn.ghosts.empty());
 }
 
+/// What the tab shows grey is what would not be drawn, and nothing else.
+TEST(TeachingPictures, WhetherAModelHasThemIsKnownBeforehand) {
+  for (const char* model : {"figure", "planar", "ur5", "panda", "scara"}) {
+    constexpr const char* names[] = {"solutions", "null_space", "convergence"};
+    const Session session = sessionOf(model, {});
+    const auto at = TeachingPictures::effectorOf(session, {});
+    ASSERT_TRUE(at) << model;
+    const std::string whys[] = {TeachingPictures::whyNoSolutions(session.skeleton(), *at),
+                                TeachingPictures::whyNoSelfMotion(session.skeleton(), *at),
+                                TeachingPictures::whyNoMap(session.skeleton(), *at)};
+    for (std::size_t i = 0; i < std::size(names); ++i) {
+      const Session one = sessionOf(model, {names[i]});
+      Drawn drawn;
+      drawn.draw(one);
+      EXPECT_EQ(drawn.pictures.reasons().empty(), whys[i].empty()) << model << " " << names[i];
+    }
+  }
+}
+
 TEST(TeachingPictures, ReachStaysWithinTheArmsLength) {
   const Session session = sessionOf("ur5", {"reachable"});
   Drawn drawn;
