@@ -11,9 +11,11 @@
 #include "apps/document/scene_v1.h"
 #include "apps/document/session.h"
 #include "apps/lecture/example.h"
+#include "kinematics/forward_kinematics.h"
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
+#include "skinning/blend/linear_blend.h"
 #include "solvers/problem/goal_text.h"
 
 namespace gelenk {
@@ -255,6 +257,7 @@ std::pair<int, Influences> readRow(const JsonEntry& entry, int vertexCount, cons
 
 void readWeights(const JsonEntry& entry, const Model& model, SharedRows<Influences>& weights) {
   if (!model.skin) entry.fail("no weights for a model without a body");
+  if (entry.at("changed").list().empty()) return;  // older files say so of whatever body they had
   const int vertexCount = weights.size();
   if (entry.at("vertices").integer() != vertexCount)
     entry.at("vertices").fail(fmt::format("the body's {} vertices", vertexCount));
@@ -646,6 +649,33 @@ Document readScene(const std::string& path, const Model& model) {
   return parseScene(readFile(path), path, model);
 }
 
+/// A goal's point of the skin lies where its joint's point does, as far as the skin follows. Where it does
+/// not, the body has other triangles than when the scene was saved: then the joint's point is what is left.
+static void leaveStrangeTriangles(std::vector<SceneGoal>& goals, const Eigen::VectorXd& q, Model& model) {
+  constexpr double most = 0.03;  // of the body's size
+  const auto onSkin = [](const SceneGoal& goal) { return goal.surface.triangle >= 0; };
+  if (!model.skin || std::ranges::none_of(goals, onSkin)) return;
+  const Frames frames = forwardKinematics(model.skeleton, q);
+  const SkinnedVertices skin = linearBlendSkin(*model.skin, frames);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : skin.positions) box.extend(p);
+  for (SceneGoal& goal : goals) {
+    if (!onSkin(goal)) continue;
+    Eigen::Vector3d there = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      there +=
+          goal.surface.barycentric[k] * skin.positions[model.skin->mesh.triangles[goal.surface.triangle][k]];
+    if ((there - frames[goal.goal.joint] * goal.goal.pointInJoint).norm() <= most * box.diagonal().norm())
+      continue;
+    goal.surface = {};
+    tell(model.notes, "skin-point",
+         fmt::format(
+             "goal '{}': the body's triangles are others than when the scene was saved; a point of joint {} "
+             "takes the place of its point of the skin",
+             goal.goal.name, model.skeleton.joint(goal.goal.joint).name));
+  }
+}
+
 bool isScene(const std::string& nameOrFile) { return lowerCase(nameOrFile).ends_with(".json"); }
 
 Opened openDocument(const ModelReference& reference, Body body) {
@@ -658,8 +688,9 @@ Opened openDocument(const ModelReference& reference, Body body) {
   }
   if (reference.files != Companions{})
     throw std::invalid_argument("a scene says itself what belongs to its model; leave the other files away");
-  auto model = std::make_shared<const Model>(readModel(readModelReference(reference.nameOrFile)));
+  auto model = std::make_shared<Model>(readModel(readModelReference(reference.nameOrFile)));
   Document document = readScene(reference.nameOrFile, *model);
+  leaveStrangeTriangles(document.edits.goals, document.edits.q, *model);
   return {std::move(model), std::move(document)};
 }
 

@@ -84,26 +84,15 @@ const std::vector<Profile>& profiles() {
         {0.5, 0, 2.7, 83, {-0.349, -0.053, 0.038, 0.032}}}},
       {"nose",
        "head",
-       {0, 1.634, 0.125},
-       {0, 1.592, 0.148},
+       {0, 1.629, 0.131},
+       {0, 1.588, 0.156},
        {0, 0, 1},
        Form::Inverse,
-       22,
+       18,
        4,
        10,
        9,
-       {{0, 0, 0, 8, {-0.2}}, {0.35, 0, 0, 10, {-0.15}}, {0.7, 0, 0, 12.5, {0}}, {1, 0, 0, 13.5, {0.1}}}},
-      {"ear_l",
-       "head",
-       {0.068, 1.604, 0.040},
-       {0.083, 1.604, 0.045},
-       {0, 1, 0},
-       Form::Inverse,
-       6,
-       3,
-       6,
-       4,
-       {{0, 0, 0, 14, {-0.52}, {0}}, {1, 0, 0, 20, {-0.52}, {0}}}},
+       {{0, 0, 0, 7, {-0.2}}, {0.35, 0, 0, 8.2, {-0.15}}, {0.7, 0, 0, 10, {0}}, {1, 0, 0, 10.5, {0.1}}}},
       {"pec_l",
        "torso",
        {0.03, 1.27, 0.09},
@@ -456,32 +445,50 @@ struct Detail {
   Triple flat = {0, 0, 1};
 };
 
-constexpr Triple earOut{0.949, 0, 0.316};  // away from the head
+constexpr Triple earOut{0.902, 0, 0.432};  // away from the head and a little forwards
 constexpr Detail details[] = {
-    {"chin", "head", {0.004, 1.527, 0.129}, {-0.004, 1.527, 0.129}, 19, 19, 25, 6},
+    {"chin", "head", {0.006, 1.521, 0.132}, {-0.006, 1.521, 0.132}, 17, 17, 22, 6},
+    {"sulcus", "head", {0.012, 1.5375, 0.1625}, {-0.012, 1.5375, 0.1625}, 10, 10, 12, 6, true},
     {"brow_l", "head", {0.0150, 1.6380, 0.1355}, {0.0440, 1.6370, 0.1245}, 8, 6.5, 16, 6},
     {"socket_l", "head", {0.0200, 1.6200, 0.1490}, {0.0430, 1.6190, 0.1405}, 13, 11, 10, 5, true},
     {"eye_l", "head", {0.0308, 1.6190, 0.1272}, {0.0322, 1.6190, 0.1272}, 12.5, 12.5, 5, 2},
     {"lid_1_l", "eye_l", {0.0214, 1.6177, 0.1348}, {0.0277, 1.6144, 0.1384}, 1.6, 1.9, 1.5, 3, true},
     {"lid_2_l", "eye_l", {0.0277, 1.6144, 0.1384}, {0.0363, 1.6144, 0.1380}, 1.9, 1.9, 1.5, 3, true},
     {"lid_3_l", "eye_l", {0.0363, 1.6144, 0.1380}, {0.0424, 1.6187, 0.1338}, 1.9, 1.6, 1.5, 3, true},
-    {"wing_l", "head", {0.0120, 1.5895, 0.1460}, {0.0120, 1.5890, 0.1430}, 6, 6, 10, 5},
-    {"mouth_l", "head", {0.0020, 1.5548, 0.1515}, {0.0220, 1.5552, 0.1455}, 10.5, 5.5, 8, 6},
-    {"lips_l", "mouth_l", {-0.0020, 1.5545, 0.1622}, {0.0230, 1.5555, 0.1510}, 2.8, 2.4, 1.5, 3, true},
+    {"wing_l", "head", {0.0115, 1.5865, 0.1490}, {0.0110, 1.5860, 0.1460}, 5.5, 6, 8, 5},
+    {"nostril_l", "nose", {0.0055, 1.5775, 0.1590}, {0.0060, 1.5790, 0.1540}, 2.8, 3.2, 3, 2, true},
+    {"lip_1_l", "head", {0.0025, 1.5606, 0.1554}, {0.0120, 1.5592, 0.1540}, 4.0, 3.5, 4, 1},
+    {"lip_2_l", "head", {0.0120, 1.5592, 0.1540}, {0.0240, 1.5557, 0.1478}, 3.5, 2.0, 4, 1},
+    {"lip_3_l", "head", {-0.0030, 1.5487, 0.1546}, {0.0110, 1.5500, 0.1530}, 4.6, 4.0, 4, 1},
+    {"lip_4_l", "head", {0.0110, 1.5500, 0.1530}, {0.0230, 1.5545, 0.1480}, 4.0, 2.2, 4, 1},
+    {"ear_stem_l", "head", {0.0690, 1.6090, 0.0370}, {0.0690, 1.5920, 0.0410}, 9, 8, 6, 3},
+    {"lips_l", "head", {-0.0020, 1.5550, 0.1600}, {0.0255, 1.5550, 0.1512}, 2.6, 2.0, 1.5, 1, true},
+    {"ear_l",
+     "head",
+     {0.0760, 1.6120, 0.0370},
+     {0.0745, 1.5920, 0.0420},
+     18,
+     12.5,
+     7,
+     2,
+     false,
+     0.30,
+     earOut},
     {"concha_l",
      "ear_l",
-     {0.0854, 1.6140, 0.0474},
-     {0.0854, 1.5950, 0.0474},
-     11.5,
-     9.5,
+     {0.0835, 1.6120, 0.0400},
+     {0.0815, 1.5940, 0.0440},
+     12,
+     8.5,
      2.5,
      1,
      true,
-     0.5,
+     0.55,
      earOut},
-    {"fold_l", "ear_l", {0.0815, 1.6170, 0.0405}, {0.0818, 1.5940, 0.0395}, 3.4, 2.6, 4, 2},
-    {"tragus_l", "ear_l", {0.0808, 1.6005, 0.0560}, {0.0805, 1.5965, 0.0555}, 3.8, 3.8, 4, 2},
-    {"lobe_l", "ear_l", {0.0805, 1.5775, 0.0465}, {0.0810, 1.5810, 0.0460}, 6.0, 6.5, 10, 2},
+    {"fold_l", "ear_l", {0.0785, 1.6150, 0.0350}, {0.0790, 1.5950, 0.0360}, 3.2, 2.4, 4, 2},
+    {"tragus_l", "ear_l", {0.0735, 1.6010, 0.0530}, {0.0730, 1.5970, 0.0525}, 3.6, 3.6, 4, 2},
+    {"lobe_l", "ear_l", {0.0745, 1.5800, 0.0430}, {0.0745, 1.5830, 0.0430}, 5.5, 6.0, 8, 2},
+    {"hip_l", "torso", {0.1120, 0.9680, 0.0200}, {0.1210, 0.9350, 0.0250}, 32, 34, 40, 30},
     {"toe_1_l", "foot_l", {0.1660, 0.0150, 0.1700}, {0.1700, 0.0125, 0.1985}, 12.5, 11.0, 12, 1.5},
     {"toe_2_l", "foot_l", {0.1860, 0.0130, 0.1700}, {0.1890, 0.0105, 0.2025}, 8.0, 7.0, 10, 1.5},
     {"toe_3_l", "foot_l", {0.1990, 0.0125, 0.1650}, {0.2025, 0.0100, 0.1945}, 7.5, 6.6, 10, 1.5},
@@ -530,7 +537,7 @@ std::string rightName(std::string_view name) {
 }
 
 /// Raise it when the polygoniser, the weights or what follows them change their result.
-constexpr double methodVersion = 1.0;
+constexpr double methodVersion = 2.0;
 
 /// The torso is wide and its joints lie in the middle: without ribs the flank would follow the arm, whose
 /// bone is nearer. Stand-ins for rib cage and pelvis, carried by the joints of the spine. Metres, left side.
@@ -608,14 +615,15 @@ BodyShape mannequinShape() {
 }
 
 PolygoniseOptions mannequinGrid() {
-  const GridLens hands{{{0.545, 1.0, 0.29}, {-0.545, 1.0, 0.29}}, 3.1, 0.28};
+  const GridLens hands{{{0.545, 1.0, 0.29}, {-0.545, 1.0, 0.29}}, 3.2, 0.28};
   const GridLens head{{{0.0, 1.63, 0.06}}, 1.3, 0.30};
   const GridLens feet{{{0.2, 0.04, 0.08}, {-0.2, 0.04, 0.08}}, 1.5, 0.25};
   const GridLens face{{{0.0, 1.59, 0.14}}, 2.6, 0.09};
-  const GridLens eyes{{{0.031, 1.619, 0.137}, {-0.031, 1.619, 0.137}}, 2.0, 0.024};
-  const GridLens ears{{{0.079, 1.603, 0.044}, {-0.079, 1.603, 0.044}}, 2.6, 0.05};
+  const GridLens mouth{{{0.0, 1.562, 0.157}}, 3.0, 0.040};
+  const GridLens eyes{{{0.031, 1.619, 0.137}, {-0.031, 1.619, 0.137}}, 3.2, 0.028};
+  const GridLens ears{{{0.079, 1.603, 0.036}, {-0.079, 1.603, 0.036}}, 4.5, 0.045};
   const GridLens toes{{{0.195, 0.012, 0.19}, {-0.195, 0.012, 0.19}}, 2.1, 0.07};
-  return {.cell = 0.0181, .lenses = {hands, head, feet, face, eyes, ears, toes}, .symmetric = true};
+  return {.cell = 0.0187, .lenses = {hands, head, feet, face, mouth, eyes, ears, toes}, .symmetric = true};
 }
 
 Skin makeMannequinSkin(const Skeleton& mannequin, WeightLoss* loss) {
@@ -640,8 +648,10 @@ std::uint64_t mannequinSkinKey(const Skeleton& mannequin) {
   const BodyShape shape = mannequinShape();
   for (const BodyPart& part : shape.parts()) {
     add(part.a), add(part.b), add(part.sectionUp);
+    add(part.flat);
     facts.insert(facts.end(),
-                 {part.blend, part.siblingBlend, part.capA, part.capB, static_cast<double>(part.form)});
+                 {part.blend, part.siblingBlend, part.capA, part.capB, part.radiusA, part.radiusB,
+                  part.flatness, part.carved ? 1.0 : 0.0, static_cast<double>(part.form)});
     for (const Section& s : part.sections) {
       facts.insert(facts.end(), {s.at, s.u, s.v, s.radius});
       for (int n = 0; n < 4; ++n) facts.insert(facts.end(), {s.cosine[n], s.sine[n]});

@@ -12,7 +12,7 @@ namespace gelenk {
 /// figures fitted to a CC0 body.
 BodyShape mannequinShape();
 
-/// The grid of the figure's mesh: 16 mm, drawn together at hands, head and feet.
+/// The grid of the figure's mesh: 19 mm, drawn together at hands, head and feet.
 PolygoniseOptions mannequinGrid();
 
 /// The figure's mesh (closed, manifold, genus 0, exactly symmetric) bound to mannequin() with heat weights,

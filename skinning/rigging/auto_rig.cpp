@@ -216,6 +216,13 @@ std::vector<double> jointConfidences(const TemplateBody& body, const Fit& fit,
   return out;
 }
 
+/// Files stand along an axis, the fit a degree or two beside it: enough for a seat to hide a stool's legs.
+Vector3d alongAxis(const Vector3d& up) {
+  int axis = 0;
+  const double share = up.cwiseAbs().maxCoeff(&axis);
+  return share < 0.99 ? up : Vector3d(std::copysign(1.0, up[axis]) * Vector3d::Unit(axis));
+}
+
 /// Fills the report and refuses what is no such body: the template misses the surface, or had to change its
 /// proportions beyond any animal's.
 void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& samples, const VoxelBody& coarse,
@@ -254,7 +261,8 @@ void judge(const TemplateBody& body, const Fit& fit, const SurfaceSamples& sampl
                      " % of its height away, with its proportions changed by " +
                      std::to_string(std::lround(100.0 * std::expm1(report.strain))) + " % on average");
   // A robot may be as unlike as a chair, but it stands on two legs.
-  if (const int legs = countLegs(coarse, report.up); !body.fourLegged && likeness == 0.0 && legs != 2)
+  if (const int legs = countLegs(coarse, alongAxis(report.up));
+      !body.fourLegged && likeness == 0.0 && legs != 2)
     throw RigRefused("no such body is in this mesh: it stands on " +
                      (legs == 0 ? "no leg" : std::to_string(legs) + (legs == 1 ? " leg" : " legs")) +
                      ", not on two, and its surface is unlike the template's");

@@ -47,9 +47,10 @@ TEST(Skins, TheTableShowsWhatEachMethodIsFor) {
   EXPECT_LE(cell(comparison, "lbs", "hip 120").volume, -0.3);
   EXPECT_GE(cell(comparison, "cor+twist+smooth", "hip 120").volume, -0.2);
   for (const SkinCell& c : comparison.cells) {
-    // Triangles of 16 mm have no better normals themselves; cheap ones are degrees off.
+    // Triangles of 10 mm have no better normals themselves, least of all where a section collapses; cheap
+    // ones are degrees off.
     EXPECT_LE(c.normalMean, 0.7) << c.method << ", " << c.pose;
-    EXPECT_LE(c.normalMost, 2.1) << c.method << ", " << c.pose;
+    EXPECT_LE(c.normalMost, c.method == "lbs" ? 2.7 : 1.5) << c.method << ", " << c.pose;
   }
   const std::string csv = toCsv(comparison.cells);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 7);

@@ -172,6 +172,39 @@ TEST(SceneFile, ASessionGoesOnFromItsFileAsIfNothingHadHappened) {
   EXPECT_FALSE(session.hasGoal(added));  // an id of its own
 }
 
+/// The triangle that a goal's point of the skin lies in may be another one when the body was made anew: the
+/// goal then keeps its joint's point, and that is told.
+TEST(SceneFile, APointOfTheSkinThatIsNowElsewhereIsToldAndItsJointsPointStays) {
+  const Opened figure = openDocument({.nameOrFile = "figure"});
+  Session session(figure.model, figure.document);
+  const Mesh& mesh = figure.model->skin->mesh;
+  const auto nearest = [&](const Eigen::Vector3d& to) {
+    int best = 0;
+    for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+      const auto away = [&](int k) { return (mesh.positions[mesh.triangles[k][0]] - to).norm(); };
+      if (away(t) < away(best)) best = t;
+    }
+    return best;
+  };
+  const int right = nearest({0.05, 1.3, 0.13}), wrong = nearest({0.2, 0.3, 0.0});
+  session.addSurfaceGoal({.triangle = right, .barycentric = {0.2, 0.3, 0.5}});
+  const std::string text = formatScene(session.saved(), *figure.model);
+  const std::string path = temporary("skin_point.json");
+  for (const int triangle : {right, wrong}) {
+    std::string changed = text;
+    const std::string before = "\"triangle\": " + std::to_string(right);
+    ASSERT_NE(changed.find(before), std::string::npos);
+    changed.replace(changed.find(before), before.size(), "\"triangle\": " + std::to_string(triangle));
+    writeFile(path, changed);
+    const Opened opened = openDocument({.nameOrFile = path});
+    const auto isTold =
+        std::ranges::any_of(opened.model->notes, [](const Note& note) { return note.kind == "skin-point"; });
+    EXPECT_EQ(isTold, triangle == wrong);
+    EXPECT_EQ(opened.document.edits.goals.back().surface.triangle, triangle == wrong ? -1 : right);
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(SceneFile, AFileOfVersion1IsReadWithItsPanels) {
   const Model model = armModel();
   const Document document = armDocument(model);
