@@ -565,8 +565,13 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
     });
   };
   if (!translucent) return drawAll();
-  // Behind a solid body in the same place: what two poses share is drawn once.
-  glEnable(GL_POLYGON_OFFSET_FILL);
+  // A ghost stands behind a solid body in the same place: what two poses share is drawn once. Along its
+  // outline its own far side would come before the near one.
+  std::optional<Culling> culling;
+  if (!throughSkin) {
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    culling.emplace(body, GL_BACK);
+  }
   glPolygonOffset(1.0f, 8.0f);
   // Depth first, so that only the nearest layer of a translucent body is seen.
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
