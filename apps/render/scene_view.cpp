@@ -63,11 +63,9 @@ SceneView::SceneView(const Session& session, Ground ground) {
   groundHeight_ = lowest(box) - (model.planar ? 0.012 * size_ : 0.0);  // room for a shadow
   bounds_ = box;
   if (ground != Ground::UnderMotion || !model.clip || model.planar) return;
-  const Eigen::AlignedBox3d first = boundsAt(forwardKinematics(model.skeleton, model.clip->q.col(0)));
-  standsOnMotion_ = std::abs(lowest(first) - groundHeight_) >= 0.1 * size_;
-  if (!standsOnMotion_) return;
-  groundHeight_ = lowest(first);
-  bounds_ = first;
+  bounds_ = boundsAt(forwardKinematics(model.skeleton, model.clip->q.col(0)));
+  standsOnMotion_ = std::abs(lowest(bounds_) - groundHeight_) >= 0.1 * size_;
+  if (standsOnMotion_) groundHeight_ = lowest(bounds_);
 }
 
 Eigen::AlignedBox3d SceneView::boundsAt(const Frames& frames) const {
