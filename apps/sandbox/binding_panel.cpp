@@ -87,7 +87,7 @@ class BindingPanel final : public Panel {
     Sandbox::State& s = sandbox.state();
     shownAt_ = sandbox.frameNumber();
     if (!sandbox.session().skin()) {
-      ImGui::TextWrapped("This model has no body to bind.");
+      wrappedText("This model has no body to bind.");
       return;
     }
     prepare(sandbox.session().model());

@@ -343,7 +343,7 @@ class LabPanel final : public Panel {
   }
 
   static void findingsTable(const Findings& findings) {
-    ImGui::TextWrapped("%s.", findings.setting.c_str());
+    wrappedText(findings.setting + ".");
     ImGui::Spacing();
     if (ImGui::BeginTable("##findings", static_cast<int>(findings.columns.size()),
                           ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) {
@@ -359,8 +359,8 @@ class LabPanel final : public Panel {
       ImGui::EndTable();
     }
     ImGui::Spacing();
-    ImGui::TextWrapped("Published: %s.", findings.published.c_str());
-    ImGui::TextWrapped("What differs: %s.", findings.differs.c_str());
+    wrappedText("Published: " + findings.published + ".");
+    wrappedText("What differs: " + findings.differs + ".");
   }
 
   LabSettings* lab_ = nullptr;  ///< the document's

@@ -120,11 +120,8 @@ class LecturePanel final : public Panel {
     }
     tooltip("Every example of lecture 10.1 and 10.2 as a scene; `gelenk lecture` prints the same list.");
     if (!topic_) {
-      ImGui::PushTextWrapPos();
-      ImGui::TextColored(
-          sandbox.state().colours().textDim,
-          "Each example opens as a scene: its values stand here, live, and the arm can be dragged.");
-      ImGui::PopTextWrapPos();
+      wrappedText(sandbox.state().colours().textDim,
+                  "Each example opens as a scene: its values stand here, live, and the arm can be dragged.");
       return;
     }
     ImGui::BeginChild("scene", {0, 0});
@@ -166,9 +163,7 @@ class LecturePanel final : public Panel {
     const float size = sandbox.state().presentationType();
     ImGui::PushFont(sandbox.state().gui.fonts().title);
     ImGui::SetWindowFontScale(1.2f * size / sandbox.state().gui.fonts().title->FontSize);
-    ImGui::PushTextWrapPos();
-    ImGui::TextUnformatted(topic_->title.c_str());
-    ImGui::PopTextWrapPos();
+    wrappedText(topic_->title);
     ImGui::PopFont();
     ImGui::SetWindowFontScale(1.0f);
     ImGui::TextColored(sandbox.state().colours().textDim, "%s", topic_->section.c_str());

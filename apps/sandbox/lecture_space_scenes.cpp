@@ -228,11 +228,8 @@ class DhScene final : public LectureScene {
       valueRow(sandbox, "matrices against skeleton", fmt::format("{:.1e}", apart));
       tooltip("Product of the slide's matrices against the skeleton that the window drags.");
     }
-    ImGui::PushTextWrapPos();
-    ImGui::TextColored(
-        sandbox.state().colours().textDim,
-        "Drag the tool; with Alt its orientation. Blue dashes: joint axes; orange: common normals a.");
-    ImGui::PopTextWrapPos();
+    wrappedText(sandbox.state().colours().textDim,
+                "Drag the tool; with T its orientation. Blue dashes: joint axes; orange: common normals a.");
   }
 
   std::string derivation(Sandbox& sandbox) override {

@@ -81,16 +81,15 @@ void nameGesture(const LabelPen& pen, Sandbox& sandbox) {
 }
 
 /// As much of the words as stands in so many lines of that width.
-std::string withinLines(const ImFont& font, const std::string& words, float width, int lines) {
-  const char *end = words.c_str() + words.size(), *at = words.c_str(), *before = at;
-  for (int line = 0; line < lines && at < end; ++line) {
-    before = at;
-    at = font.CalcWordWrapPositionA(1.0f, at, end, width);
-    while (at < end && (*at == ' ' || *at == '\n')) ++at;
-  }
-  if (at >= end) return words;
-  at = font.CalcWordWrapPositionA(1.0f, before, end, width - 2 * font.FontSize);
-  return std::string(words.c_str(), at) + " …";
+std::string withinLines(const std::string& words, float width, int lines) {
+  std::string text = brokenAtBlanks(words, width);
+  std::size_t end = 0;
+  for (int line = 0; line < lines && end != std::string::npos; ++line) end = text.find('\n', end + 1);
+  if (end == std::string::npos) return text;
+  text.resize(end);
+  const std::size_t last = text.rfind('\n') + 1;  // 0 where there is one line
+  const std::string shorter = brokenAtBlanks(text.substr(last), width - ImGui::CalcTextSize(" …").x);
+  return text.substr(0, last) + shorter.substr(0, shorter.find('\n')) + " …";
 }
 
 /// From the newest at the bottom upwards, over less than half of the view: two lines of each, all of it under
@@ -103,15 +102,15 @@ void drawNotices(const LabelPen& pen, ImFont* font, Sandbox& sandbox) {
   float y = view.y + view.height - 14 * pen.scale;
   for (auto it = s.notices.rbegin(); it != s.notices.rend(); ++it) {
     const auto boxOf = [&](const std::string& words) {
-      const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, width, words.c_str());
+      const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9f, 0.0f, words.c_str());
       const float x = view.x + 0.5f * (view.width - size.x);
       return Layout::Rect{x - 2 * margin, y - size.y - 3 * margin, size.x + 4 * margin, size.y + 2 * margin};
     };
-    std::string words = withinLines(*font, it->words, width, 2);
+    std::string words = withinLines(it->words, width, 2);
     Layout::Rect box = boxOf(words);
     if (box.contains(s.mouse.x(), s.mouse.y())) {
       it->until = std::max(it->until, s.time + noticeFade);
-      box = boxOf(words = it->words);
+      box = boxOf(words = brokenAtBlanks(it->words, width));
     }
     if (it != s.notices.rbegin() && box.y < view.y + 0.55f * view.height) break;
     const float alpha = static_cast<float>(std::clamp((it->until - s.time) / noticeFade, 0.0, 1.0));
@@ -119,8 +118,7 @@ void drawNotices(const LabelPen& pen, ImFont* font, Sandbox& sandbox) {
     pen.draw->AddRectFilled(low, high, colour32(pen.colours.panelRaised, 0.95f * alpha), margin);
     pen.draw->AddRect(low, high, colour32(it->isError ? pen.colours.bad : pen.colours.border, alpha), margin);
     pen.draw->AddText(font, font->FontSize, {low.x + 2 * margin, low.y + margin},
-                      colour32(it->isError ? pen.colours.bad : pen.colours.text, alpha), words.c_str(),
-                      nullptr, width);
+                      colour32(it->isError ? pen.colours.bad : pen.colours.text, alpha), words.c_str());
     y = box.y - margin;
   }
 }

@@ -89,7 +89,7 @@ class ModelPanel final : public Panel {
                                      ? "A note on the file###notes"
                                      : fmt::format("{} notes on the file###notes", notes.size()).c_str()))
       return;
-    for (const Note& note : notes) ImGui::TextWrapped("%s", note.line().c_str());
+    for (const Note& note : notes) wrappedText(note.line());
   }
 
   static float slidersHeight(const Sandbox::State& s) {

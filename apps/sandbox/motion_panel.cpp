@@ -206,10 +206,8 @@ class MotionPanel final : public Panel {
   void drawInspector(Sandbox& sandbox) override {
     const Palette& colours = sandbox.state().colours();
     if (!editor_) {
-      ImGui::PushStyleColor(ImGuiCol_Text, colours.textDim);
-      ImGui::TextWrapped(
-          "This model has no motion. Open a .bvh, .glb or .gltf, or start with --asf and --amc.");
-      ImGui::PopStyleColor();
+      wrappedText(colours.textDim,
+                  "This model has no motion. Open a .bvh, .glb, .gltf or .amc; an .asf beside it is found.");
       return;
     }
     clipChoice(sandbox);
@@ -250,12 +248,11 @@ class MotionPanel final : public Panel {
     if (const std::string& chosen = sandbox.session().solver(); play_->goalsOnTop) {
       const std::string used = solverOverClip(chosen);
       const std::string_view title = solverEntry(used).title;
-      ImGui::TextWrapped("%s",
-                         (used == chosen ? fmt::format("Solved by {}.", title)
-                                         : fmt::format("Solved by {}, not by the {}, which would pull "
-                                                       "the body out of the clip towards its rest pose.",
-                                                       title, solverEntry(chosen).title))
-                             .c_str());
+      wrappedText(used == chosen
+                      ? fmt::format("Solved by {}.", title)
+                      : fmt::format("Solved by {}, not by the {}, which would pull the body out of "
+                                    "the clip towards its rest pose.",
+                                    title, solverEntry(chosen).title));
     }
     heading(sandbox.state(), "EXPORT");
     ImGui::SetNextItemWidth(-70 * sandbox.scale());
@@ -536,7 +533,7 @@ class MotionPanel final : public Panel {
     ImGui::SameLine();
     if (ImGui::Button("Original")) edit(sandbox, [&] { editor_->backToOriginal(); });
     tooltip("The clip as it was read, without edits and keys. Can be undone.");
-    if (!report_.empty()) ImGui::TextWrapped("%s", report_.c_str());
+    if (!report_.empty()) wrappedText(report_);
   }
 
   void drawKeys(Sandbox& sandbox) {

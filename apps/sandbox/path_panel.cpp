@@ -44,20 +44,15 @@ class PathPanel final : public Panel {
         "keeps its orientation. Fewest jumps first, then least motion (docs/solutions.md).");
     if (!whyNot.empty()) {
       drawing_ = false;
-      ImGui::TextColored(s.colours().textDim, "%s",
-                         brokenAtBlanks(whyNot, ImGui::GetContentRegionAvail().x).c_str());
+      wrappedText(s.colours().textDim, whyNot);
     } else if (!reason_.empty()) {
-      ImGui::TextColored(s.colours().warning, "%s",
-                         brokenAtBlanks(reason_, ImGui::GetContentRegionAvail().x).c_str());
+      wrappedText(s.colours().warning, reason_);
     }
     if (plan_.q.empty()) return;
     ImGui::Text("%zu poses, %zu jumps, %.3f rad", plan_.q.size(), plan_.jumps.size(), plan_.length);
     for (const PathJump& jump : plan_.jumps)
-      ImGui::TextColored(s.colours().warning, "%s",
-                         brokenAtBlanks(fmt::format("jump after pose {}: {:.2f} rad; {}", jump.pose + 1,
-                                                    jump.turn, jump.reason),
-                                        ImGui::GetContentRegionAvail().x)
-                             .c_str());
+      wrappedText(s.colours().warning,
+                  fmt::format("jump after pose {}: {:.2f} rad; {}", jump.pose + 1, jump.turn, jump.reason));
     int at = pose();
     if (valueSlider("##pose", at, 0, last(), "pose %d")) goTo(sandbox, at);
     if (ImGui::IsItemActivated()) {

@@ -115,9 +115,7 @@ class PicturesPanel final : public Panel {
       if (ImGui::Button("Write as .csv")) write(sandbox, nextFileName(".csv"));
       tooltip("A line a cell: target (metres), iterations, reached, other branch.");
     }
-    for (const std::string& reason : teaching.reasons())
-      ImGui::TextColored(s.colours().warning, "%s",
-                         brokenAtBlanks(reason, ImGui::GetContentRegionAvail().x).c_str());
+    for (const std::string& reason : teaching.reasons()) wrappedText(s.colours().warning, reason);
   }
 
   bool keyPressed(Sandbox& sandbox, int key, int modifiers) override {

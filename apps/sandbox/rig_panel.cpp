@@ -276,8 +276,7 @@ class RigPanel final : public Panel {
                        fmt::format("{} joints · {} vertices · pose {}", rigged_->body.skeleton.jointCount(),
                                    rigged_->from->surface.mesh.positions.size(), report.pose)
                            .c_str());
-    for (const std::string& repair : report.repairs)
-      ImGui::TextWrapped("Mended for the fit: %s", repair.c_str());
+    for (const std::string& repair : report.repairs) wrappedText("Mended for the fit: " + repair);
     heading(s, "SKELETON");
     skeletonChoice(s);
     heading(s, "MEND");
@@ -310,18 +309,15 @@ class RigPanel final : public Panel {
         weighing_.valid() ? "Weighing ..." : fmt::format("Weights took {:.2f} s", weighSeconds_).c_str());
     heading(s, "CONFIDENCE");
     ImGui::Text("%.0f %%", 100.0 * report.confidence);
-    for (const std::string& doubt : report.doubts) ImGui::TextWrapped("Doubtful: %s", doubt.c_str());
+    for (const std::string& doubt : report.doubts) wrappedText("Doubtful: " + doubt);
     ImGui::Checkbox("Colour the body by it", &coloured_);
     tooltip(
         "How near the fitted surface lies to the body around each joint: 0 (violet), look here, to 1 "
         "(yellow).");
     colourBar(s, "0, look here", "1");
     leastSure(sandbox);
-    ImGui::TextColored(
-        s.colours().textDim, "%s",
-        brokenAtBlanks("Written to " + fs::path(writtenTo_).filename().string() + ", with axes and limits.",
-                       ImGui::GetContentRegionAvail().x)
-            .c_str());
+    wrappedText(s.colours().textDim,
+                "Written to " + fs::path(writtenTo_).filename().string() + ", with axes and limits.");
   }
 
   void overlay(Sandbox& sandbox) override {

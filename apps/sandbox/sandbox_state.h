@@ -228,8 +228,12 @@ void colourBar(const Sandbox::State& state, const char* least, const char* most)
 void tooltip(const char* words);
 /// The largest errors of the goals: 0.42 mm, and the angle where it can be seen.
 std::string describeErrors(const FrameSolve& solve);
-/// A text in lines of at most so many pixels of the present font, broken at blanks only: numbers stay whole.
+/// A text in lines of at most so many pixels of the present font, broken at blanks, a path that is longer
+/// than a line after its slashes: numbers stay whole.
 std::string brokenAtBlanks(const std::string& text, float width);
+/// A text in as many such lines as the room in its window asks for.
+void wrappedText(const std::string& words);
+void wrappedText(const ImVec4& colour, const std::string& words);
 /// "out of reach by 41.3 mm: this is the closest pose" and the like.
 std::string describeSolve(const Session& session);
 /// 0.42 mm, 41.3 mm, 1.27 m.

@@ -609,17 +609,26 @@ void tooltip(const char* words) {
 }
 
 std::string brokenAtBlanks(const std::string& text, float width) {
+  const auto isTooLong = [&](const std::string& line) { return ImGui::CalcTextSize(line.c_str()).x > width; };
   std::string out, line;
-  std::size_t from = 0;
-  while (from <= text.size()) {
-    const std::size_t to = std::min(text.find_first_of(" \n", from), text.size());
-    const std::string word = text.substr(from, to - from);
-    const std::string longer = line.empty() ? word : line + " " + word;
-    if (!line.empty() && ImGui::CalcTextSize(longer.c_str()).x > width) {
+  const auto add = [&](const std::string& piece, const char* joint) {
+    const std::string longer = line.empty() ? piece : line + joint + piece;
+    if (!line.empty() && isTooLong(longer)) {
       out += line + "\n";
-      line = word;
+      line = piece;
     } else {
       line = longer;
+    }
+  };
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t to = std::min(text.find_first_of(" \n", from), text.size());
+    const std::string word = text.substr(from, to - from);
+    const std::size_t slash = isTooLong(word) ? word.find('/', 1) : std::string::npos;
+    add(word.substr(0, slash == std::string::npos ? slash : slash + 1), " ");
+    for (std::size_t at = slash; at != std::string::npos;) {
+      const std::size_t next = word.find('/', at + 1);
+      add(word.substr(at + 1, next == std::string::npos ? next : next - at), "");
+      at = next;
     }
     if (to < text.size() && text[to] == '\n') {
       out += line + "\n";
@@ -628,6 +637,16 @@ std::string brokenAtBlanks(const std::string& text, float width) {
     from = to + 1;
   }
   return out + line;
+}
+
+void wrappedText(const std::string& words) {
+  ImGui::TextUnformatted(brokenAtBlanks(words, ImGui::GetContentRegionAvail().x).c_str());
+}
+
+void wrappedText(const ImVec4& colour, const std::string& words) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  wrappedText(words);
+  ImGui::PopStyleColor();
 }
 
 std::string formatLength(double metres) {

@@ -115,10 +115,9 @@ class SkinPanel final : public Panel {
           sum += v.weights[k];
           largest = std::max(largest, v.weights[k]);
         }
-    ImGui::TextWrapped("%s", fmt::format("{} carries {} vertices, mean weight {:.2f}, largest {:.2f}",
-                                         s.session->skeleton().joint(*s.selectedJoint()).name, carried,
-                                         carried > 0 ? sum / carried : 0.0, largest)
-                                 .c_str());
+    wrappedText(fmt::format("{} carries {} vertices, mean weight {:.2f}, largest {:.2f}",
+                            s.session->skeleton().joint(*s.selectedJoint()).name, carried,
+                            carried > 0 ? sum / carried : 0.0, largest));
   }
 };
 

@@ -88,9 +88,7 @@ class SolvePanel final : public Panel {
         "every other solver starts at the present pose with 20 iterations.");
     ImGui::PushFont(s.gui.fonts().small);
     dot(toImVec4(solverColour(current)), s.scale);
-    ImGui::PushTextWrapPos();
-    ImGui::TextColored(s.colours().textDim, "%s", std::string(entry.reference).c_str());
-    ImGui::PopTextWrapPos();
+    wrappedText(s.colours().textDim, std::string(entry.reference));
     ImGui::PopFont();
     ParameterValues values = s.session->parameters();
     if (parameterSliders(current, entry.parameters, values)) s.session->setParameters(values);
@@ -140,7 +138,7 @@ class SolvePanel final : public Panel {
                                            : s.colours().warning;
     ImGui::PushFont(s.gui.fonts().medium);
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextUnformatted(brokenAtBlanks(sentence, ImGui::GetContentRegionAvail().x).c_str());
+    wrappedText(sentence);
     ImGui::PopStyleColor();
     ImGui::PopFont();
     if (solve.why == Stop::Unsupported && solve.ran) {
@@ -355,9 +353,7 @@ class SolvePanel final : public Panel {
     const SceneGoal& goal = s.session->goal(*s.selectedGoal);
     const GoalType& type = goalType(goal.goal.kind);
     heading(sandbox.state(), fmt::format("{}", type.title).c_str());
-    ImGui::PushTextWrapPos();
-    ImGui::TextColored(s.colours().textDim, "%s", std::string(type.asks).c_str());
-    ImGui::PopTextWrapPos();
+    wrappedText(s.colours().textDim, std::string(type.asks));
     Goal asked = goal.goal;
     bool changed = false;
     for (const GoalField& field : type.fields) {

@@ -172,6 +172,40 @@ TEST(Review, EveryCharacterOfTheSandboxHasAGlyph) {
   EXPECT_GT(characters, 100);
 }
 
+/// What Dear ImGui breaks by itself it breaks within numbers: after their point.
+TEST(Review, NoPanelLeavesItToDearImGuiToBreakLines) {
+  int wrapped = 0;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(testing::assetFolder() + "/../apps")) {
+    if (entry.path().extension() != ".cpp") continue;
+    const std::string text = readFile(entry.path().string());
+    wrapped += text.find("wrappedText(") != std::string::npos;
+    for (const char* direct : {"TextWrapped", "TextWrapPos", "CalcWordWrap"})
+      EXPECT_EQ(text.find(direct), std::string::npos) << entry.path() << " calls " << direct;
+  }
+  EXPECT_GT(wrapped, 5);
+}
+
+/// A path has no blank; it must not run out of the window.
+TEST(Review, ALongPathIsBrokenAfterItsSlashes) {
+  Stage stage("planar");
+  stage.play("", 1);
+  ImGui::NewFrame();
+  const std::string text = "Saved /home/somebody/a/long/way/through/many/folders/scene_0.75.json at 0.34 s";
+  const float room = ImGui::CalcTextSize("/home/somebody/a/long/").x;
+  const std::string broken = brokenAtBlanks(text, room);
+  ImGui::EndFrame();
+  std::string joined;
+  for (std::size_t from = 0; from < broken.size();) {
+    const std::size_t end = std::min(broken.find('\n', from), broken.size());
+    const std::string line = broken.substr(from, end - from);
+    EXPECT_LE(ImGui::CalcTextSize(line.c_str()).x, room) << line;
+    joined += line + (line.ends_with('/') ? "" : " ");
+    from = end + 1;
+  }
+  EXPECT_EQ(joined, text + " ");
+}
+
 TEST(Review, LinesAreBrokenAtBlanksOnly) {
   Stage stage("planar");
   stage.play("", 1);
@@ -282,6 +316,30 @@ TEST(Review, AMotionThatIsDroppedFindsItsSkeletonBesideIt) {
       << stage.sandbox.state().notices.back().words;
   EXPECT_EQ(stage.sandbox.session().model().name, "figure");
   fs::remove_all(folder);
+}
+
+/// 2: of a body that opens with a limb far above its head, the limb was out of the view.
+TEST(Review, AMotionsFirstPoseIsInViewWhenItOpens) {
+  const std::string file = (std::filesystem::temp_directory_path() / "reaching_up.bvh").string();
+  writeFile(
+      file,
+      "HIERARCHY\nROOT hip\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+      "Yrotation\n"
+      "JOINT leg\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 -1 "
+      "0\n}\n}\n"
+      "JOINT arm\n{\nOFFSET 0 0.2 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 2 0 "
+      "0\n}\n}\n}\n"
+      "MOTION\nFrames: 1\nFrame Time: 0.04\n0 1 0 0 0 0 0 0 0 90 0 0\n");
+  Stage stage(file);
+  Sandbox::State& s = stage.sandbox.state();
+  stage.play("", 1);
+  double highest = 0.0;
+  for (const Eigen::Isometry3d& frame : stage.sandbox.shownFrames()) {
+    highest = std::max(highest, frame.translation().y());
+    const Vector2d pixel = s.toWindow(frame.translation()).pixel;
+    EXPECT_TRUE(s.layout.view.contains(pixel.x(), pixel.y())) << pixel.transpose();
+  }
+  EXPECT_NEAR(highest, 3.2, 0.01);
 }
 
 /// 9: edges were stepped. Where a person watches, what stands still is drawn once more, smooth; it stays
