@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "skinning/gpu/gl.h"
 
@@ -177,12 +178,13 @@ bool slider(const char* label, ImGuiDataType type, void* value, const void* lowe
   ImRect grab;  // where it was just drawn; asked for by a name that nobody can hold
   ImGui::SliderBehavior(frame, another, type, value, lower, upper, format, flags, &grab);
   char text[64];
-  const char* end = text + ImGui::DataTypeFormatString(text, sizeof text, type, value, format);
-  const ImVec2 size = ImGui::CalcTextSize(text, end);
+  const char *begin = text, *end = text + ImGui::DataTypeFormatString(text, sizeof text, type, value, format);
+  if (*begin == '-' && !std::strpbrk(begin, "123456789")) ++begin;  // no "-0.0"
+  const ImVec2 size = ImGui::CalcTextSize(begin, end);
   const Span place = placeOfValue({frame.Min.x, frame.Max.x}, {grab.Min.x, grab.Max.x}, size.x,
                                   std::min(style.FramePadding.x, 0.06f * width));
   const float y = corner.y + style.FramePadding.y;
-  ImGui::RenderTextClipped({place.low, y}, {place.high, frame.Max.y}, text, end, &size);
+  ImGui::RenderTextClipped({place.low, y}, {place.high, frame.Max.y}, begin, end, &size);
   ImGui::RenderText({frame.Max.x + style.ItemInnerSpacing.x, y}, label);
   return moved;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/document/muscle_settings.h"
+#include "apps/lecture/text.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/skin_comparison.h"
@@ -64,10 +65,10 @@ class MusclePanel final : public Panel {
     Sandbox::State& s = sandbox.state();
     shownAt_ = sandbox.frameNumber();
     if (limbs_.empty()) {
-      ImGui::TextWrapped(
-          "%s", sandbox.session().model().skin
-                    ? "No limb of a known name (upperarm_l, lowerarm_l, hand_l, ...) was found in this model."
-                    : "This model has no body to deform.");
+      wrappedText(
+          sandbox.session().model().skin
+              ? "No limb of a known name (upperarm_l, lowerarm_l, hand_l, ...) was found in this model."
+              : "This model has no body to deform.");
       return;
     }
     if (ImGui::Checkbox("Muscle layers", &settings_.enabled)) edit(sandbox);
@@ -260,7 +261,8 @@ class MusclePanel final : public Panel {
     const LimbFrames limb = limbFrames(rig->body().limbs[shownLimb_], frames);
     if (limb.rotations.size() > 1) {
       const JointBend bend = jointBend(limb, 1);
-      ImGui::Text("Bend %.1f°   twist %.1f°", bend.bend / degree, bend.twist / degree);
+      ImGui::Text("Bend %s°   twist %s°", text::fixed(bend.bend / degree, 1).c_str(),
+                  text::fixed(bend.twist / degree, 1).c_str());
       tooltip(
           "Total bend of the joint between the links (straight = 0) and its twist about the bone, degrees.");
     }
@@ -310,10 +312,10 @@ class MusclePanel final : public Panel {
       tooltip("The free inner planes 2 and 4; plane 3 stays their middle, so the seam stays smooth.");
     }
     if (!selectedMuscle()) {
-      ImGui::TextWrapped(selectedPlane_ == 3
-                             ? "Plane 3 is the middle of planes 2 and 4, so that the seam stays smooth."
-                             : "Connecting planes follow from the joint's pose and the seam's constraints; "
-                               "Gap and Wedge below place them.");
+      wrappedText(selectedPlane_ == 3
+                      ? "Plane 3 is the middle of planes 2 and 4, so that the seam stays smooth."
+                      : "Connecting planes follow from the joint's pose and the seam's constraints; "
+                        "Gap and Wedge below place them.");
       return false;
     }
     MusclePlane& plane = *selectedMuscle();

@@ -133,6 +133,22 @@ TEST(Sliders, CtrlAndAClickLetAValueBeTyped) {
   EXPECT_FLOAT_EQ(value, 3.25f);
 }
 
+TEST(Sliders, NothingIsMinusZero) {
+  Stage stage;
+  const auto glyphs = [&](float value) {
+    int count = 0;
+    stage.draw(200, [&] {
+      valueSlider("##a", value, -90.0f, 90.0f, "%.1f°");
+      for (const ImDrawVert& v : ImGui::GetWindowDrawList()->VtxBuffer)
+        count += v.col == ImGui::GetColorU32(ImGuiCol_Text);
+    });
+    return count / 4;
+  };
+  EXPECT_EQ(glyphs(0.0f), 4);    // 0.0°
+  EXPECT_EQ(glyphs(-1e-7f), 4);  // likewise
+  EXPECT_EQ(glyphs(-0.1f), 5);   // -0.1°
+}
+
 /// What a panel draws by ImGui::Slider... itself would lie under its grab again.
 TEST(Sliders, EveryPanelUsesTheOneThatKeepsItsValueInSight) {
   int calls = 0;
