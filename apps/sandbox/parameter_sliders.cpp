@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "apps/sandbox/gui.h"
+#include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
 namespace {
@@ -51,11 +51,9 @@ bool parameterSliders(std::string_view id, std::span<const Parameter> parameters
         ImGui::TextUnformatted(name.c_str());
       const std::string unit = p.unit == "1" ? "" : " " + std::string(p.unit);
       const auto explain = [&] {
-        if (ImGui::IsItemHovered())
-          ImGui::SetTooltip(
-              "%s", fmt::format("{}\nDefault {:g}{} ({}); {:g} to {:g}. Right button: back to the default.",
-                                p.meaning, p.value, unit, p.source, p.lower, p.upper)
-                        .c_str());
+        tooltip(fmt::format("{}\nDefault {:g}{} ({}); {:g} to {:g}. Right button: back to the default.",
+                            p.meaning, p.value, unit, p.source, p.lower, p.upper)
+                    .c_str());
       };
       explain();
       ImGui::TableNextColumn();

@@ -31,10 +31,7 @@ class PlotsPanel final : public Panel {
 
  private:
   static void hint(ImVec2 at, ImVec2 size, const char* words) {
-    if (!ImGui::IsMouseHoveringRect(at, {at.x + size.x, at.y + size.y})) return;
-    ImGui::BeginTooltip();
-    ImGui::TextUnformatted(brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f).c_str());
-    ImGui::EndTooltip();
+    if (ImGui::IsMouseHoveringRect(at, {at.x + size.x, at.y + size.y})) showTooltip(words);
   }
 
   static void residuals(const Sandbox::State& s, ImVec2 at, ImVec2 size) {

@@ -226,6 +226,8 @@ void colourBar(const Sandbox::State& state, ColourMap map, const char* least, co
 void colourBar(const Sandbox::State& state, const char* least, const char* most);
 /// A tooltip over the item before it: what a quantity is, its unit and formula.
 void tooltip(const char* words);
+/// The same, at the mouse, whatever lies there.
+void showTooltip(const char* words);
 /// The largest errors of the goals: 0.42 mm, and the angle where it can be seen.
 std::string describeErrors(const FrameSolve& solve);
 /// A text in lines of at most so many pixels of the present font, broken at blanks, a path that is longer

@@ -603,9 +603,16 @@ void colourBar(const Sandbox::State& state, ColourMap map, const char* least, co
 
 void tooltip(const char* words) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  showTooltip(words);
+}
+
+void showTooltip(const char* words) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, style.PopupRounding);
   ImGui::BeginTooltip();
   ImGui::TextUnformatted(brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f).c_str());
   ImGui::EndTooltip();
+  ImGui::PopStyleVar();
 }
 
 std::string brokenAtBlanks(const std::string& text, float width) {
