@@ -23,9 +23,9 @@ struct Input {
   std::vector<InputEvent> events = {};
 };
 
-/// Holds events until a frame may see them. Within one frame a button or key changes at most once, and a
-/// button changes only after the moves before it were seen: a quick tap is never lost, whatever the frame
-/// rate.
+/// Holds events until a frame may see them. Within one frame a button or key changes at most once, a press is
+/// seen where it was made, and a release after the frame that saw the moves before it: whatever the frame
+/// rate, a quick tap is never lost, nor the end of a drag.
 class InputQueue {
  public:
   void add(InputEvent event) { waiting_.push_back(std::move(event)); }

@@ -31,5 +31,18 @@ TEST(InputQueue, APressHappensWhereTheMouseWasThen) {
   EXPECT_EQ(second[0].x, 90);
 }
 
+/// Edges of panels and sliders stayed where the frame before the last had them.
+TEST(InputQueue, AReleaseWaitsUntilTheMovesBeforeItWereSeen) {
+  InputQueue queue;
+  queue.add({.kind = Kind::MouseMove, .x = 10, .y = 20});
+  queue.add({.kind = Kind::MouseMove, .x = 40, .y = 20});
+  queue.add({.kind = Kind::MouseButton, .code = 0, .down = false});
+  const auto first = queue.take(), second = queue.take();
+  ASSERT_EQ(first.size(), 2u);
+  EXPECT_EQ(first[1].x, 40);
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_FALSE(second[0].down);
+}
+
 }  // namespace
 }  // namespace gelenk
