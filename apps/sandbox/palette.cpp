@@ -100,6 +100,10 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
     if (panel->hasBottomStrip())
       add("Strip " + panel->stripTitle(), "", [name](Sandbox& s) { s.showBottomStrip(name); });
   }
+  add("Lab: compare the solvers, or stop", "L", [](Sandbox& s) {
+    for (const auto& panel : s.state().panels)
+      if (panel->name() == "Lab") panel->keyPressed(s, GLFW_KEY_L, 0);
+  });
   for (const std::string& name : frameSolverNames()) {
     const SolverEntry& entry = solverEntry(name);
     add(fmt::format("Solver {} ({})", entry.title, name), "", [name](Sandbox& s) { chooseSolver(s, name); });

@@ -59,7 +59,7 @@ TEST(CommandPalette, FindsEveryModelSolverExampleTabAndThingToShow) {
   for (const auto& panel : stage.state().panels)
     if (panel->hasInspector()) EXPECT_TRUE(finds("tab " + panel->name()));
   for (std::string word : {"next solver", "frame the selection", "ground", "convergence",
-                           "velocity ellipsoid", "undo", "mirror", "screenshot"})
+                           "velocity ellipsoid", "undo", "mirror", "screenshot", "compare"})
     EXPECT_TRUE(finds(word)) << word;
   EXPECT_FALSE(finds("no such thing"));
 }
