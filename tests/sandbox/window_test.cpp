@@ -192,9 +192,9 @@ TEST_F(RealWindow, ALectureHourRunsFromStartToEnd) {
   find("lecture newton several");
   status = waitFor([](const json& s) { return s["example"] == "newton-square"; });
   mouse({"key", "F5"});  // for the room, and back
-  waitFor([](const json& s) { return s["view"]["width"] == 450; });
+  waitFor([](const json& s) { return s["view"]["height"] == 640; });
   mouse({"key", "F5"});
-  waitFor([](const json& s) { return s["view"]["width"] != 450; });
+  waitFor([](const json& s) { return s["view"]["height"] < 640; });
 
   find("show convergence");
   waitFor([](const json& s) { return std::ranges::count(s["shown"], json("convergence")) == 1; });
