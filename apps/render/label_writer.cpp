@@ -18,10 +18,6 @@ LabelPlaces roomForLabels(ImVec2 corner, const Viewport& viewport, bool planar, 
                       static_cast<float>(viewport.height) - low - 2});
 }
 
-namespace {
-
-/// The colour of what a label names, lighter where the panels are dark, so that its words can be read: the
-/// blue of an axis.
 ImVec4 inkOf(const ImVec4& colour, const Palette& palette) {
   const auto luminance = [](const ImVec4& c) { return 0.3f * c.x + 0.59f * c.y + 0.11f * c.z; };
   const float lacks = luminance(palette.panelRaised) < 0.5f ? 0.55f - luminance(colour) : 0.0f;
@@ -30,8 +26,6 @@ ImVec4 inkOf(const ImVec4& colour, const Palette& palette) {
   return {colour.x + white * (1.0f - colour.x), colour.y + white * (1.0f - colour.y),
           colour.z + white * (1.0f - colour.z), colour.w};
 }
-
-}  // namespace
 
 void writeWords(const LabelPen& pen, ImVec2 at, const ImVec4& named, const std::string& text,
                 bool isFormula) {

@@ -19,6 +19,10 @@ struct LabelPen {
   LabelPlaces* places;
 };
 
+/// The colour of what words name, lighter where the panels are dark, so that they can be read: the blue of an
+/// axis or of a solver.
+ImVec4 inkOf(const ImVec4& colour, const Palette& palette);
+
 /// Where there is room for words in a picture, which leave the edges of a planar one to its rulers. corner:
 /// the picture's upper left one in what is drawn into, pixels.
 LabelPlaces roomForLabels(ImVec2 corner, const Viewport& viewport, bool planar, float scale);

@@ -11,6 +11,7 @@
 
 #include "apps/commands/reproductions.h"
 #include "apps/render/lab_marks.h"
+#include "apps/render/label_writer.h"
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/plots.h"
@@ -276,7 +277,7 @@ class LabPanel final : public Panel {
     for (const Runner& runner : runners_) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextColored(toImVec4(runner.colour), "%s", runner.name.c_str());
+      ImGui::TextColored(inkOf(toImVec4(runner.colour), s.colours()), "%s", runner.name.c_str());
       tooltip(fmt::format("{}\n{}", runner.solver,
                           runner.unsupported.empty()
                               ? std::string("This frame ended: ") + toString(runner.report.why)

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/render/label_places.h"
+#include "apps/render/label_writer.h"
 #include "apps/render/mathematics.h"
 #include "apps/render/rulers.h"
 
@@ -121,7 +121,7 @@ void drawPlot(const PlotLook& look, const std::vector<Curve>& curves, ImVec2 pos
       const float height = fonts.small->FontSize;
       labels.push_back({{points.back().x + 4 * scale, points.back().y - height - 2 * scale,
                          textWidth(fonts.small, curve.label) + 4 * scale, height},
-                        {curve.colour.x, curve.colour.y, curve.colour.z, 1.0f},
+                        inkOf({curve.colour.x, curve.colour.y, curve.colour.z, 1.0f}, palette),
                         curve.label});
     }
   }

@@ -2,10 +2,13 @@
 
 #include <limits>
 
+#include "apps/commands/solver_colour.h"
 #include "apps/render/lab_marks.h"
 #include "apps/render/label_places.h"
+#include "apps/render/label_writer.h"
 #include "apps/sandbox/plots.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "skinning/mesh_look.h"
 #include "tests/sandbox/stage.h"
 
 namespace gelenk {
@@ -60,6 +63,19 @@ TEST(LabPanel, PlotsAndTablesHaveShortNames) {
   LabSettings lab;
   lab.solvers = {"lm-gain-ratio", "dls[lambda=0.2]", "dls[lambda=0.3]", "drag"};
   EXPECT_EQ(comparedNames(lab), (std::vector<std::string>{"lm-gain-ratio", "dls", "dls (2)", "drag"}));
+}
+
+/// The blue and violet of solvers on the dark of the plots: 4.5 to 1 is what WCAG 2 asks of text.
+TEST(Plots, TheNameOfEverySolverIsReadInTheDark) {
+  const Palette& dark = palette(Theme::Dark);
+  const auto luminance = [](const ImVec4& c) {
+    return 0.2126f * linearFromSrgb(c.x) + 0.7152f * linearFromSrgb(c.y) + 0.0722f * linearFromSrgb(c.z);
+  };
+  for (const std::string& name : frameSolverNames()) {
+    const ImVec4 ink = inkOf(toImVec4(solverColour(name)), dark);
+    for (const ImVec4& behind : {dark.plotBackground, dark.panel})
+      EXPECT_GT((luminance(ink) + 0.05f) / (luminance(behind) + 0.05f), 4.5f) << name;
+  }
 }
 
 /// Labels of curves that end in one place moved above each other, out of the plot at its top.
