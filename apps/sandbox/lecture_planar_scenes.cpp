@@ -368,7 +368,7 @@ class NewtonScene final : public PlanarScene {
         fmt::format("STEP {} OF {}   ({})", drawing_.at, drawing_.run.iterations(), stopText()).c_str());
     matrixRows(sandbox, "phi^i, radians", now.phi.transpose(), "%.5f");
     valueRow(sandbox, "g = f - X", pair(now.g, "({:.4g}, {:.4g})"));
-    valueRow(sandbox, "|g|", fmt::format("{:.3e}", now.g.norm()));
+    valueRow(sandbox, "|g|", fmt::format("{:.4g}", now.g.norm()));
     matrixRows(sandbox, "D_f", now.D, "%.2f");
     if (now.Dplus.size() > 0)
       matrixRows(sandbox, drawing_.chain.linkCount() == 2 ? "D_f^-1" : "D_f^+", now.Dplus, "%.6f");

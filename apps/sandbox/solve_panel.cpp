@@ -154,7 +154,7 @@ class SolvePanel final : public Panel {
         "Steps of the solver in this frame.");
     row("Solve time", solve.ran ? fmt::format("{:.0f} µs", 1e6 * solve.seconds) : "–",
         "Wall-clock time of the solve alone, in microseconds.");
-    row("Joint motion", solve.ran ? fmt::format("{:.1e} rad", solve.jointMotion) : "–",
+    row("Joint motion", solve.ran ? fmt::format("{:.2g} rad", solve.jointMotion) : "–",
         "Largest change of a joint in this frame, radians (metres for translations).");
     const SceneGoal* goal = goalOfInterest(s);
     const bool measured = goal && hasPoint(goal->goal);
