@@ -18,7 +18,7 @@ struct OwnSolver {
   };
   std::string name, title, reference;
   std::vector<OwnParameter> parameters = {};
-  std::function<std::unique_ptr<IkSolver>(const ParameterValues&)> make;
+  std::function<std::unique_ptr<IkSolver>(const ParameterValues&)> make = {};
   bool stochastic = false;
 };
 

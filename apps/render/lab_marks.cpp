@@ -53,9 +53,10 @@ void addComparedSolvers(const Session& session, double size, std::vector<Ghost>&
       for (Eigen::Isometry3d& frame : frames) frame.translation() += places * 0.36 * size * right;
       double error = 0.0;
       for (const GoalError& goal : judge(problem, q).goals) error = std::max(error, goal.position);
-      labels.push_back({frames[problem.goals.front().joint].translation(),
-                        fmt::format("{}  {:.1f} mm", names[i], 1e3 * error),
-                        {colours[i].x(), colours[i].y(), colours[i].z(), 1.0f}});
+      labels.push_back({.at = frames[problem.goals.front().joint].translation(),
+                        .text = fmt::format("{}  {:.1f} mm", names[i], 1e3 * error),
+                        .colour = {colours[i].x(), colours[i].y(), colours[i].z(), 1.0f},
+                        .isName = true});
     }
     ghosts.push_back(
         {.worldFromJoint = std::move(frames), .tint = colours[i], .opacity = lab.sideBySide ? 0.9f : 0.55f});

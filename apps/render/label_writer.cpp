@@ -64,7 +64,7 @@ void writeLabels(const LabelPen& pen, const std::vector<SceneLabel>& labels, con
   }
   for (const auto& [label, at] : seen)
     writeWords(pen, {at.x + 12 * pen.scale, at.y - 8 * pen.scale}, toImVec4(label->colour), label->text,
-               true);
+               !label->isName);
 }
 
 LabelWriter::LabelWriter(Theme theme, float scale) : theme_(theme), scale_(scale) {

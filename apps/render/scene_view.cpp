@@ -309,7 +309,10 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
     skinFacts_.back().above = above(shifted[0].translation() - frames_[0].translation());
   }
   for (const SkinFacts& facts : skinFacts_)
-    scene.labels.push_back({facts.above, toString(facts.choice), markColours(scene.theme).dim});
+    scene.labels.push_back({.at = facts.above,
+                            .text = toString(facts.choice),
+                            .colour = markColours(scene.theme).dim,
+                            .isName = true});
 }
 
 void SceneView::addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene) {

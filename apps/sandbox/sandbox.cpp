@@ -433,7 +433,8 @@ Overlay& Sandbox::overlay() { return state_->extras.overlayOnTop; }
 Overlay& Sandbox::overlayInScene() { return state_->extras.overlay; }
 void Sandbox::showLecture(LectureDrawing& drawing) { state_->extras.lecture = &drawing; }
 void Sandbox::label(const Eigen::Vector3d& at, const std::string& text, const Eigen::Vector4f& colour) {
-  state_->extras.labels.push_back({at, text, {colour.x(), colour.y(), colour.z(), colour.w()}});
+  state_->extras.labels.push_back(
+      {.at = at, .text = text, .colour = {colour.x(), colour.y(), colour.z(), colour.w()}, .isName = true});
 }
 void Sandbox::showVertexScalars(const std::vector<float>& values) {
   state_->extras.vertexColours = viridisColours(values);

@@ -74,6 +74,29 @@ TEST(Labels, LeaveWhatIsNamedFromTheSideInSight) {
   ImGui::EndFrame();
 }
 
+/// knee_r stood as a knee with an index.
+TEST(Labels, NamesAreWrittenLetterByLetter) {
+  testing::Stage stage({.model = "planar", .width = 640, .height = 480});
+  stage.play("", 1);
+  Sandbox::State& s = stage.sandbox.state();
+  ImGui::NewFrame();
+  ImGui::Begin("labels alone");
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRectFullScreen();
+  const auto vertices = [&](bool isName) {
+    const int before = draw.VtxBuffer.Size;
+    LabelPlaces places = roomForLabels({0, 0}, s.viewport(), true, 1.0f);
+    writeLabels({&draw, palette(Theme::Light), s.gui.fonts().small, 13.0f, 1.0f, &places},
+                {{.at = s.camera().target, .text = "knee_r", .colour = {1, 0, 0, 1}, .isName = isName}},
+                s.camera(), s.viewport(), {0, 0});
+    return draw.VtxBuffer.Size - before;
+  };
+  EXPECT_EQ(vertices(true), vertices(false) + 4);  // the underscore's
+  draw.PopClipRect();
+  ImGui::End();
+  ImGui::EndFrame();
+}
+
 /// At the edge of the view a label was moved in, over the dot that it names.
 TEST(Labels, NeverCoverTheDotThatTheyName) {
   testing::Stage stage({.model = "planar", .width = 640, .height = 480});
