@@ -586,6 +586,18 @@ TEST_F(Comparison, TheReportIsSelfContainedAndSaysWhatWasUnsupported) {
   EXPECT_NE(html.find("solvers compared on "), std::string::npos);  // which model
   EXPECT_EQ(html.find("src="), std::string::npos);                  // nothing is fetched from elsewhere
   EXPECT_EQ(html.find("href=\"http"), std::string::npos);
+  // The maps of where problems are hard: a name over each, whole labels at the axes.
+  const std::string maps = readFile(path("a") + "/plots/D1-hardness.svg");
+  for (const char* solver : {"dls", "lm-gain-ratio", "evolution"})
+    EXPECT_NE(maps.find(">" + std::string(solver) + "<"), std::string::npos) << solver;
+  EXPECT_EQ(maps.find(">two-link<"), std::string::npos);  // it does none of these problems
+  int axes = 0;
+  for (std::size_t at = maps.find(">limit margin<"); at != std::string::npos;
+       at = maps.find(">limit margin<", at + 1), ++axes) {
+    const std::string mark = "translate(";
+    EXPECT_GT(std::stod(maps.substr(maps.rfind(mark, at) + mark.size())), 12.0);  // its height of type
+  }
+  EXPECT_EQ(axes, 3);
   for (const char* word :
        {"mcnemar_p", "wilson_95", "bootstrap_95", "expected_running_time", "p99", "jitter", "checksums"})
     EXPECT_NE(summary.find(word), std::string::npos) << word;
