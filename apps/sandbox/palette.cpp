@@ -28,6 +28,18 @@ std::string titleOf(const std::string& model) {
   return "Open model " + model;
 }
 
+/// As the tab Pictures calls it, or the option's own name.
+std::string titleOf(const ViewOptionName& option) {
+  for (const auto& [name, title] : {std::pair{"reachable", "reachable set"},
+                                    {"solutions", "all solutions"},
+                                    {"null_space", "self-motion (null space)"},
+                                    {"convergence", "convergence map"}})
+    if (option.name == std::string_view(name)) return title;
+  std::string words(option.name);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
 }  // namespace
 
 bool matches(const std::string& query, const std::string& text) {
@@ -88,12 +100,9 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
       [](Sandbox& s) { s.state().presenting = !s.state().presenting; });
   add("Play or pause", "Space", [](Sandbox& s) { s.setPlaying(!s.playing()); });
   add("Mouse and keys (help)", "H", [](Sandbox& s) { s.state().helpOpen = true; });
-  for (const ViewOptionName& option : viewOptionNames()) {
-    std::string name(option.name);
-    std::replace(name.begin(), name.end(), '_', ' ');
-    add("Show or hide " + name, "",
+  for (const ViewOptionName& option : viewOptionNames())
+    add("Show or hide " + titleOf(option), "",
         [which = option.option](Sandbox& s) { s.options().*which = !(s.options().*which); });
-  }
   for (const auto& panel : sandbox.state().panels) {
     const std::string name = panel->name();
     if (panel->hasInspector()) add("Tab " + name, "", [name](Sandbox& s) { s.showInspector(name); });

@@ -58,8 +58,9 @@ TEST(CommandPalette, FindsEveryModelSolverExampleTabAndThingToShow) {
     EXPECT_TRUE(finds("lecture " + topic.title)) << topic.title;
   for (const auto& panel : stage.state().panels)
     if (panel->hasInspector()) EXPECT_TRUE(finds("tab " + panel->name()));
-  for (std::string word : {"next solver", "frame the selection", "ground", "convergence",
-                           "velocity ellipsoid", "undo", "mirror", "screenshot", "compare"})
+  for (std::string word :
+       {"next solver", "frame the selection", "ground", "convergence map", "reachable set", "all solutions",
+        "self-motion", "velocity ellipsoid", "undo", "mirror", "screenshot", "compare"})
     EXPECT_TRUE(finds(word)) << word;
   EXPECT_FALSE(finds("no such thing"));
 }
