@@ -18,30 +18,30 @@ const char* toString(GoalState state) {
 
 std::span<const ViewOptionName> viewOptionNames() {
   static constexpr std::array names{
-      ViewOptionName{&ViewOptions::skin, "skin"},
-      ViewOptionName{&ViewOptions::wireframe, "wireframe"},
-      ViewOptionName{&ViewOptions::skeleton, "skeleton"},
-      ViewOptionName{&ViewOptions::weights, "weights"},
-      ViewOptionName{&ViewOptions::jointFrames, "joint_frames"},
-      ViewOptionName{&ViewOptions::limits, "limits"},
-      ViewOptionName{&ViewOptions::handles, "handles"},
-      ViewOptionName{&ViewOptions::ground, "ground"},
-      ViewOptionName{&ViewOptions::shadow, "shadow"},
-      ViewOptionName{&ViewOptions::velocityEllipsoid, "velocity_ellipsoid"},
-      ViewOptionName{&ViewOptions::forceEllipsoid, "force_ellipsoid"},
-      ViewOptionName{&ViewOptions::reachable, "reachable"},
-      ViewOptionName{&ViewOptions::solutions, "solutions"},
-      ViewOptionName{&ViewOptions::nullSpace, "null_space"},
-      ViewOptionName{&ViewOptions::convergence, "convergence"},
+      ViewOptionName{&ViewOptions::skin, "skin", "skin"},
+      ViewOptionName{&ViewOptions::wireframe, "wireframe", "wireframe"},
+      ViewOptionName{&ViewOptions::skeleton, "skeleton", "skeleton"},
+      ViewOptionName{&ViewOptions::weights, "weights", "weights"},
+      ViewOptionName{&ViewOptions::jointFrames, "joint_frames", "joint frames"},
+      ViewOptionName{&ViewOptions::limits, "limits", "limits"},
+      ViewOptionName{&ViewOptions::handles, "handles", "handles"},
+      ViewOptionName{&ViewOptions::ground, "ground", "ground"},
+      ViewOptionName{&ViewOptions::shadow, "shadow", "shadow"},
+      ViewOptionName{&ViewOptions::velocityEllipsoid, "velocity_ellipsoid", "velocity ellipsoid"},
+      ViewOptionName{&ViewOptions::forceEllipsoid, "force_ellipsoid", "force ellipsoid"},
+      ViewOptionName{&ViewOptions::reachable, "reachable", "reachable set"},
+      ViewOptionName{&ViewOptions::solutions, "solutions", "all solutions"},
+      ViewOptionName{&ViewOptions::nullSpace, "null_space", "self-motion (null space)"},
+      ViewOptionName{&ViewOptions::convergence, "convergence", "convergence map"},
   };
   return names;
 }
 
 bool ViewOptions::*viewOption(const std::string& name) {
   std::string known;
-  for (const auto& [member, word] : viewOptionNames()) {
-    if (name == word) return member;
-    known += (known.empty() ? "" : ", ") + std::string(word);
+  for (const ViewOptionName& shown : viewOptionNames()) {
+    if (name == shown.name) return shown.option;
+    known += (known.empty() ? "" : ", ") + std::string(shown.name);
   }
   throw std::invalid_argument("'" + name + "' cannot be shown; there are: " + known);
 }

@@ -94,7 +94,8 @@ struct ViewOptions {
 /// The options by the names that files and replays use.
 struct ViewOptionName {
   bool ViewOptions::*option;
-  std::string_view name;
+  std::string_view name;   ///< in scenes, replays and commands
+  std::string_view title;  ///< in words, as the window calls it
 };
 std::span<const ViewOptionName> viewOptionNames();
 /// Throws std::invalid_argument that lists the names.

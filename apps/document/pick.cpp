@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "skinning/blend/linear_blend.h"
+
 namespace gelenk {
 
 std::optional<SurfaceHit> pickSurface(const std::vector<std::array<int, 3>>& triangles,
@@ -38,6 +40,18 @@ int dominantJoint(const Skin& skin, const SurfacePoint& point) {
       share[influences.joints[k]] += point.barycentric[corner] * influences.weights[k];
   }
   return static_cast<int>(std::ranges::max_element(share) - share.begin());
+}
+
+Eigen::Vector3d linearBlendPoint(const Skin& skin, const Frames& worldFromJoint, const SurfacePoint& point) {
+  Skin three{.mesh = {}, .influences = {}, .jointFromRestWorld = skin.jointFromRestWorld};
+  for (const int v : skin.mesh.triangles[point.triangle]) {
+    three.mesh.positions.push_back(skin.mesh.positions[v]);
+    three.mesh.normals.push_back(skin.mesh.normals[v]);
+    three.influences.push_back(skin.influences[v]);
+  }
+  const SkinnedVertices at = linearBlendSkin(three, worldFromJoint);
+  return point.barycentric[0] * at.positions[0] + point.barycentric[1] * at.positions[1] +
+         point.barycentric[2] * at.positions[2];
 }
 
 namespace {

@@ -26,6 +26,9 @@ std::optional<SurfaceHit> pickSurface(const std::vector<std::array<int, 3>>& tri
 /// The joint that carries most of a point of the skin.
 int dominantJoint(const Skin& skin, const SurfacePoint& point);
 
+/// A point of the skin by the linear blend, metres, world.
+Eigen::Vector3d linearBlendPoint(const Skin& skin, const Frames& worldFromJoint, const SurfacePoint& point);
+
 /// A control point of a limb's lattice: plane 6 link + (0 ... 6), point 4 j + i.
 struct LatticePoint {
   int plane = -1, point = -1;

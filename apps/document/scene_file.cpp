@@ -8,6 +8,7 @@
 
 #include "apps/document/json_entry.h"
 #include "apps/document/model_files.h"
+#include "apps/document/pick.h"
 #include "apps/document/scene_v1.h"
 #include "apps/document/session.h"
 #include "apps/lecture/example.h"
@@ -15,7 +16,6 @@
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/io/word_stream.h"
-#include "skinning/blend/linear_blend.h"
 #include "solvers/problem/goal_text.h"
 
 namespace gelenk {
@@ -459,7 +459,8 @@ SolverChoice readSolver(const JsonEntry& from) {
 Json toJson(const View& view, Theme theme) {
   const Camera& camera = view.camera;
   Json show = Json::object();
-  for (const auto& [option, name] : viewOptionNames()) show[std::string(name)] = view.show.*option;
+  for (const ViewOptionName& shown : viewOptionNames())
+    show[std::string(shown.name)] = view.show.*shown.option;
   Json tree{{"camera",
              {{"target", toJson(camera.target)},
               {"up", toJson(camera.up)},
@@ -497,9 +498,9 @@ void readView(const JsonEntry& from, const Skeleton& skeleton, Document& documen
   else
     document.view.camera.distance = 0.0;  // whoever shows it moves it to where the whole is seen
   if (const auto show = from.find("show"))
-    for (const auto& [option, name] : viewOptionNames())
-      if (const auto entry = show->find(std::string(name).c_str()))
-        document.view.show.*option = entry->boolean();
+    for (const ViewOptionName& shown : viewOptionNames())
+      if (const auto entry = show->find(std::string(shown.name).c_str()))
+        document.view.show.*shown.option = entry->boolean();
   if (const auto hidden = from.find("hidden"))
     for (const JsonEntry& part : hidden->list()) document.view.hidden.insert(part.text());
   if (const auto theme = from.find("theme")) document.theme = theme->oneOf(themeNames);
@@ -649,24 +650,24 @@ Document readScene(const std::string& path, const Model& model) {
   return parseScene(readFile(path), path, model);
 }
 
+namespace {
+
 /// A goal's point of the skin lies where its joint's point does, as far as the skin follows. Where it does
 /// not, the body has other triangles than when the scene was saved: then the joint's point is what is left.
-static void leaveStrangeTriangles(std::vector<SceneGoal>& goals, const Eigen::VectorXd& q, Model& model) {
+void leaveStrangeTriangles(Edits& edits, Model& model) {
   constexpr double most = 0.03;  // of the body's size
   const auto onSkin = [](const SceneGoal& goal) { return goal.surface.triangle >= 0; };
-  if (!model.skin || std::ranges::none_of(goals, onSkin)) return;
-  const Frames frames = forwardKinematics(model.skeleton, q);
-  const SkinnedVertices skin = linearBlendSkin(*model.skin, frames);
+  if (std::ranges::none_of(edits.goals, onSkin)) return;
+  Skin skin = *model.skin;
+  for (int v = 0; v < edits.weights.size(); ++v) skin.influences[v] = edits.weights[v];
+  const Frames frames = forwardKinematics(model.skeleton, edits.q);
   Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : skin.positions) box.extend(p);
-  for (SceneGoal& goal : goals) {
+  for (const Eigen::Vector3d& p : skin.mesh.positions) box.extend(p);
+  for (SceneGoal& goal : edits.goals) {
     if (!onSkin(goal)) continue;
-    Eigen::Vector3d there = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 3; ++k)
-      there +=
-          goal.surface.barycentric[k] * skin.positions[model.skin->mesh.triangles[goal.surface.triangle][k]];
-    if ((there - frames[goal.goal.joint] * goal.goal.pointInJoint).norm() <= most * box.diagonal().norm())
-      continue;
+    const Eigen::Vector3d there = linearBlendPoint(skin, frames, goal.surface),
+                          wanted = frames[goal.goal.joint] * goal.goal.pointInJoint;
+    if ((there - wanted).norm() <= most * box.diagonal().norm()) continue;
     goal.surface = {};
     tell(model.notes, "skin-point",
          fmt::format(
@@ -675,6 +676,8 @@ static void leaveStrangeTriangles(std::vector<SceneGoal>& goals, const Eigen::Ve
              goal.goal.name, model.skeleton.joint(goal.goal.joint).name));
   }
 }
+
+}  // namespace
 
 bool isScene(const std::string& nameOrFile) { return lowerCase(nameOrFile).ends_with(".json"); }
 
@@ -690,7 +693,7 @@ Opened openDocument(const ModelReference& reference, Body body) {
     throw std::invalid_argument("a scene says itself what belongs to its model; leave the other files away");
   auto model = std::make_shared<Model>(readModel(readModelReference(reference.nameOrFile)));
   Document document = readScene(reference.nameOrFile, *model);
-  leaveStrangeTriangles(document.edits.goals, document.edits.q, *model);
+  leaveStrangeTriangles(document.edits, *model);
   return {std::move(model), std::move(document)};
 }
 

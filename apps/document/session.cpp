@@ -9,6 +9,7 @@
 
 #include "apps/document/chosen_skin.h"
 #include "apps/document/limb.h"
+#include "apps/document/pick.h"
 #include "kinematics/configuration.h"
 #include "kinematics/rotation.h"
 #include "kinematics/symmetry.h"
@@ -279,19 +280,9 @@ const ChosenSkin& Session::drawnSkin() const {
 }
 
 Eigen::Vector3d Session::skinPoint(const SurfacePoint& point) const {
-  const std::array<int, 3>& corners = skin_->mesh.triangles[point.triangle];
+  if (painting_) return linearBlendPoint(*skin_, frames_, point);
   SkinnedVertices at;
-  if (painting_) {
-    Skin three{.mesh = {}, .influences = {}, .jointFromRestWorld = skin_->jointFromRestWorld};
-    for (const int v : corners) {
-      three.mesh.positions.push_back(skin_->mesh.positions[v]);
-      three.mesh.normals.push_back(skin_->mesh.normals[v]);
-      three.influences.push_back(skin_->influences[v]);
-    }
-    linearBlendSkin(three, frames_, at);
-  } else {
-    drawnSkin().verticesOf(corners).pose(frames_, &q(), at, SkinNormals::Cheap);
-  }
+  drawnSkin().verticesOf(skin_->mesh.triangles[point.triangle]).pose(frames_, &q(), at, SkinNormals::Cheap);
   return point.barycentric[0] * at.positions[0] + point.barycentric[1] * at.positions[1] +
          point.barycentric[2] * at.positions[2];
 }
@@ -373,13 +364,7 @@ GoalId Session::addJointGoal(int joint) {
 }
 
 GoalId Session::addSurfaceGoal(const SurfacePoint& point) {
-  std::vector<double> share(skeleton().jointCount(), 0.0);
-  for (int corner = 0; corner < 3; ++corner) {
-    const Influences& influences = skin_->influences[skin_->mesh.triangles[point.triangle][corner]];
-    for (int k = 0; k < 4; ++k)
-      share[influences.joints[k]] += point.barycentric[corner] * influences.weights[k];
-  }
-  const int joint = static_cast<int>(std::ranges::max_element(share) - share.begin());
+  const int joint = dominantJoint(*skin_, point);
   const GoalId id = addGoal({.name = skeleton().joint(joint).name + " skin", .joint = joint});
   at(id).surface = point;
   anchorSurfaceGoals();

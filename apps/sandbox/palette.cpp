@@ -28,18 +28,6 @@ std::string titleOf(const std::string& model) {
   return "Open model " + model;
 }
 
-/// As the tab Pictures calls it, or the option's own name.
-std::string titleOf(const ViewOptionName& option) {
-  for (const auto& [name, title] : {std::pair{"reachable", "reachable set"},
-                                    {"solutions", "all solutions"},
-                                    {"null_space", "self-motion (null space)"},
-                                    {"convergence", "convergence map"}})
-    if (option.name == std::string_view(name)) return title;
-  std::string words(option.name);
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
-}
-
 }  // namespace
 
 bool matches(const std::string& query, const std::string& text) {
@@ -101,7 +89,7 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
   add("Play or pause", "Space", [](Sandbox& s) { s.setPlaying(!s.playing()); });
   add("Mouse and keys (help)", "H", [](Sandbox& s) { s.state().helpOpen = true; });
   for (const ViewOptionName& option : viewOptionNames())
-    add("Show or hide " + titleOf(option), "",
+    add(fmt::format("Show or hide {}", option.title), "",
         [which = option.option](Sandbox& s) { s.options().*which = !(s.options().*which); });
   for (const auto& panel : sandbox.state().panels) {
     const std::string name = panel->name();

@@ -59,8 +59,8 @@ std::string Sandbox::status() const {
   tree["example"] = document().lecture.topic;
   tree["recording"] = s.recorder.isRunning();
   json shown = json::array();
-  for (const auto& [option, name] : viewOptionNames())
-    if (s.session->document().view.show.*option) shown.push_back(name);
+  for (const ViewOptionName& option : viewOptionNames())
+    if (s.session->document().view.show.*option.option) shown.push_back(option.name);
   tree["shown"] = shown;
   for (const auto& panel : s.panels)
     if (const std::string text = panel->status(); !text.empty())

@@ -205,6 +205,28 @@ TEST(SceneFile, APointOfTheSkinThatIsNowElsewhereIsToldAndItsJointsPointStays) {
   std::filesystem::remove(path);
 }
 
+/// With painted weights the skin's point lies elsewhere than with the model's own: the scene has both.
+TEST(SceneFile, APointOfPaintedSkinIsStillThere) {
+  const Opened figure = openDocument({.nameOrFile = "figure"});
+  Session session(figure.model, figure.document);
+  const int triangle = 11, hand = session.skeleton().jointIndex("hand_l");
+  WeightChange painted;
+  for (const int v : figure.model->skin->mesh.triangles[triangle])
+    painted.emplace_back(v, Influences{.joints = {hand, 0, 0, 0}, .weights = {1.0, 0.0, 0.0, 0.0}});
+  session.changeWeights(painted);
+  Eigen::VectorXd q = session.q();
+  q[session.skeleton().qIndex(session.skeleton().jointIndex("lowerarm_l"))] = 1.5;
+  session.setPose(q);
+  session.setPainting(true);
+  session.addSurfaceGoal({.triangle = triangle});
+  const std::string path = temporary("painted.json");
+  writeFile(path, formatScene(session.saved(), *figure.model));
+  const Opened opened = openDocument({.nameOrFile = path});
+  EXPECT_TRUE(opened.model->notes.empty());
+  EXPECT_EQ(opened.document.edits.goals.back().surface.triangle, triangle);
+  std::filesystem::remove(path);
+}
+
 TEST(SceneFile, AFileOfVersion1IsReadWithItsPanels) {
   const Model model = armModel();
   const Document document = armDocument(model);
