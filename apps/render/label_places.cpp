@@ -45,4 +45,8 @@ bool LabelPlaces::place(LabelBox& wanted) {
   return true;
 }
 
+void LabelPlaces::takeAround(float x, float y, float half) {
+  take({std::floor(x - half), std::floor(y - half), std::ceil(2 * half), std::ceil(2 * half)});
+}
+
 }  // namespace gelenk

@@ -22,6 +22,8 @@ class LabelPlaces {
   bool place(LabelBox& wanted);
   /// Room that is taken by something else.
   void take(const LabelBox& box) { taken_.push_back(box); }
+  /// The same: a square around a mark that must stay in sight, in whole pixels. half: of its width.
+  void takeAround(float x, float y, float half);
 
  private:
   bool isFree(const LabelBox& box) const;

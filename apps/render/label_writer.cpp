@@ -58,8 +58,7 @@ void writeLabels(const LabelPen& pen, const std::vector<SceneLabel>& labels, con
                     mark = project(camera, viewport, label.mark.value_or(label.at));
     if (p.depth <= 0.0) continue;
     const ImVec2 middle = pixelOf(mark);
-    pen.places->take(
-        {std::floor(middle.x - dot), std::floor(middle.y - dot), std::ceil(2 * dot), std::ceil(2 * dot)});
+    pen.places->takeAround(middle.x, middle.y, dot);
     seen.emplace_back(&label, pixelOf(p));
   }
   for (const auto& [label, at] : seen)

@@ -165,9 +165,7 @@ void drawMarks(Sandbox& sandbox) {
       if (isGoalShown(sandbox.session(), goal)) shown.push_back(&goal);
     for (const SceneGoal* goal : shown) {  // no words on a handle
       const ImVec2 at = toImVec2(s.toWindow(s.session->reached(goal->id)).pixel);
-      const float half = 7 * s.viewScale();
-      places.take(
-          {std::floor(at.x - half), std::floor(at.y - half), std::ceil(2 * half), std::ceil(2 * half)});
+      places.takeAround(at.x, at.y, 7 * s.viewScale());
     }
     for (const SceneGoal* goal : shown) nameGoal(pen, sandbox, *goal);
   }

@@ -18,6 +18,10 @@ class ModelPanel final : public Panel {
   std::string name() const override { return "Model"; }
   bool hasInspector() const override { return true; }
 
+  void opened(Sandbox& sandbox, bool) override {
+    whyNotMirrored_ = whyNotMirrored(sandbox.session().skeleton());
+  }
+
   void drawInspector(Sandbox& sandbox) override {
     Sandbox::State& s = sandbox.state();
     const Skeleton& skeleton = s.session->skeleton();
@@ -30,12 +34,11 @@ class ModelPanel final : public Panel {
     if (ImGui::Button("Rest pose", {half, 0})) s.session->resetPose();
     tooltip("The bind pose (R). Handles pinned at the beginning are pinned again.");
     ImGui::SameLine();
-    const std::string whyNot = whyNotMirrored(skeleton);
-    ImGui::BeginDisabled(!whyNot.empty());
+    ImGui::BeginDisabled(!whyNotMirrored_.empty());
     if (ImGui::Button("Mirror", {half, 0})) s.session->mirrorPose();
     ImGui::EndDisabled();
     tooltip(("Left and right change places (M): reflection in the plane x = 0." +
-             (whyNot.empty() ? "" : "\n\nNot this model: " + whyNot))
+             (whyNotMirrored_.empty() ? "" : "\n\nNot this model: " + whyNotMirrored_))
                 .c_str());
     if (ImGui::Button("Within limits, at random", {-1, 0})) {
       s.session->remember();
@@ -247,6 +250,7 @@ class ModelPanel final : public Panel {
   }
 
   std::mt19937_64 random_{1};
+  std::string whyNotMirrored_;  ///< of the model; empty: it can be
   int lastSelected_ = -1;
 };
 

@@ -137,9 +137,7 @@ class SolvePanel final : public Panel {
                            : solve.reached ? s.colours().good
                                            : s.colours().warning;
     ImGui::PushFont(s.gui.fonts().medium);
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    wrappedText(sentence);
-    ImGui::PopStyleColor();
+    wrappedText(colour, sentence);
     ImGui::PopFont();
     if (solve.why == Stop::Unsupported && solve.ran) {
       if (s.session->whyUnsupported(s.session->solver(), Session::Pins::Freed).empty()) {

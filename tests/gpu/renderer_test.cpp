@@ -39,6 +39,20 @@ class RendererTest : public GlTest {
     GlTest::TearDown();
   }
 
+  /// The figure in the box's place, rigid, alone: no shadow and no ground.
+  void showFigure() {
+    Mesh mesh = polygonise(mannequinShape(), mannequinGrid());
+    const Frames rest = restFrames(body_.skeleton);
+    std::vector<Influences> influences(mesh.positions.size());
+    body_.skin = bindSkin(std::move(mesh), rest, std::move(influences));
+    mesh_.emplace(body_.skin);
+    pose_ = poseSkin(body_.skin, rest);
+    scene_.bounds = PosedBounds(body_.skin)(pose_);
+    scene_.size = 1.8;
+    scene_.shadows = false;
+    scene_.ground.visible = false;
+  }
+
   Image draw() {
     renderer_->draw(scene_, camera_, viewport, target_->framebuffer());
     return {viewport.width, viewport.height, target_->readPixels()};
@@ -135,17 +149,7 @@ TEST_F(RendererTest, FoldsAreDarkerInStillPictures) {
 /// Neither the pattern of the search for folds nor the mesh's triangles show on a smooth body: how much the
 /// light bends within 4 pixels along a row of the figure's trunk, beside the picture without darker folds.
 TEST_F(RendererTest, FoldsLeaveNoStripesOnASmoothBody) {
-  Mesh mesh = polygonise(mannequinShape(), mannequinGrid());
-  const Skeleton rigid({{.name = "root"}});
-  std::vector<Influences> influences(mesh.positions.size());
-  const Skin skin = bindSkin(std::move(mesh), restFrames(rigid), std::move(influences));
-  const SkinnedMeshGl figure(skin);
-  const SkinPose pose = poseSkin(skin, restFrames(rigid));
-  scene_.bodies = {{.mesh = &figure, .pose = &pose}};
-  scene_.bounds = PosedBounds(skin)(pose);
-  scene_.size = 1.8;
-  scene_.shadows = false;
-  scene_.ground.visible = false;
+  showFigure();
   camera_ = {.target = {-0.03, 1.2, 0.0}, .distance = 0.6, .azimuth = 0.35, .elevation = 0.09};
   const auto unevenness = [&](const Image& image) {
     double sum = 0.0;
@@ -169,23 +173,15 @@ TEST_F(RendererTest, FoldsLeaveNoStripesOnASmoothBody) {
 /// A body that lets its bones be seen lies between itself and what is behind it. Along its outline dark
 /// specks stood, where the side that faces away came through.
 TEST_F(RendererTest, ATranslucentBodyHasNoSpecksAlongItsOutline) {
-  Mesh mesh = polygonise(mannequinShape(), mannequinGrid());
-  const Skeleton rigid({{.name = "root"}});
-  std::vector<Influences> influences(mesh.positions.size());
-  const Skin skin = bindSkin(std::move(mesh), restFrames(rigid), std::move(influences));
-  const SkinnedMeshGl figure(skin);
-  const SkinPose pose = poseSkin(skin, restFrames(rigid));
-  scene_.bounds = PosedBounds(skin)(pose);
-  scene_.size = 1.8;
-  scene_.shadows = false;
-  scene_.ground.visible = false;
+  showFigure();
+  const std::vector<BodyInstance> figure = scene_.bodies;
   renderer_->setSamples(0);
   int specks = 0, ghostSpecks = 0, covered = 0;
   for (const double azimuth : {0.0, 0.8, 1.6, 2.4}) {
     camera_ = {.target = {0.0, 0.9, 0.0}, .distance = 3.0, .azimuth = azimuth, .elevation = 0.3};
     scene_.bodies.clear();
     const Image behind = draw();
-    scene_.bodies = {{.mesh = &figure, .pose = &pose}};
+    scene_.bodies = figure;
     scene_.xray = false;
     const Image solid = draw();
     scene_.xray = true;
