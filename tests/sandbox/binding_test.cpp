@@ -37,7 +37,7 @@ struct PaintStage : testing::Stage {
   int next = 0;
 
   PaintStage() : testing::Stage({.model = "planar", .width = 800, .height = 600}) {
-    sandbox.openModel(armModel(), {"arm", "", ""});
+    sandbox.openModel(armModel(), {"arm", "", {}});
   }
   void play(const std::string& script) {
     Replay replay = Replay::parse("test", script);
@@ -168,7 +168,7 @@ TEST(BindingPanel, MuscleLayersFollowAndTheSceneKeepsTheWeightsExactly) {
   const std::vector<Influences> painted = stage.weights();
   const auto model = stage.sandbox.session().sharedModel();
   const std::string saved = formatScene(stage.sandbox.document(), *model);
-  stage.sandbox.openModel(armModel(), {"arm", "", ""});
+  stage.sandbox.openModel(armModel(), {"arm", "", {}});
   EXPECT_NE(stage.weights(), painted);
   stage.sandbox.openDocument(model, parseScene(saved, "saved.json", *model));
   stage.play("0 move 5 5\n");

@@ -31,7 +31,7 @@ struct Stage : testing::Stage {
   int next = 0;
 
   Stage() : testing::Stage({.model = "planar", .width = gelenk::width, .height = gelenk::height}) {
-    sandbox.openModel(figure(), {"figure", "", ""});
+    sandbox.openModel(figure(), {"figure", "", {}});
   }
   void frames(int count, Replay* replay = nullptr) {
     for (int i = 0; i < count; ++i, ++next) {

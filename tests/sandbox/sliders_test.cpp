@@ -65,42 +65,44 @@ TEST(Sliders, AValueHasRoomBesideTheGrabWhereverThatIs) {
 /// Of every kind, from one end to the other: what is drawn of the text and what is drawn of the grab.
 TEST(Sliders, NoValueIsDrawnUnderItsGrab) {
   Stage stage;
-  using Slide = std::function<void(double)>;  // 0 at the lower end, 1 at the upper
-  const std::pair<const char*, Slide> kinds[] = {
-      {"float",
-       [](double t) {
-         auto value = static_cast<float>(-2.0 + 6.0 * t);
-         valueSlider("Speed", value, -2.0f, 4.0f, "%.2f x");
-       }},
-      {"int",
-       [](double t) {
-         int value = static_cast<int>(240 * t);
-         valueSlider("Speed", value, 0, 240, "pose %d");
-       }},
-      {"double",
-       [](double t) {
-         double value = 100.0 * t;
-         valueSlider("Speed", value, 0.0, 100.0, "%.0f mm");
-       }},
-      {"logarithmic", [](double t) {
-         double value = 1e-6 * std::pow(1e7, t);
-         valueSlider("Speed", value, 1e-6, 10.0, "%.4g",
-                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-       }}};
-  for (const auto& [kind, slide] : kinds)
+  struct Kind {
+    const char* name;
+    std::function<void(double)> slide;  // 0 at the lower end, 1 at the upper
+  };
+  const Kind kinds[] = {{"float",
+                         [](double t) {
+                           auto value = static_cast<float>(-2.0 + 6.0 * t);
+                           valueSlider("Speed", value, -2.0f, 4.0f, "%.2f x");
+                         }},
+                        {"int",
+                         [](double t) {
+                           int value = static_cast<int>(240 * t);
+                           valueSlider("Speed", value, 0, 240, "pose %d");
+                         }},
+                        {"double",
+                         [](double t) {
+                           double value = 100.0 * t;
+                           valueSlider("Speed", value, 0.0, 100.0, "%.0f mm");
+                         }},
+                        {"logarithmic", [](double t) {
+                           double value = 1e-6 * std::pow(1e7, t);
+                           valueSlider("Speed", value, 1e-6, 10.0, "%.4g",
+                                       ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+                         }}};
+  for (const Kind& kind : kinds)
     for (const float width : {130.0f, 174.0f, 260.0f})
       for (int i = 0; i <= 60; ++i)
         stage.draw(width, [&] {
-          slide(i / 60.0);
+          kind.slide(i / 60.0);
           const float end = ImGui::GetItemRectMin().x + width;
           const Span grab = drawnIn(ImGuiCol_SliderGrab, end), text = drawnIn(ImGuiCol_Text, end),
                      label = drawnIn(ImGuiCol_Text, 1e6f, end);
-          ASSERT_GT(grab.high, grab.low) << kind;
-          ASSERT_GT(text.high, text.low + 5) << kind;
+          ASSERT_GT(grab.high, grab.low) << kind.name;
+          ASSERT_GT(text.high, text.low + 5) << kind.name;
           EXPECT_TRUE(text.high <= grab.low || text.low >= grab.high)
-              << kind << ", " << width << " wide, at " << i << "/60: text from " << text.low << " to "
+              << kind.name << ", " << width << " wide, at " << i << "/60: text from " << text.low << " to "
               << text.high << ", grab from " << grab.low << " to " << grab.high;
-          EXPECT_GT(label.high, label.low + 20) << kind;  // "Speed"
+          EXPECT_GT(label.high, label.low + 20) << kind.name;  // "Speed"
         });
 }
 
