@@ -169,14 +169,47 @@ double nearestHalfHeight(const Camera& camera, const Eigen::AlignedBox3d& box) {
   return camera.halfHeight() * std::max(nearest, 1e-3 * camera.distance) / camera.distance;
 }
 
+Matrix4d clipOf(const RenderScene& scene, const Camera& camera, const Viewport& viewport,
+                const Lighting& light) {
+  return clipFromView(camera, viewport, depthRange(camera, scene.bounds, 6.0 * light.size)) *
+         viewFromWorld(camera);
+}
+
+/// How far from the patch's centre the ground has faded: beyond what is below the eye, however far that is.
+double groundRadius(const Lighting& light, const Camera& camera) {
+  const Vector3d eye = camera.eye();
+  const Vector2d below(light.groundX.dot(eye), light.groundY.dot(eye));
+  return std::max(3.2 * light.size, camera.orthographic ? 0.0 : 1.5 * (below - light.patchCentre).norm());
+}
+
+/// The rows of the picture, from the lowest on, that show ground or its shadow: those below the highest point
+/// of the circle around both. All of them from below the ground and where rays are parallel.
+int groundRows(const Lighting& light, const Camera& camera, const Viewport& viewport,
+               const RenderScene& scene) {
+  constexpr int corners = 64;
+  if (camera.orthographic || light.up.dot(camera.eye()) <= light.groundHeight) return viewport.height;
+  const Matrix4d clipFromWorld = clipOf(scene, camera, viewport, light);
+  const double radius =
+      std::max(groundRadius(light, camera), std::sqrt(2.0) * light.patchHalf) / std::cos(M_PI / corners);
+  double top = -1.0;
+  for (int k = 0; k < corners; ++k) {
+    const double angle = 2.0 * M_PI * k / corners;
+    const Vector2d on = light.patchCentre + radius * Vector2d(std::cos(angle), std::sin(angle));
+    const Vector3d p = on.x() * light.groundX + on.y() * light.groundY + light.groundHeight * light.up;
+    const Eigen::Vector4d clip = clipFromWorld * p.homogeneous();
+    if (clip.w() > 0.0) top = std::max(top, clip.y() / clip.w());
+  }
+  return static_cast<int>(
+      std::clamp(std::ceil((0.5 + 0.5 * top) * viewport.height) + 1.0, 0.0, double(viewport.height)));
+}
+
 /// Ten cells or more along the scene: a power of ten.
 double gridSpacing(double size) { return std::pow(10.0, std::floor(std::log10(0.5 * size) + 1e-9)); }
 
 FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const Viewport& viewport,
                       float pixelScale, const Lighting& light, bool shadows) {
   const Eigen::Matrix3d axes = camera.axes();
-  const DepthRange range = depthRange(camera, scene.bounds, 6.0 * light.size);
-  const Matrix4d clipFromWorld = clipFromView(camera, viewport, range) * viewFromWorld(camera);
+  const Matrix4d clipFromWorld = clipOf(scene, camera, viewport, light);
   const Palette colours = palette(scene.theme);
   return {.clipFromWorld = mat4(clipFromWorld),
           .worldFromClip = mat4(clipFromWorld.inverse()),
@@ -185,7 +218,7 @@ FrameBlock frameBlock(const RenderScene& scene, const Camera& camera, const View
           .towardsViewer = vec4(axes.col(2), pixelScale),
           .up = vec4(light.up, light.groundHeight),
           .groundX = vec4(light.groundX, gridSpacing(light.size)),
-          .groundY = vec4(light.groundY, 3.2 * light.size),
+          .groundY = vec4(light.groundY, groundRadius(light, camera)),
           .groundPatch = vec4({light.patchCentre.x(), light.patchCentre.y(), light.patchHalf}, shadows),
           .keyDirection = vec4(light.keyDirection, light.shadowTexel),
           .fillDirection = vec4(light.fillDirection, light.size),
@@ -266,12 +299,13 @@ class Culling {
   const bool on_;
 };
 
-/// The triangles, whatever they look like: for shadows. quick: fewer of them, where that is possible, and
-/// without the side that the other one hides.
-void drawShape(const BodyInstance& body, bool quick, GLenum hiddenSide) {
-  if (quick && !body.look) {
+/// The triangles, whatever they look like: for shadows. longestEdge above 0: a quarter of them or less, up to
+/// such edges (metres), where that is possible, and without the side that the other one hides.
+void drawShape(const BodyInstance& body, double longestEdge, GLenum hiddenSide) {
+  if (longestEdge > 0.0 && !body.look) {
     const Culling culling(body, hiddenSide);
-    if (body.mesh->drawCoarse(isLayered(body))) return;
+    const float quarter = 1.01f * body.mesh->coarseEdge();
+    if (body.mesh->drawCoarse(std::max(static_cast<float>(longestEdge), quarter), isLayered(body))) return;
   }
   if (!body.look) return body.mesh->drawTriangles(isLayered(body));
   eachPart(body, [&](const MeshLook::Part& part) {
@@ -330,7 +364,7 @@ struct Renderer::State {
   void drawBodies(const RenderScene& scene, bool translucent);
   void drawBody(const RenderScene& scene, std::size_t index, bool translucent);
   void drawClay(const BodyInstance& body) const;
-  void drawBackdrop(const RenderScene& scene);
+  void drawBackdrop(const Viewport& size, int groundRows);
   const RenderTarget& singleSampled(GLbitfield part) const;
   void darkenFolds(const Viewport& viewport);
   void copyTo(GLuint framebuffer, const Viewport& viewport);
@@ -436,7 +470,7 @@ void Renderer::State::drawShadowMap(const RenderScene& scene, const Lighting& li
     depth.use();
     glUniformMatrix4fv(depth.uniform("clipFromWorldOfLight"), 1, GL_FALSE, glm::value_ptr(matrix));
     poses[i].bind();
-    drawShape(scene.bodies[i], quick, GL_BACK);
+    drawShape(scene.bodies[i], quick ? 8.0 * light.shadowTexel : 0.0, GL_BACK);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_DEPTH_TEST);
@@ -449,11 +483,12 @@ void Renderer::State::drawGroundLight(const RenderScene& scene, const Lighting& 
   glClear(GL_COLOR_BUFFER_BIT);
   glEnable(GL_BLEND);
   glBlendEquation(GL_MAX);
+  const double texel = 2.0 * light.patchHalf / patchPixels;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies[i].tint.a < 1.0f) continue;
     bodyProgram("contact", scene.bodies[i]).use();
     poses[i].bind();
-    drawShape(scene.bodies[i], quick, GL_FRONT);  // the lower side counts
+    drawShape(scene.bodies[i], quick ? 2.0 * texel : 0.0, GL_FRONT);  // the lower side counts
   }
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
@@ -532,7 +567,7 @@ void Renderer::State::drawClay(const BodyInstance& body) const {
   constexpr float largest = 5.0f;  // pixels
   if (!quick || !body.mesh->isClosed()) return body.mesh->drawTriangles(isLayered(body));
   const Culling culling(body, GL_BACK);
-  if (!(body.mesh->coarseEdge() * pixelsPerMetre < largest && body.mesh->drawCoarse(isLayered(body))))
+  if (!body.mesh->drawCoarse(largest / pixelsPerMetre, isLayered(body)))
     body.mesh->drawTriangles(isLayered(body));
 }
 
@@ -588,16 +623,24 @@ void Renderer::State::drawBodies(const RenderScene& scene, bool translucent) {
   }
 }
 
-void Renderer::State::drawBackdrop(const RenderScene& scene) {
-  const char* defines = scene.ground.visible ? "GROUND" : "";
-  program(std::string("backdrop ") + defines, {.folder = rendererShaders(),
-                                               .vertex = "backdrop.vert",
-                                               .fragment = "backdrop.frag",
-                                               .defines = defines})
-      .use();
+/// Gradient, and in the lowest rows of the picture the ground; pixels.
+void Renderer::State::drawBackdrop(const Viewport& size, int groundRows) {
   glDepthMask(GL_FALSE);
+  glEnable(GL_SCISSOR_TEST);
   glBindVertexArray(noVertices);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  const auto draw = [&](const char* defines, int low, int high) {
+    if (low >= high) return;
+    glScissor(0, low, size.width, high - low);
+    program(std::string("backdrop ") + defines, {.folder = rendererShaders(),
+                                                 .vertex = "backdrop.vert",
+                                                 .fragment = "backdrop.frag",
+                                                 .defines = defines})
+        .use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  };
+  draw("GROUND", 0, groundRows);
+  draw("", groundRows, size.height);
+  glDisable(GL_SCISSOR_TEST);
   glDepthMask(GL_TRUE);
 }
 
@@ -715,7 +758,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   glEnable(GL_DEPTH_TEST);
   glClear(GL_DEPTH_BUFFER_BIT);
   gl.drawBodies(scene, false);
-  gl.drawBackdrop(scene);
+  gl.drawBackdrop(enlarged, scene.ground.visible ? groundRows(light, camera, enlarged, scene) : 0);
   if (gl.supersampling > 1 && !scene.bodies.empty() && !scene.xray) gl.darkenFolds(viewport);
   glEnable(GL_BLEND);
   // The picture stays opaque: what shows it may blend it over something else.

@@ -102,34 +102,43 @@ void Gui::beginFrame(const Input& input, double dt) {
 
 namespace {
 
-/// Where a window begins with an opaque rectangle, its background, that is cleared instead: a processor that
-/// draws does so several times as fast.
+bool isWhole(float x) { return x == std::floor(x); }
+
+/// A draw command that clears its clip rectangle to the colour which it carries: a processor that draws does
+/// so several times as fast as it fills.
+void clearClipped(const ImDrawList*, const ImDrawCmd* command) {
+  const ImVec4& area = command->ClipRect;  // x0, y0, x1, y1, from the top left
+  const ImVec2 size = ImGui::GetDrawData()->DisplaySize;
+  const ImVec4 c = ImGui::ColorConvertU32ToFloat4(
+      static_cast<ImU32>(reinterpret_cast<std::uintptr_t>(command->UserCallbackData)));
+  const bool everything = area.x <= 0 && area.y <= 0 && area.z >= size.x && area.w >= size.y;
+  if (everything) glDisable(GL_SCISSOR_TEST);  // faster still
+  glScissor(static_cast<int>(area.x), static_cast<int>(size.y - area.w), static_cast<int>(area.z - area.x),
+            static_cast<int>(area.w - area.y));
+  glClearColor(c.x, c.y, c.z, 1.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+  if (everything) glEnable(GL_SCISSOR_TEST);
+}
+
+void* carried(ImU32 colour) { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(colour)); }
+bool isOpaque(ImU32 colour) { return colour >> IM_COL32_A_SHIFT == 255; }
+
+/// Where a window begins with an opaque rectangle, its background, that is cleared instead.
 void clearBackgrounds(ImDrawData& data) {
-  const auto clear = [](const ImDrawList*, const ImDrawCmd* command) {
-    const ImVec4& area = command->ClipRect;  // x0, y0, x1, y1, from the top left
-    const float height = ImGui::GetDrawData()->DisplaySize.y;
-    const ImVec4 c = ImGui::ColorConvertU32ToFloat4(
-        static_cast<ImU32>(reinterpret_cast<std::uintptr_t>(command->UserCallbackData)));
-    glScissor(static_cast<int>(area.x), static_cast<int>(height - area.w), static_cast<int>(area.z - area.x),
-              static_cast<int>(area.w - area.y));
-    glClearColor(c.x, c.y, c.z, 1.0f);
-    glClear(GL_COLOR_BUFFER_BIT);
-  };
   for (int l = 0; l < data.CmdListsCount; ++l) {
     ImDrawList& list = *data.CmdLists[l];
     if (list.CmdBuffer.empty() || list.VtxBuffer.Size < 4) continue;
     ImDrawCmd& first = list.CmdBuffer[0];
     if (first.UserCallback || first.ElemCount < 6 || first.VtxOffset != 0 || first.IdxOffset != 0) continue;
     const ImDrawVert *v = list.VtxBuffer.Data, &a = v[0], &c = v[2];  // clockwise from the upper left
-    const auto whole = [](float x) { return x == std::floor(x); };
     const bool isRectangle =
         std::all_of(list.IdxBuffer.Data, list.IdxBuffer.Data + 6, [](auto i) { return i < 4; }) &&
         v[1].pos.x == c.pos.x && v[1].pos.y == a.pos.y && v[3].pos.x == a.pos.x && v[3].pos.y == c.pos.y &&
-        whole(a.pos.x) && whole(a.pos.y) && whole(c.pos.x) && whole(c.pos.y);
+        isWhole(a.pos.x) && isWhole(a.pos.y) && isWhole(c.pos.x) && isWhole(c.pos.y);
     const bool isPlain = std::all_of(v, v + 4, [&](const ImDrawVert& corner) {
       return corner.col == a.col && corner.uv.x == a.uv.x && corner.uv.y == a.uv.y;
     });
-    if (!isRectangle || !isPlain || a.col >> IM_COL32_A_SHIFT != 255) continue;
+    if (!isRectangle || !isPlain || !isOpaque(a.col)) continue;
     const ImVec4 area(std::max(a.pos.x, first.ClipRect.x), std::max(a.pos.y, first.ClipRect.y),
                       std::min(c.pos.x, first.ClipRect.z), std::min(c.pos.y, first.ClipRect.w));
     if (!(area.x < area.z && area.y < area.w)) continue;
@@ -138,9 +147,9 @@ void clearBackgrounds(ImDrawData& data) {
     first.ElemCount -= 6;
     ImDrawCmd callback = first;
     callback.ElemCount = 0;
-    callback.UserCallback = clear;
+    callback.UserCallback = clearClipped;
     callback.ClipRect = area;
-    callback.UserCallbackData = reinterpret_cast<void*>(static_cast<std::uintptr_t>(colour));
+    callback.UserCallbackData = carried(colour);
     list.CmdBuffer.insert(list.CmdBuffer.begin(), callback);
   }
 }
@@ -151,6 +160,19 @@ void Gui::endFrame() {
   ImGui::Render();
   clearBackgrounds(*ImGui::GetDrawData());
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void fillRounded(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float rounding) {
+  const float band = std::ceil(rounding) + 1;  // Dear ImGui rounds no further
+  const float edges[] = {low.x, low.y, high.x, high.y};
+  if (!isOpaque(colour) || !std::all_of(edges, edges + 4, isWhole) || high.y - low.y <= 2 * band)
+    return draw.AddRectFilled(low, high, colour, rounding);
+  const ImVec2 middleLow(low.x, low.y + band), middleHigh(high.x, high.y - band);
+  draw.AddRectFilled(low, {high.x, middleLow.y}, colour, rounding, ImDrawFlags_RoundCornersTop);
+  draw.AddRectFilled({low.x, middleHigh.y}, high, colour, rounding, ImDrawFlags_RoundCornersBottom);
+  draw.PushClipRect(middleLow, middleHigh, true);
+  draw.AddCallback(clearClipped, carried(colour));
+  draw.PopClipRect();
 }
 
 Span placeOfValue(const Span& frame, const Span& grab, float width, float gap) {

@@ -28,6 +28,9 @@ class Gui {
   Fonts fonts_;
 };
 
+/// A rectangle with round corners, as what is plotted on; a large opaque one on whole pixels costs little.
+void fillRounded(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float rounding);
+
 /// From where to where something lies along a line, pixels.
 struct Span {
   float low = 0, high = 0;

@@ -224,8 +224,8 @@ class OneDimensionScene final : public PlanarScene {
     ImFont* small = sandbox.state().gui.fonts().small;
     ImDrawList* draw = ImGui::GetWindowDrawList();
     const ImVec2 corner = ImGui::GetCursorScreenPos(), whole = ImGui::GetContentRegionAvail();
-    draw->AddRectFilled(corner, {corner.x + whole.x, corner.y + whole.y}, colour32(colours.plotBackground),
-                        6 * scale);
+    fillRounded(*draw, corner, {corner.x + whole.x, corner.y + whole.y}, colour32(colours.plotBackground),
+                6 * scale);
     const auto write = [&](float x, float y, float share,
                            const std::string& text) {  // of its width lies left of x
       const float width = mathExtent(small, small->FontSize, text).width;

@@ -279,7 +279,7 @@ class MusclePanel final : public Panel {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = 64 * s.scale;
     ImDrawList* draw = ImGui::GetWindowDrawList();
-    draw->AddRectFilled(at, {at.x + width, at.y + height}, colour32(s.colours().plotBackground), 4 * s.scale);
+    fillRounded(*draw, at, {at.x + width, at.y + height}, colour32(s.colours().plotBackground), 4 * s.scale);
     const double rest = limb.bendAtRest[0];
     const auto fraction = [&](double theta) {
       const double whole = 1.0 - std::cos(curve.fullBend - rest);

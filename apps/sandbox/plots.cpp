@@ -8,6 +8,7 @@
 #include "apps/render/label_writer.h"
 #include "apps/render/mathematics.h"
 #include "apps/render/rulers.h"
+#include "apps/sandbox/gui.h"
 
 namespace gelenk {
 namespace {
@@ -32,8 +33,8 @@ std::string superscript(int exponent) {
 
 Area drawFrame(ImDrawList* draw, const std::string& title, ImVec2 position, ImVec2 size, float leftMargin,
                float bottomMargin, const Palette& palette, const Fonts& fonts, float scale) {
-  draw->AddRectFilled(position, {position.x + size.x, position.y + size.y}, colour32(palette.plotBackground),
-                      6.0f * scale);
+  fillRounded(*draw, position, {position.x + size.x, position.y + size.y}, colour32(palette.plotBackground),
+              6.0f * scale);
   drawMathematics(*draw, fonts.small, fonts.small->FontSize,
                   {position.x + 10 * scale, position.y + 6 * scale}, colour32(palette.textDim), title);
   return {{position.x + leftMargin, position.y + 6 * scale + fonts.small->FontSize + 7 * scale},

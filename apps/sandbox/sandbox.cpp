@@ -345,7 +345,8 @@ void Sandbox::frame(const Input& input, double dt) {
     const double seconds = std::chrono::duration<double>(begin - *s.lastBegin).count();
     s.secondsPerFrame += (s.secondsPerFrame > 0.0 ? 0.1 : 1.0) * (seconds - s.secondsPerFrame);
   }
-  s.lastBegin = begin;
+  s.lastBegin.reset();  // a pause before the next frame is none of that frame's time
+  if (rests() == 0.0) s.lastBegin = begin;
   if (s.afterFrame) std::exchange(s.afterFrame, nullptr)(*this);
   if (s.preferences != s.written && s.gesture.kind == Gesture::Kind::None && !ImGui::IsMouseDown(0)) {
     writePreferences(s.options.preferences, s.preferences);
@@ -395,10 +396,7 @@ double Sandbox::rests() const {
   return seconds;
 }
 
-void Sandbox::slept(double seconds) {
-  state_->time += seconds;
-  state_->lastBegin.reset();  // no frame took that long
-}
+void Sandbox::slept(double seconds) { state_->time += seconds; }
 Session& Sandbox::session() { return *state_->session; }
 const Session& Sandbox::session() const { return *state_->session; }
 Camera& Sandbox::camera() { return state_->camera(); }

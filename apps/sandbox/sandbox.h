@@ -24,8 +24,7 @@ struct SandboxOptions {
   double scale = 1.0;              ///< of type and spacing
   Theme theme = Theme::Light;
   std::string solver = "drag";
-  std::string skin = {};  ///< method (skin_choice.h); empty: the scene's or the model's             ///< with
-                          ///< or without values of parameters in brackets
+  std::string skin = {};                   ///< method (skin_choice.h); empty: the scene's or the model's
   std::vector<std::string> settings = {};  ///< values of its parameters, "dls.lambda=0.1"
   std::string preferences = {};  ///< file of what the window remembers (preferences.h); empty: nothing
   bool bare = false;             ///< the view alone, without menus and panels: for films
@@ -52,7 +51,7 @@ class Sandbox {
   /// Seconds for which the next frame would look like the last one if nothing happens: 0 while anything moves
   /// (the solver, a clip, a glow, a camera that glides), infinity at rest.
   double rests() const;
-  /// So many seconds passed without a frame.
+  /// So many seconds passed beside those that frames are told.
   void slept(double seconds);
 
   // --- model and scene

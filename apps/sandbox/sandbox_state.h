@@ -148,7 +148,7 @@ struct Sandbox::State {
   int settling = 1;  ///< frames to draw yet: the first, and panels take some to come to rest after input
   double time = 0.0;
   std::optional<std::chrono::steady_clock::time_point> lastBegin;
-  double secondsPerFrame = 0.0;  ///< measured from frame to frame, running mean, shown only
+  double secondsPerFrame = 0.0;  ///< measured from frame to frame while something moves, running mean
 
   // the document's
   Camera& camera() const { return session->view().camera; }

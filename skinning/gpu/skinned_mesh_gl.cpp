@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -406,6 +407,8 @@ void SkinnedMeshGl::drawTriangles(int first, int count, bool layered) const {
 
 namespace {
 
+constexpr std::size_t leastCoarseTriangles = 200;
+
 template <class T>
 std::vector<T> readBack(const GlBuffer& buffer, int count) {
   std::vector<T> data(count);
@@ -425,28 +428,40 @@ const SkinnedMeshGl::Coarse& SkinnedMeshGl::coarse() const {
   const auto at = [&](int v) { return Eigen::Map<const Eigen::Vector3f>(shape[v].position); };
   coarse_->isClosed = enclosesItsInside(triangles, vertexCount_, at);
   if (!coarse_->isClosed) return *coarse_;
-  const auto fewer = coarseTriangles(triangles, vertexCount_);
-  double squares = 0.0;
-  for (const auto& t : fewer)
-    for (int k = 0; k < 3; ++k) squares += (at(t[k]) - at(t[(k + 1) % 3])).squaredNorm();
-  coarse_->triangles = static_cast<int>(fewer.size());
-  coarse_->edge = static_cast<float>(std::sqrt(squares / std::max<std::size_t>(3 * fewer.size(), 1)));
-  coarse_->indices = GlBuffer::create();
   glBindVertexArray(triangleArray_);  // WebGL 2: indices that were filled at another target stay no indices
-  fill(GL_ELEMENT_ARRAY_BUFFER, coarse_->indices, fewer);
+  for (auto fewer = coarseTriangles(triangles, vertexCount_); !fewer.empty();) {
+    double squares = 0.0;
+    for (const auto& t : fewer)
+      for (int k = 0; k < 3; ++k) squares += (at(t[k]) - at(t[(k + 1) % 3])).squaredNorm();
+    Coarse::Level& level = coarse_->levels.emplace_back();
+    level.triangles = static_cast<int>(fewer.size());
+    level.edge = static_cast<float>(std::sqrt(squares / static_cast<double>(3 * fewer.size())));
+    level.indices = GlBuffer::create();
+    fill(GL_ELEMENT_ARRAY_BUFFER, level.indices, fewer);
+    auto next = coarseTriangles(fewer, vertexCount_);
+    if (next.size() < leastCoarseTriangles || 2 * next.size() > fewer.size()) break;
+    fewer = std::move(next);
+  }
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
   glBindVertexArray(0);
   return *coarse_;
 }
 
 bool SkinnedMeshGl::isClosed() const { return coarse().isClosed; }
-float SkinnedMeshGl::coarseEdge() const { return coarse().edge; }
+float SkinnedMeshGl::coarseEdge(int level) const {
+  const auto& levels = coarse().levels;
+  return level < static_cast<int>(levels.size()) ? levels[level].edge : 0.0f;
+}
 
-bool SkinnedMeshGl::drawCoarse(bool layered) const {
-  if (coarse().triangles == 0) return false;
+bool SkinnedMeshGl::drawCoarse(float longestEdge, bool layered) const {
+  const auto& levels = coarse().levels;
+  const auto tooLong =
+      std::find_if(levels.begin(), levels.end(), [&](const auto& l) { return l.edge >= longestEdge; });
+  if (tooLong == levels.begin()) return false;
+  const Coarse::Level& level = *std::prev(tooLong);
   glBindVertexArray(layered ? layeredArray_ : triangleArray_);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, coarse_->indices);
-  glDrawElements(GL_TRIANGLES, 3 * coarse_->triangles, GL_UNSIGNED_INT, nullptr);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, level.indices);
+  glDrawElements(GL_TRIANGLES, 3 * level.triangles, GL_UNSIGNED_INT, nullptr);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
   glBindVertexArray(0);
   return true;

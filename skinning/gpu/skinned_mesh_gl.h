@@ -80,14 +80,16 @@ class SkinnedMeshGl {
   /// Issues the draw call with whatever program is current; a PoseGl must be bound. Leaves no vertex array
   /// bound. layered: the program has LAYERS defined.
   void drawTriangles(bool layered = false) const;
-  /// About a quarter of the triangles, over the same vertices, for pictures in which those are smaller than
-  /// pixels and for shadows: of every vertex and its neighbours one remains. False, and nothing is drawn,
-  /// where the surface is not closed with its outside outwards. Made when first asked for.
-  bool drawCoarse(bool layered = false) const;
+  /// Fewer triangles, over the same vertices, for pictures in which those are smaller than pixels and for
+  /// shadows: of every vertex and its neighbours one remains, which leaves about a quarter of the triangles,
+  /// and so on from these. Draws the coarsest with edges (root mean square at rest, metres) shorter than
+  /// longestEdge; false, and nothing is drawn, where none are, or the surface is not closed with its outside
+  /// outwards. Made when first asked for.
+  bool drawCoarse(float longestEdge, bool layered = false) const;
   /// The same surface may be drawn without what faces away.
   bool isClosed() const;
-  /// Length of the coarse edges at rest, root mean square, metres; 0: there are none.
-  float coarseEdge() const;
+  /// Length of those edges, level 0 about a quarter of the triangles, 1 a sixteenth; 0: there are none.
+  float coarseEdge(int level = 0) const;
   /// So many of them from one on.
   void drawTriangles(int first, int count, bool layered) const;
   /// Every vertex once, as a point.
@@ -107,9 +109,12 @@ class SkinnedMeshGl {
   /// Of the rest surface, read back when first needed.
   struct Coarse {
     Coarse() {}  // clang 14 makes no implicit one for an optional of the same class
-    GlBuffer indices;
-    int triangles = 0;
-    float edge = 0.0f;
+    struct Level {
+      GlBuffer indices;
+      int triangles = 0;
+      float edge = 0.0f;
+    };
+    std::vector<Level> levels;
     bool isClosed = false;
   };
   const Coarse& coarse() const;

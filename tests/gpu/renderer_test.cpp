@@ -279,6 +279,8 @@ TEST_F(RendererTest, QuickPicturesOfAClosedBodyHardlyDiffer) {
   EXPECT_TRUE(fine.isClosed());
   EXPECT_GT(fine.coarseEdge(), 0.02f);
   EXPECT_LT(fine.coarseEdge(), 0.08f);
+  EXPECT_GT(fine.coarseEdge(1), 1.5f * fine.coarseEdge());  // and so on: a sixteenth of the triangles
+  EXPECT_FALSE(fine.drawCoarse(0.99f * fine.coarseEdge()));
   scene_.bodies = {{.mesh = &fine, .pose = &pose_}};
   const Image whole = draw();
   renderer_->setQuick(true);
@@ -287,6 +289,28 @@ TEST_F(RendererTest, QuickPicturesOfAClosedBodyHardlyDiffer) {
   EXPECT_LT(differingPixels(whole, quick, 24), 0.004 * viewport.width * viewport.height);
   renderer_->setQuick(false);
   EXPECT_EQ(differingPixels(whole, draw(), 0), 0);
+}
+
+/// It is drawn in the rows in which it is seen alone: above them there must be none to be cut off.
+TEST_F(RendererTest, TheGroundFadesOutWithoutASeam) {
+  scene_.bodies.clear();
+  scene_.ground.grid = false;
+  scene_.theme = Theme::Dark;
+  for (const double elevation : {0.1, 0.25, 0.5, 1.0, 1.5})
+    for (const double distance : {2.0, 5.0, 20.0}) {
+      camera_.elevation = elevation;
+      camera_.distance = distance;
+      const Image image = draw();
+      int steepest = 0, all = 0;
+      for (const int x : {5, 160, 315})
+        for (int y = 1; y < viewport.height; ++y) {
+          const int step = std::abs(image.at(x, y)[0] - image.at(x, y - 1)[0]);
+          steepest = std::max(steepest, step);
+          all += step;
+        }
+      EXPECT_LE(steepest, 3) << "elevation " << elevation << ", distance " << distance;
+      EXPECT_GT(all, 5) << "elevation " << elevation << ", distance " << distance;
+    }
 }
 
 TEST_F(RendererTest, LinesThroughTheEyeAndBehindItDoNoHarm) {

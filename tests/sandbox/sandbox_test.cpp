@@ -4,12 +4,16 @@
 #include <imgui.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
+#include "apps/sandbox/sandbox_state.h"
 #include "kinematics/configuration.h"
 #include "kinematics/io/text_file.h"
 #include "kinematics/notation/mannequin.h"
+#include "skinning/gpu/driver.h"
 #include "tests/sandbox/stage.h"
 
 namespace gelenk {
@@ -64,6 +68,33 @@ TEST(Sandbox, TheSameReplayGivesTheSameStatusByteForByte) {
   const std::string first = statusesOf(script);
   EXPECT_EQ(first, statusesOf(script));
   EXPECT_NE(first.find("\"dragging\": \"hand_r\""), std::string::npos);
+}
+
+/// Frames of more than a tenth of a second are told as that and a rest (slept): they are slow all the same. A
+/// pause at rest is no slow frame.
+TEST(Sandbox, WhatMovesIsDrawnSmallerHoweverSlowTheMachineIsAndNotAfterAPause) {
+  testing::Stage stage({.model = "figure", .width = width, .height = height, .refines = true});
+  if (!isSoftwareRenderer()) GTEST_SKIP() << "full pictures on hardware";
+  const auto pause = [&](int milliseconds) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    stage.sandbox.slept(0.1);
+  };
+  Sandbox::State& s = stage.sandbox.state();
+  for (int i = 0; i < 50 && (i < 3 || stage.sandbox.rests() == 0.0); ++i) stage.frame();
+  ASSERT_GT(stage.sandbox.rests(), 0.0);
+  const double before = s.secondsPerFrame;
+  pause(400);
+  stage.frame();
+  EXPECT_EQ(s.secondsPerFrame, before);
+  s.secondsPerFrame = 0.0;
+  Replay replay = Replay::parse("test", "0 drag hand_r -30 -60 12");
+  for (int i = 0; i < 8; ++i) {
+    replay.play(i, stage.sandbox, stage.queue);
+    pause(30);
+    stage.frame();
+  }
+  EXPECT_GT(s.secondsPerFrame, 0.022);
+  EXPECT_TRUE(s.drawnSmall);
 }
 
 TEST(Sandbox, AHandDraggedByTheMouseEndsUnderTheMouse) {

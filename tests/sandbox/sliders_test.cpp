@@ -106,6 +106,46 @@ TEST(Sliders, NoValueIsDrawnUnderItsGrab) {
         });
 }
 
+/// What is cleared instead of filled looks the same, byte for byte.
+TEST(FillRounded, LooksAsDearImGuisRectangle) {
+  Stage stage;
+  Gui& gui = stage.sandbox.state().gui;
+  int cleared = 0;
+  const auto picture = [&](const std::function<void(ImDrawList&)>& draw) {
+    glBindFramebuffer(GL_FRAMEBUFFER, stage.target.framebuffer());
+    glClearColor(0.2f, 0.3f, 0.4f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    gui.beginFrame({.width = stage.width, .height = stage.height}, 1.0 / 60.0);
+    ImDrawList& list = *ImGui::GetForegroundDrawList();
+    list.PushClipRect({20, 20}, {600, 400});
+    draw(list);
+    list.PopClipRect();
+    gui.endFrame();
+    cleared = static_cast<int>(std::count_if(list.CmdBuffer.begin(), list.CmdBuffer.end(),
+                                             [](const ImDrawCmd& c) { return c.UserCallback; }));
+    return readPixels(stage.target.framebuffer(), stage.width, stage.height);
+  };
+  struct Rectangle {
+    ImVec2 low, high;
+    ImU32 colour;
+    float rounding;
+    int cleared;
+  };
+  for (const Rectangle& r : {Rectangle{{40, 50}, {340, 185}, 0xffe0f0ff, 6.0f, 1},
+                             Rectangle{{10, 50}, {340, 450}, 0xff304050, 7.5f, 1},
+                             Rectangle{{40, 50}, {340, 185}, 0x80e0f0ff, 6.0f, 0},
+                             Rectangle{{40.5f, 50}, {340, 185}, 0xffe0f0ff, 6.0f, 0},
+                             Rectangle{{40, 50}, {340, 60}, 0xffe0f0ff, 6.0f, 0}}) {
+    const auto expected =
+        picture([&](ImDrawList& list) { list.AddRectFilled(r.low, r.high, r.colour, r.rounding); });
+    EXPECT_EQ(cleared, 0);
+    EXPECT_TRUE(picture([&](ImDrawList& list) { fillRounded(list, r.low, r.high, r.colour, r.rounding); }) ==
+                expected)
+        << r.low.x << " " << r.low.y;
+    EXPECT_EQ(cleared, r.cleared) << r.low.x << " " << r.low.y;
+  }
+}
+
 TEST(Sliders, CtrlAndAClickLetAValueBeTyped) {
   Stage stage;
   float value = 1.0f;

@@ -6,10 +6,9 @@ flat in vec3 ambientShare, keyShare;
 out vec4 colour;
 uniform sampler2D groundLight;
 
-float gridLines(vec2 cells, float width) {
-  vec2 perPixel = max(fwidth(cells), vec2(1e-6));
-  vec2 nearest = abs(fract(cells - 0.5) - 0.5) / perPixel;
-  vec2 line = (1.0 - smoothstep(width - 0.5, width + 0.5, nearest)) * (1.0 - smoothstep(0.12, 0.4, perPixel));
+/// How much of a pixel lines of a width in pixels cover; how far away they are and how large a pixel is, in cells.
+float covered(vec2 away, vec2 perPixel, float width) {
+  vec2 line = (1.0 - smoothstep(width - 0.5, width + 0.5, away / perPixel)) * (1.0 - smoothstep(0.12, 0.4, perPixel));
   return max(line.x, line.y);
 }
 
@@ -20,9 +19,7 @@ void main() {
 #ifdef GROUND
   float s = onGround.w * onGround.z;  // from below it is seen too
   vec2 ground = onGround.xy / onGround.z;
-  // It reaches to below the eye, however far that is.
-  float reach = eye.w > 0.5 ? 0.0 : length(groundCoordinates(eye.xyz) - groundPatch.xy);
-  float distance = length(ground - groundPatch.xy) / max(groundY.w, 1.5 * reach);
+  float distance = length(ground - groundPatch.xy) / groundY.w;
   float fade = clamp(1.0 - distance, 0.0, 1.0);
   fade = fade * fade * (3.0 - 2.0 * fade) * step(0.0, s);
 
@@ -34,7 +31,8 @@ void main() {
   if (pictureSize.z > 1.5) {
     vec2 cells = ground / groundX.w;
     float width = 0.5 * towardsViewer.w;
-    float lines = max(0.45 * gridLines(cells, width), gridLines(0.1 * cells, 1.2 * width));
+    vec2 perPixel = max(fwidth(cells), vec2(1e-6)), away = abs(fract(cells - 0.5) - 0.5), tens = abs(fract(0.1 * cells - 0.5) - 0.5);
+    float lines = max(0.45 * covered(away, perPixel, width), covered(tens, 0.1 * perPixel, 1.2 * width));
     shade = mix(shade, gridColour.rgb, gridColour.a * lines * fade);
   }
   vec3 darkening = ambientShare * mix(0.35, 1.0, light.g) + keyShare * (light.r * mix(0.8, 1.0, light.g));
