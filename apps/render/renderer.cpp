@@ -316,8 +316,8 @@ void drawShape(const BodyInstance& body, double longestEdge, GLenum hiddenSide) 
 void setMaterial(const ShaderProgram& program, const Material& material) {
   glUniform4f(program.uniform("materialColour"), material.colour.x(), material.colour.y(),
               material.colour.z(), material.colour.w());
-  glUniform3f(program.uniform("materialLook"), material.texture >= 0 ? 1.0f : 0.0f, material.cutOff,
-              material.gloss);
+  glUniform2f(program.uniform("pictureUse"), material.texture >= 0 ? 1.0f : 0.0f, material.cutOff);
+  glUniform1f(program.uniform("gloss"), material.gloss);
 }
 
 }  // namespace
@@ -353,7 +353,8 @@ struct Renderer::State {
   State();
   ~State();
   const ShaderProgram& program(const std::string& name, const ProgramText& text);
-  const ShaderProgram& bodyProgram(const std::string& name, const BodyInstance& body, bool wireframe = false);
+  const ShaderProgram& bodyProgram(const std::string& name, const BodyInstance& body, bool wireframe = false,
+                                   bool pictured = false);
   void prepareMaps(const RenderScene& scene, const Camera& camera);
   void prepareLight(const RenderScene& scene, Lighting& light, bool shadows,
                     const std::function<void()>& upload);
@@ -410,12 +411,13 @@ const ShaderProgram& Renderer::State::program(const std::string& name, const Pro
   return programs.emplace(name, std::move(made)).first->second;
 }
 
-/// name: the vertex shader, and but for depth the fragment shader.
+/// name: the vertex shader, and but for depth the fragment shader. pictured: with texture or cut-outs.
 const ShaderProgram& Renderer::State::bodyProgram(const std::string& name, const BodyInstance& body,
-                                                  bool wireframe) {
+                                                  bool wireframe, bool pictured) {
   const std::string vertex = name + ".vert", fragment = (name == "depth" ? "nothing" : name) + ".frag";
   const bool withLook = name == "surface" && body.look && !wireframe;
   const std::string defines = (wireframe ? "WIREFRAME " : "") + std::string(withLook ? "LOOK " : "") +
+                              (withLook && pictured ? "PICTURE " : "") +
                               poseDefines(*body.pose, isLayered(body));
   return program(name + " " + defines,
                  {.folder = rendererShaders(), .vertex = vertex, .fragment = fragment, .defines = defines});
@@ -573,26 +575,30 @@ void Renderer::State::drawClay(const BodyInstance& body) const {
 
 void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool translucent) {
   const BodyInstance& body = scene.bodies[index];
-  const ShaderProgram& surface = bodyProgram("surface", body, body.wireframe);
   const bool throughSkin = scene.xray && body.tint.a >= 1.0f;
-  surface.use();
-  const Eigen::Vector3f tint = linearLight(body.tint);
-  glUniform4f(surface.uniform("tint"), tint.x(), tint.y(), tint.z(), throughSkin ? 0.90f : body.tint.a);
-  glUniform1f(surface.uniform("vertexColourShare"),
-              body.look || body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
-  glUniform1f(surface.uniform("packedColours"),
-              body.look && !body.look->look().coordinates.empty() ? 1.0f : 0.0f);
-  glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
-  glUniform1i(surface.uniform("taps"), supersampling > 1 ? 12 : 4);
-  setMaterial(surface, {});
-  glUniform1i(surface.uniform("vertexCount"), body.mesh->vertexCount());
   poses[index].bind();
+  const auto use = [&](const Material& material) {
+    const ShaderProgram& surface =
+        bodyProgram("surface", body, body.wireframe, material.texture >= 0 || material.cutOff > 0.0f);
+    surface.use();
+    const Eigen::Vector3f tint = linearLight(body.tint);
+    glUniform4f(surface.uniform("tint"), tint.x(), tint.y(), tint.z(), throughSkin ? 0.90f : body.tint.a);
+    glUniform1f(surface.uniform("vertexColourShare"),
+                body.look || body.surface == SurfaceColour::Vertex ? 1.0f : 0.0f);
+    glUniform1f(surface.uniform("packedColours"),
+                body.look && !body.look->look().coordinates.empty() ? 1.0f : 0.0f);
+    glUniform1f(surface.uniform("seeThrough"), translucent ? body.seeThrough : 0.0f);
+    glUniform1i(surface.uniform("taps"), supersampling > 1 ? 12 : 4);
+    glUniform1i(surface.uniform("vertexCount"), body.mesh->vertexCount());
+    setMaterial(surface, material);
+  };
   const auto drawAll = [&] {
+    if (body.wireframe || !body.look) use({});
     if (body.wireframe) return body.mesh->drawTrianglesByCorner(isLayered(body));
     if (!body.look) return drawClay(body);
     eachPart(body, [&](const MeshLook::Part& part) {
       const Material& material = body.look->look().materials[part.material];
-      setMaterial(surface, material);
+      use(material);
       bindTexture(PictureUnit, body.look->texture(material));
       if (!material.doubleSided) glEnable(GL_CULL_FACE);
       body.mesh->drawTriangles(part.firstTriangle, part.triangleCount, isLayered(body));

@@ -265,7 +265,7 @@ RobotBody robotBody(const Skeleton& skeleton, const RobotFigures& figures) {
   const char* names[paints] = {"shell", "housing", "accent"};
   const float gloss[paints] = {0.35f, 0.6f, 0.45f};
   for (int paint = 0; paint < paints; ++paint) {
-    Material material{.name = names[paint], .gloss = gloss[paint]};
+    Material material{.name = names[paint], .doubleSided = false, .gloss = gloss[paint]};
     material.colour.head<3>() = linearFromSrgb(colours[paint]);
     body.look.materials.push_back(material);
     body.look.parts.push_back({.name = names[paint],

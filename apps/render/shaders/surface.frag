@@ -1,5 +1,6 @@
 // Clay: a warm key light with a soft shadow, a cool hemisphere, a fill that follows the viewer, a faint sheen and rim. With LOOK
-// textures, cut-outs and gloss too; without, nothing is discarded, so that depth is tested before all this is computed.
+// colours of a material and gloss too, with PICTURE its texture and cut-outs; without, nothing is discarded, so that depth is tested
+// before all this is computed.
 #include "frame.glsl"
 in vec3 worldPosition;
 in vec3 worldNormal;
@@ -12,10 +13,13 @@ out vec4 colour;
 uniform vec4 tint;           // linear, straight alpha
 uniform float vertexColourShare;   // 1: the vertex colour instead of the tint
 #ifdef LOOK
+uniform vec4 materialColour;       // linear, times picture and vertex colour
+uniform float gloss;
+#endif
+#ifdef PICTURE
 in vec2 textureCoordinate;
 uniform sampler2D picture;         // of the part that is drawn
-uniform vec4 materialColour;       // linear, times picture and vertex colour
-uniform vec3 materialLook;         // x: share of the picture, y: nothing is drawn below this alpha, z: gloss
+uniform vec2 pictureUse;           // x: share of the picture, y: nothing is drawn below this alpha
 #endif
 uniform float seeThrough;    // 1: x-ray or ghost, more opaque towards the outline
 uniform sampler2DShadow shadowMap;
@@ -50,10 +54,13 @@ void main() {
   facing = clamp(facing, 0.0, 1.0);
 
   vec3 albedo = mix(tint.rgb, surfaceColour, vertexColourShare);
+#ifdef PICTURE
+  vec4 texel = mix(vec4(1.0), texture(picture, textureCoordinate), pictureUse.x);
+  if (materialColour.a * texel.a < pictureUse.y) discard;
+  albedo *= texel.rgb;
+#endif
 #ifdef LOOK
-  vec4 texel = mix(vec4(1.0), texture(picture, textureCoordinate), materialLook.x);
-  if (materialColour.a * texel.a < materialLook.y) discard;
-  albedo *= materialColour.rgb * texel.rgb;
+  albedo *= materialColour.rgb;
 #endif
 #ifdef WIREFRAME
   float width = 0.6 * towardsViewer.w;
@@ -84,7 +91,7 @@ void main() {
   vec3 mirrored = reflect(-v, n);
   vec3 around = mix(bounceLight.rgb, skyLight.rgb, 0.5 + 0.5 * dot(mirrored, up.xyz));
   float grazing = pow(1.0 - facing, 5.0);
-  shaded += materialLook.z * (0.7 * pow(max(dot(n, halfway), 0.0), 70.0) * key * keyLight.rgb + (0.10 + 0.45 * grazing) * around);
+  shaded += gloss * (0.7 * pow(max(dot(n, halfway), 0.0), 70.0) * key * keyLight.rgb + (0.10 + 0.45 * grazing) * around);
 #endif
 
   float below = step(heightOverGround(worldPosition), 0.0) * step(0.0, heightOverGround(eye.xyz)) * step(0.5, pictureSize.z);

@@ -4,7 +4,7 @@ layout(location = 4) in vec3 vertexColour;
 out vec3 worldPosition;
 out vec3 worldNormal;
 out vec3 surfaceColour;
-#ifdef LOOK
+#ifdef PICTURE
 out vec2 textureCoordinate;
 #endif
 #if defined(LOOK) || defined(WIREFRAME)
@@ -18,7 +18,7 @@ out vec3 corner;  // 1 at this corner of the triangle, 0 along the edge that fac
 void main() {
   skinVertex(worldPosition, worldNormal);
   surfaceColour = vertexColour;
-#ifdef LOOK
+#ifdef PICTURE
   textureCoordinate = vertexColour.yz;
 #endif
 #if defined(LOOK) || defined(WIREFRAME)
