@@ -30,26 +30,28 @@ struct Workshop {
                              profile[k + 1].first - profile[k].first)
           .normalized();
     };
-    const std::size_t edges = profile.size() - 1;
-    for (std::size_t k = 0; k < edges; ++k) {
-      Eigen::Vector2d ends[2] = {slope(k), slope(k)};
-      if (k > 0 && slope(k - 1).dot(slope(k)) > 0.86) ends[0] = (slope(k - 1) + slope(k)).normalized();
-      if (k + 1 < edges && slope(k + 1).dot(slope(k)) > 0.86)
-        ends[1] = (slope(k + 1) + slope(k)).normalized();
-      const int base = static_cast<int>(positions.size());
-      for (int end = 0; end < 2; ++end)
-        for (int s = 0; s < sides; ++s) {
-          const double t = 2.0 * M_PI * s / sides;
-          const Vector3d out = std::cos(t) * u + std::sin(t) * v;
-          positions.push_back(from + profile[k + end].first * axis + profile[k + end].second * out);
-          normals.push_back((ends[end].x() * axis + ends[end].y() * out).normalized());
-          influences.push_back({{joint, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}});
-        }
+    const auto ring = [&](std::size_t k, const Eigen::Vector2d& normal) {  // its first vertex
+      const int first = static_cast<int>(positions.size());
       for (int s = 0; s < sides; ++s) {
-        const int a = base + s, b = base + (s + 1) % sides;
-        if (profile[k].second > 0.0) triangles[paint].push_back({a, b, a + sides});
-        if (profile[k + 1].second > 0.0) triangles[paint].push_back({b, b + sides, a + sides});
+        const double t = 2.0 * M_PI * s / sides;
+        const Vector3d out = std::cos(t) * u + std::sin(t) * v;
+        positions.push_back(from + profile[k].first * axis + profile[k].second * out);
+        normals.push_back((normal.x() * axis + normal.y() * out).normalized());
+        influences.push_back({{joint, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}});
       }
+      return first;
+    };
+    const std::size_t edges = profile.size() - 1;
+    int lower = ring(0, slope(0));
+    for (std::size_t k = 0; k < edges; ++k) {
+      const bool isSmooth = k + 1 < edges && slope(k + 1).dot(slope(k)) > 0.86;
+      const int upper = ring(k + 1, isSmooth ? (slope(k + 1) + slope(k)).normalized() : slope(k));
+      for (int s = 0; s < sides; ++s) {
+        const int next = (s + 1) % sides;
+        if (profile[k].second > 0.0) triangles[paint].push_back({lower + s, lower + next, upper + s});
+        if (profile[k + 1].second > 0.0) triangles[paint].push_back({lower + next, upper + next, upper + s});
+      }
+      lower = isSmooth || k + 1 == edges ? upper : ring(k + 1, slope(k + 1));
     }
   }
 
