@@ -15,6 +15,7 @@
 #include "kinematics/io/word_stream.h"
 #include "kinematics/motion/standing.h"
 #include "kinematics/skeleton_transform.h"
+#include "skinning/mesh_look.h"
 
 namespace gelenk {
 namespace {
@@ -261,7 +262,8 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
     return {.model = openModel(nameOrFile)};  // its message lists the names
   if (!kind)
     throw std::invalid_argument("cannot tell what '" + nameOrFile +
-                                "' holds; known extensions: " + knownExtensions());
+                                "' holds; known extensions: " + knownExtensions() +
+                                "; beside models there are scenes (.json) and surfaces to be rigged (.stl)");
   const FileFormat& format = fileFormat(*kind);
   if (options.metresPerUnit && format.alwaysMetres)
     throw std::invalid_argument(describe(*kind) +
@@ -339,8 +341,25 @@ void exportMotion(const std::string& path, const Skeleton& skeleton, const Skin*
   fileFormat(*kind).writeMotion(path, {.skeleton = skeleton, .skin = skin, .clips = {{name, clip}}});
 }
 
+namespace {
+
+/// Of one colour, as links without a material have it.
+std::shared_ptr<const MeshLook> robotLook(const Mesh& mesh) {
+  const Eigen::Vector3f grey = linearFromSrgb(Eigen::Vector3f(0.78f, 0.79f, 0.80f));
+  Material material{.name = "link", .gloss = 0.25f};
+  material.colour << grey, 1.0f;
+  return std::make_shared<const MeshLook>(MeshLook{
+      .materials = {material}, .parts = {{.triangleCount = static_cast<int>(mesh.triangles.size())}}});
+}
+
+}  // namespace
+
 Model readModel(const ModelReference& reference) {
-  return withBody(importFiles(reference.nameOrFile, reference.files).model);
+  Model model = withBody(importFiles(reference.nameOrFile, reference.files).model);
+  // A robot whose file brings no shape is made of metal too.
+  if (fileKind(reference.nameOrFile) == FileKind::Urdf && model.skin && !model.look)
+    model.look = robotLook(model.skin->mesh);
+  return model;
 }
 
 }  // namespace gelenk

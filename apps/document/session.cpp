@@ -56,11 +56,19 @@ bool ballAtLimit(const BallLimit& limit, const Eigen::Quaterniond& rotation) {
           c.z() >= limit.twistUpper - Session::limitMargin);
 }
 
+/// The skeleton's ends that something moves: a frame of a robot's base is nothing to drag. All of them where
+/// nothing moves.
 std::vector<int> endEffectors(const Skeleton& skeleton) {
-  std::vector<int> ends;
-  for (int i = 0; i < skeleton.jointCount(); ++i)
-    if (skeleton.children(i).empty()) ends.push_back(i);
-  return ends;
+  std::vector<bool> moves(skeleton.jointCount(), false);
+  std::vector<int> ends, moved;
+  for (int i = 0; i < skeleton.jointCount(); ++i) {
+    const int parent = skeleton.parent(i);
+    moves[i] = skeleton.vCount(i) > 0 || skeleton.joint(i).coupling || (parent >= 0 && moves[parent]);
+    if (!skeleton.children(i).empty()) continue;
+    ends.push_back(i);
+    if (moves[i]) moved.push_back(i);
+  }
+  return moved.empty() ? ends : moved;
 }
 
 }  // namespace
@@ -172,27 +180,45 @@ void Session::mirrorPose() {
   solver_->reset();
 }
 
+namespace {
+
+bool mirrors(const SceneGoal& goal) {
+  return goal.goal.kind == GoalKind::Position || goal.goal.kind == GoalKind::Pose ||
+         goal.goal.kind == GoalKind::Orientation || goal.goal.kind == GoalKind::Pole;
+}
+
+/// The handle at the partner of this one's joint; the end where it is no handle or there is none.
+std::vector<SceneGoal>::const_iterator handleOfOtherSide(const std::vector<SceneGoal>& goals,
+                                                         const SceneGoal& goal,
+                                                         const std::vector<int>& partners) {
+  if (!goal.handle) return goals.end();
+  return std::ranges::find_if(goals, [&](const SceneGoal& other) {
+    return other.handle && mirrors(other) && other.goal.joint == partners[goal.goal.joint] &&
+           (other.goal.kind == GoalKind::Pole) == (goal.goal.kind == GoalKind::Pole);
+  });
+}
+
+}  // namespace
+
+GoalId Session::mirrored(GoalId id) const {
+  const SceneGoal& goal = this->goal(id);
+  const auto partner = handleOfOtherSide(goals(), goal, mirrorPartners(skeleton()));
+  return mirrors(goal) && partner != goals().end() ? partner->id : id;
+}
+
 /// What a goal asked of one side it asks of the other. The frames of two partners are no reflections of each
 /// other; those of the body before and after are: an orientation keeps its turn from the one reached.
 void Session::mirrorGoals(const Frames& before) {
   const std::vector<int> partners = mirrorPartners(skeleton());
   const auto reflected = [](const Eigen::Vector3d& p) { return Eigen::Vector3d(-p.x(), p.y(), p.z()); };
   const std::vector<SceneGoal> old = document_.edits.goals;
-  const auto mirrors = [](const SceneGoal& goal) {
-    return goal.goal.kind == GoalKind::Position || goal.goal.kind == GoalKind::Pose ||
-           goal.goal.kind == GoalKind::Orientation || goal.goal.kind == GoalKind::Pole;
-  };
   for (SceneGoal& goal : document_.edits.goals) {
     if (!mirrors(goal)) {
       if (goalType(goal.goal.kind).movesWithPose) holdHere(goal);
       continue;
     }
     // A handle takes over from the handle of the other side, another goal goes there itself.
-    const auto isPartner = [&](const SceneGoal& other) {
-      return other.handle && mirrors(other) && other.goal.joint == partners[goal.goal.joint] &&
-             (other.goal.kind == GoalKind::Pole) == (goal.goal.kind == GoalKind::Pole);
-    };
-    const auto partner = goal.handle ? std::ranges::find_if(old, isPartner) : old.end();
+    const auto partner = handleOfOtherSide(old, goal, partners);
     const SceneGoal& from = partner != old.end() ? *partner : old[&goal - document_.edits.goals.data()];
     const int joint = goal.handle ? goal.goal.joint : partners[goal.goal.joint];
     goal.state = from.state;
@@ -701,6 +727,28 @@ const FrameSolve& Session::step() {
   return lastSolve_;
 }
 
+namespace {
+
+double largestError(const IkProblem& problem, const Eigen::VectorXd& q) {
+  double error = 0.0;
+  for (const GoalError& goal : judge(problem, q).goals) error = std::max(error, goal.position);
+  return error;
+}
+
+/// A pose that creeps its last micrometres: whether twenty steps of Newton's method from there come closer by
+/// less than 0.5 % of the distance.
+bool endsAtRestHere(IkProblem problem, const Eigen::VectorXd& q) {
+  problem.start = q;
+  const auto solver = makeSolver("exact-hessian");
+  solver->prepare(*problem.skeleton);
+  const IkReport end = solver->solve(problem, {.maxIterations = 20, .maxSeconds = 3600.0}, TraceLevel::Off);
+  if (end.why != Stop::Stationary && end.why != Stop::Budget) return false;
+  const double here = largestError(problem, q);
+  return std::abs(largestError(problem, end.q) - here) < 5e-3 * here;
+}
+
+}  // namespace
+
 /// Asked once of a pose that stays.
 bool Session::restsOutOfReach(const IkProblem& problem) {
   constexpr double still = 1e-4;  // radians or metres a frame
@@ -708,8 +756,13 @@ bool Session::restsOutOfReach(const IkProblem& problem) {
       lastSolve_.jointMotion > still)
     return false;
   if (lastSolve_.why == Stop::Stationary) return true;
-  if (restedAt_.size() != q().size() || restedAt_ != q())
-    restedOutOfReach_ = whyAtRest(problem, q()) == Stop::Stationary;
+  constexpr double creeping = 1e-5;  // of which is said that it rests
+  if (restedAt_.size() != q().size() || restedAt_ != q()) {
+    const Stop why = whyAtRest(problem, q());
+    restedOutOfReach_ =
+        why == Stop::Stationary ||
+        (why == Stop::Stalled && lastSolve_.jointMotion < creeping && endsAtRestHere(problem, q()));
+  }
   restedAt_ = q();
   return restedOutOfReach_;
 }

@@ -130,6 +130,8 @@ class Session {
   /// Left and right change places, see kinematics/symmetry.h; goals of points, orientations and poles go
   /// along, others ask for what is then. Throws std::invalid_argument where the model is not symmetric.
   void mirrorPose();
+  /// The goal that has, after mirrorPose(), what this one asked for: the other side's handle, else itself.
+  GoalId mirrored(GoalId id) const;
 
   // --- goals: an id that no goal has any more throws std::invalid_argument
   const std::vector<SceneGoal>& goals() const { return edits().goals; }

@@ -32,9 +32,11 @@ void filmReplay(const FilmOrder& order) {
   for (int i = 0; i < frames && !sandbox.wantsToClose(); ++i) {
     replay.play(i, sandbox, queue);
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-    sandbox.frame(
-        {.width = order.width, .height = order.height, .scale = order.scale, .events = queue.take()},
-        1.0 / 60.0);
+    sandbox.frame({.width = order.width,
+                   .height = order.height,
+                   .scale = order.scale,
+                   .events = queue.take(writesText())},
+                  1.0 / 60.0);
     if (shown) fmt::print(stderr, "\r{}/{}{}", i + 1, frames, i + 1 == frames ? "\n" : "");
   }
   if (!sandbox.state().recorder.isRunning())

@@ -86,7 +86,12 @@ void Gui::beginFrame(const Input& input, double dt) {
         io.MouseWheel += static_cast<float>(event.y);
         break;
       case InputEvent::Kind::Key:
-        if (event.code >= 0 && event.code < 512) io.KeysDown[event.code] = event.down;
+        // Tab is the next solver's: Dear ImGui, which would turn the next slider into a field, has it in
+        // fields alone.
+        if (event.code == GLFW_KEY_TAB && !io.WantTextInput)
+          io.KeysDown[event.code] = false;
+        else if (event.code >= 0 && event.code < 512)
+          io.KeysDown[event.code] = event.down;
         break;
       case InputEvent::Kind::Character: io.AddInputCharacter(static_cast<unsigned>(event.code)); break;
       case InputEvent::Kind::Drop: break;
@@ -174,6 +179,8 @@ void fillRounded(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float 
   draw.AddCallback(clearClipped, carried(colour));
   draw.PopClipRect();
 }
+
+bool writesText() { return ImGui::GetCurrentContext() && ImGui::GetIO().WantTextInput; }
 
 Span placeOfValue(const Span& frame, const Span& grab, float width, float gap) {
   const Span right{grab.high + gap, frame.high - gap}, left{frame.low + gap, grab.low - gap};

@@ -31,6 +31,9 @@ class Gui {
 /// A rectangle with round corners, as what is plotted on; a large opaque one on whole pixels costs little.
 void fillRounded(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float rounding);
 
+/// Whether a text field has the keyboard.
+bool writesText();
+
 /// From where to where something lies along a line, pixels.
 struct Span {
   float low = 0, high = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,17 @@ struct Input {
 class InputQueue {
  public:
   void add(InputEvent event) { waiting_.push_back(std::move(event)); }
-  std::vector<InputEvent> take();
+  /// writing: a text field has the keys. What was typed into it comes at once, as fast as it was typed; keys
+  /// that do something to the text, such as Backspace and Enter, have a frame of their own, in their order.
+  std::vector<InputEvent> take(bool writing = false);
   bool empty() const { return waiting_.empty(); }
 
  private:
+  /// Whether the first event that waits is a character, the key that typed it, that key's release, or Shift.
+  bool nextTypes() const;
+
   std::deque<InputEvent> waiting_;
+  std::set<int> typed_;  ///< keys that are down and typed a character
 };
 
 }  // namespace gelenk

@@ -35,7 +35,7 @@ class ModelPanel final : public Panel {
     tooltip("The bind pose (R). Handles pinned at the beginning are pinned again.");
     ImGui::SameLine();
     ImGui::BeginDisabled(!whyNotMirrored_.empty());
-    if (ImGui::Button("Mirror", {half, 0})) s.session->mirrorPose();
+    if (ImGui::Button("Mirror", {half, 0})) mirrorPose(sandbox);
     ImGui::EndDisabled();
     tooltip(("Left and right change places (M): reflection in the plane x = 0." +
              (whyNotMirrored_.empty() ? "" : "\n\nNot this model: " + whyNotMirrored_))

@@ -63,7 +63,7 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
   add("Undo", "Ctrl+Z", [](Sandbox& s) { undoOrRedo(s, false); });
   add("Redo", "Ctrl+Shift+Z", [](Sandbox& s) { undoOrRedo(s, true); });
   add("Rest pose", "R", [](Sandbox& s) { s.session().resetPose(); });
-  add("Mirror pose and goals", "M", [](Sandbox& s) { s.session().mirrorPose(); });
+  add("Mirror pose and goals", "M", mirrorPose);
   add("Free all pins", "", [](Sandbox& s) { s.session().freePins(); });
   add("Let every goal go", "", [](Sandbox& s) { s.session().removeAllGoals(); });
   add("Balance on or off", "", [](Sandbox& s) { s.session().setBalance(!s.session().balance()); });

@@ -87,9 +87,11 @@ void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Cloc
     }
     if (replay) replay->play(i, sandbox, queue);
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-    sandbox.frame(
-        {.width = width, .height = height, .scale = arguments.sandbox.scale, .events = queue.take()},
-        1.0 / 60.0);
+    sandbox.frame({.width = width,
+                   .height = height,
+                   .scale = arguments.sandbox.scale,
+                   .events = queue.take(writesText())},
+                  1.0 / 60.0);
     if (i == 0) tellStart(arguments, sandbox, begin);
     if (remote) remote->tell(sandbox);
     if (!arguments.status.empty()) writeFile(arguments.status, sandbox.status());
@@ -127,7 +129,7 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
     if (remote) remote->receive(sandbox);
     if (replay) {
       replay->play(i, sandbox, queue);
-      for (InputEvent& event : queue.take()) input.events.push_back(std::move(event));
+      for (InputEvent& event : queue.take(writesText())) input.events.push_back(std::move(event));
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     const double since = secondsSince(std::exchange(last, Clock::now()));

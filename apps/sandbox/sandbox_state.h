@@ -187,6 +187,7 @@ void handleViewInput(Sandbox& sandbox, const Input& input);
 void frameEverything(Sandbox& sandbox, bool glide);
 void frameSelection(Sandbox& sandbox);         ///< everything where nothing is selected
 void undoOrRedo(Sandbox& sandbox, bool redo);  ///< says so where there is nothing
+void mirrorPose(Sandbox& sandbox);             ///< the selection goes along with its goal
 /// The handle that a press at the window's pixel takes.
 std::optional<GoalId> handleAt(const Sandbox::State& state, const Eigen::Vector2d& pixel);
 /// The panel whose tool has the mouse; nullptr: dragging is on.

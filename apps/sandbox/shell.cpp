@@ -88,7 +88,7 @@ void editMenu(Sandbox& sandbox) {
   ImGui::Separator();
   if (ImGui::MenuItem("Rest pose", "R")) s.session->resetPose();
   const std::string whyNot = whyNotMirrored(s.session->skeleton());
-  if (ImGui::MenuItem("Mirror pose", "M", false, whyNot.empty())) s.session->mirrorPose();
+  if (ImGui::MenuItem("Mirror pose", "M", false, whyNot.empty())) mirrorPose(sandbox);
   if (!whyNot.empty()) tooltip(whyNot.c_str());
   if (ImGui::MenuItem("Let every goal go")) s.session->removeAllGoals();
   ImGui::EndMenu();
@@ -264,7 +264,7 @@ void splitters(Sandbox& sandbox) {
           {rect.x + (vertical ? 0.6f : 1.0f) * rect.width, rect.y + (vertical ? 1.0f : 0.6f) * rect.height},
           colour32(colour));
     }
-    if (ImGui::IsItemActive()) {
+    if (ImGui::IsItemActive() && !ImGui::IsItemActivated()) {  // the way to the edge is no part of the drag
       const ImVec2 moved = ImGui::GetIO().MouseDelta;
       if (moved.x != 0.0f || moved.y != 0.0f)
         size = std::max(1.0, (now - (vertical ? moved.x : moved.y)) / s.scale);

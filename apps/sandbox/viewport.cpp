@@ -191,14 +191,6 @@ void moveMouse(Sandbox& sandbox) {
 
 void glideTo(Sandbox::State& s, const Camera& to) { s.cameraMove = {s.camera(), to, s.time}; }
 
-void guarded(Sandbox& sandbox, void (Session::*edit)()) {
-  try {
-    (sandbox.session().*edit)();
-  } catch (const std::exception& error) {
-    sandbox.say(error.what(), true);
-  }
-}
-
 void pinUnderMouse(Sandbox::State& s) {
   if (s.session->dragged())
     s.session->togglePin(*s.session->dragged());
@@ -251,7 +243,7 @@ bool plainKey(Sandbox& sandbox, int key) {
       s.hover = {};
       s.session->resetPose();
       return true;
-    case GLFW_KEY_M: guarded(sandbox, &Session::mirrorPose); return true;
+    case GLFW_KEY_M: mirrorPose(sandbox); return true;
     case GLFW_KEY_TAB: s.session->nextSolver(s.shift ? -1 : 1); return true;
     case GLFW_KEY_SPACE: s.playing = !s.playing; return true;
     case GLFW_KEY_DELETE: deleteGoal(s); return true;
@@ -353,6 +345,19 @@ void undoOrRedo(Sandbox& sandbox, bool redo) {
   for (const auto& panel : s.panels)
     if (panel->takeBack(sandbox, redo)) return;
   sandbox.say(redo ? "Nothing to redo" : "Nothing to undo");
+}
+
+void mirrorPose(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  const auto selected = s.goalSelected();
+  try {
+    s.session->mirrorPose();
+  } catch (const std::exception& error) {
+    return sandbox.say(error.what(), true);
+  }
+  if (!selected) return;
+  s.selectedGoal = s.session->mirrored(*selected);
+  s.session->selectJoint(s.session->goal(*s.selectedGoal).goal.joint);
 }
 
 void frameSelection(Sandbox& sandbox) {

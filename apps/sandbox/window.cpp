@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "apps/sandbox/gui.h"
 #include "skinning/gpu/driver.h"
 
 namespace gelenk {
@@ -105,7 +106,7 @@ bool Window::takeCloseRequest() {
 
 Input Window::poll(double scale) {
   glfwPollEvents();
-  Input input{.scale = scale, .events = queue_.take()};
+  Input input{.scale = scale, .events = queue_.take(writesText())};
   glfwGetFramebufferSize(window_, &input.width, &input.height);
   while ((input.width == 0 || input.height == 0) && !shouldClose()) {  // minimised
     glfwWaitEvents();

@@ -1,5 +1,6 @@
 #include "apps/sandbox/input.h"
 
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
 namespace gelenk {
@@ -42,6 +43,62 @@ TEST(InputQueue, AReleaseWaitsUntilTheMovesBeforeItWereSeen) {
   EXPECT_EQ(first[1].x, 40);
   ASSERT_EQ(second.size(), 1u);
   EXPECT_FALSE(second[0].down);
+}
+
+void tap(InputQueue& queue, int key, int character) {
+  queue.add({.kind = Kind::Key, .code = key, .down = true});
+  if (character > 0) queue.add({.kind = Kind::Character, .code = character});
+  queue.add({.kind = Kind::Key, .code = key, .down = false});
+}
+
+std::string charactersOf(const std::vector<InputEvent>& events) {
+  std::string characters;
+  for (const InputEvent& event : events)
+    if (event.kind == Kind::Character) characters += static_cast<char>(event.code);
+  return characters;
+}
+
+TEST(InputQueue, ATextFieldGetsAllThatWasTypedAtOnce) {
+  InputQueue queue;
+  for (const char c : std::string("LEVEL")) {
+    queue.add({.kind = Kind::Key, .code = GLFW_KEY_LEFT_SHIFT, .down = true});
+    tap(queue, c, c);
+    queue.add({.kind = Kind::Key, .code = GLFW_KEY_LEFT_SHIFT, .down = false});
+  }
+  EXPECT_EQ(charactersOf(queue.take(true)), "LEVEL");
+  EXPECT_TRUE(queue.empty());
+}
+
+TEST(InputQueue, KeysThatChangeTheTextKeepTheirPlaceAmongTheCharacters) {
+  InputQueue queue;
+  tap(queue, GLFW_KEY_A, 'a');
+  tap(queue, GLFW_KEY_B, 'b');
+  tap(queue, GLFW_KEY_BACKSPACE, 0);
+  tap(queue, GLFW_KEY_C, 'c');
+  tap(queue, GLFW_KEY_ENTER, 0);
+  std::string story;
+  while (!queue.empty())
+    for (const InputEvent& event : queue.take(true)) {
+      if (event.kind == Kind::Character) story += static_cast<char>(event.code);
+      if (event.kind == Kind::Key && event.down && event.code >= GLFW_KEY_ESCAPE)
+        story += event.code == GLFW_KEY_ENTER ? '!' : '<';
+    }
+  EXPECT_EQ(story, "ab<c!");
+  tap(queue, GLFW_KEY_A, 'a');
+  tap(queue, GLFW_KEY_BACKSPACE, 0);
+  for (const InputEvent& event : queue.take(true)) EXPECT_NE(event.code, GLFW_KEY_BACKSPACE);
+}
+
+TEST(InputQueue, WithoutATextFieldEveryTapIsSeenDownAndUp) {
+  InputQueue queue;
+  tap(queue, GLFW_KEY_N, 'n');
+  tap(queue, GLFW_KEY_N, 'n');
+  int frames = 0;
+  while (!queue.empty()) {
+    queue.take();
+    ++frames;
+  }
+  EXPECT_EQ(frames, 4);
 }
 
 }  // namespace

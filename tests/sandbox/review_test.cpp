@@ -231,6 +231,22 @@ TEST(Review, ATargetOutOfReachIsCalledThat) {
   EXPECT_TRUE(describeSolve(session).starts_with("out of reach by ")) << describeSolve(session);
 }
 
+/// It said "at rest" while the last micrometres went by, seconds where a frame takes long.
+TEST(Review, ATargetOutOfReachIsNeverAtRestAndNothingMore) {
+  Stage stage("figure");
+  Session& session = stage.sandbox.session();
+  const GoalId hand = *session.findGoal("hand_r");
+  for (const Vector3d& way : {Vector3d(-2.0, 0.6, 0.4), Vector3d(-0.5, 1.0, 0.4), Vector3d(0.0, 0.0, 2.0)}) {
+    session.resetPose();
+    session.setTarget(hand, session.reached(hand) + way);
+    for (int i = 0; i < 120; ++i) {
+      session.step();
+      EXPECT_FALSE(describeSolve(session).starts_with("at rest")) << i << ": " << describeSolve(session);
+    }
+    EXPECT_TRUE(describeSolve(session).starts_with("out of reach by ")) << describeSolve(session);
+  }
+}
+
 /// 13: status line, list and Lab named one solver in three ways. Lists have the catalogue's titles.
 TEST(Review, TheStatusLineNamesASolverAsTheListsDo) {
   Stage stage("planar");
@@ -261,6 +277,25 @@ TEST(Review, TheFirstClickAfterEscCounts) {
   EXPECT_EQ(s.inspectorTab, "Model");
 }
 
+/// Tab in the inspector that was clicked turned a slider into a field of text, and no key did anything any
+/// more.
+TEST(Review, TabIsTheNextSolverWhereverWasClickedBefore) {
+  Stage stage("planar");
+  stage.play("0 tab Solve\n", 2);
+  const Sandbox::State& s = stage.sandbox.state();
+  const Layout::Rect& inspector = s.layout.inspector;
+  stage.play("0 move " + at({inspector.x + 20.0, inspector.y + inspector.height - 20.0}) +
+                 "\n2 press left\n4 release left\n",
+             2);
+  const std::string first = s.session->solver();
+  stage.play("0 key tab\n", 3);
+  const std::string second = s.session->solver();
+  stage.play("0 key tab\n", 3);
+  EXPECT_NE(second, first);
+  EXPECT_NE(s.session->solver(), second);
+  EXPECT_FALSE(ImGui::GetIO().WantTextInput);
+}
+
 /// 8: the message of endings left out .json, which scenes have.
 TEST(Review, WhatDoesNotOpenIsToldWithEveryEndingThatDoes) {
   Stage stage("planar");
@@ -268,6 +303,39 @@ TEST(Review, WhatDoesNotOpenIsToldWithEveryEndingThatDoes) {
   const std::string said = stage.sandbox.state().notices.back().words;
   EXPECT_NE(said.find(".json"), std::string::npos) << said;
   EXPECT_NE(said.find(knownExtensions()), std::string::npos) << said;
+}
+
+/// A robot's file may have a frame at its base and no shapes: that frame was a handle, the first, about which
+/// all pictures stood, and the body was of clay.
+TEST(Review, ARobotWithoutShapesIsOfMetalAndItsBaseIsNoHandle) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("arm" + std::to_string(getpid()) + ".urdf");
+  writeFile(
+      file.string(),
+      R"(<robot name="arm"><link name="world"/><link name="base"/><link name="a"/><link name="b"/><link name="c"/>
+<joint name="base_frame" type="fixed"><parent link="world"/><child link="base"/></joint>
+<joint name="j1" type="continuous"><parent link="world"/><child link="a"/><axis xyz="0 0 1"/></joint>
+<joint name="j2" type="continuous"><parent link="a"/><child link="b"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="tip" type="fixed"><parent link="b"/><child link="c"/><origin xyz="1 0 0"/></joint></robot>)");
+  Stage stage(file.string());
+  std::filesystem::remove(file);
+  const Session& session = stage.sandbox.session();
+  EXPECT_TRUE(session.findGoal("tip"));
+  EXPECT_FALSE(session.findGoal("base_frame"));
+  ASSERT_TRUE(session.model().skin);
+  EXPECT_TRUE(session.model().look);
+}
+
+TEST(Review, AFileOfAnotherKindIsToldWhatOpens) {
+  Stage stage("planar");
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("notes" + std::to_string(getpid()) + ".md");
+  writeFile(file.string(), "# Notes");
+  EXPECT_FALSE(stage.sandbox.open(file.string()));
+  std::filesystem::remove(file);
+  const std::string said = stage.sandbox.state().notices.back().words;
+  for (const char* ending : {".json", ".stl", ".glb"})
+    EXPECT_NE(said.find(ending), std::string::npos) << said;
 }
 
 /// 14: dragging a hand lifted the whole body, though "Pinned feet" is ticked.

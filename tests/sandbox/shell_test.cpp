@@ -1,4 +1,5 @@
 // The frame around the picture: palette, browser, gizmo, splitters, unsaved changes, presentation, films.
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 #include <imgui_internal.h>
 #include <unistd.h>
@@ -106,6 +107,28 @@ TEST(CommandPalette, AFewLettersAndEnterOpenARobot) {
   EXPECT_FALSE(stage.state().palette.isOpen());
 }
 
+/// As a window of 3 frames a second gets it: all keys of a second at once, one of them a correction.
+TEST(CommandPalette, WhatWasTypedWhileAFrameTookLongArrivesAtOnce) {
+  Stage stage("planar");
+  stage.play("0 keydown ctrl\n1 key k\n3 keyup ctrl\n", 4);
+  const auto tap = [&](int key, int character) {
+    stage.queue.add({.kind = InputEvent::Kind::Key, .code = key, .down = true});
+    if (character > 0) stage.queue.add({.kind = InputEvent::Kind::Character, .code = character});
+    stage.queue.add({.kind = InputEvent::Kind::Key, .code = key, .down = false});
+  };
+  const auto type = [&](std::string_view word) {
+    for (const char c : word) tap(c == ' ' ? GLFW_KEY_SPACE : GLFW_KEY_A + c - 'a', c);
+  };
+  type("robot scarr");
+  tap(GLFW_KEY_BACKSPACE, 0);
+  type("a");
+  tap(GLFW_KEY_ENTER, 0);
+  int frames = 0;
+  for (; stage.sandbox.session().model().name != "scara" && frames < 60; ++frames) stage.frame();
+  EXPECT_EQ(stage.sandbox.session().model().name, "scara");
+  EXPECT_LE(frames, 6);  // eleven characters, Backspace, a character, Enter, and the model opens; 15 before
+}
+
 TEST(FileBrowser, ListsFoldersFirstAndOnlyWhatOpens) {
   Stage stage("planar");
   fs::create_directories(stage.folder / "Bodies");
@@ -175,6 +198,16 @@ TEST(Splitters, TheInspectorsEdgeIsDragged) {
   stage.play("0 move " + at({x, y}) + "\n2 press left\n3 shift-by -60 0 4\n8 release left\n", 3);
   EXPECT_NEAR(stage.state().layout.inspector.x, before.inspector.x - 60, 3);
   EXPECT_NEAR(stage.state().layout.view.width, before.view.width - 60, 3);
+}
+
+/// A window at rest sees the way to the edge and the press in one frame; the edge jumped by that way.
+TEST(Splitters, AnEdgeThatIsPressedStaysWhereItIs) {
+  Stage stage("planar");
+  stage.play("0 move 900 100\n", 2);
+  const Layout before = stage.state().layout;
+  const double x = 0.3 * before.strip.width, y = before.strip.y;
+  stage.play("0 move " + at({x, y}) + "\n0 press left\n2 shift-by 0 -40 4\n8 release left\n", 3);
+  EXPECT_NEAR(stage.state().layout.strip.height, before.strip.height + 40, 3);
 }
 
 TEST(Layout, EveryTabIsInSightAtEveryWidthAndTheStripGrows) {
@@ -339,6 +372,21 @@ TEST(Gizmo, AnArrowMovesAlongItsAxisAndARingTurnsAboutIt) {
   EXPECT_GT(turned.angle(), 0.05);
   EXPECT_GT(std::abs(turned.axis().z()), 0.999);
   stage.play("0 release left\n", 2);
+}
+
+/// The pose was mirrored and the goal went to the other hand, the selection stayed with the hand that was let
+/// go.
+TEST(Gizmo, GoesToTheOtherSideWithAGoalThatIsMirrored) {
+  Stage stage("figure");
+  stage.play("0 drag hand_l 40 -60 4\n", 20);
+  const Session& session = stage.sandbox.session();
+  ASSERT_EQ(stage.state().goalSelected(), session.findGoal("hand_l"));
+  stage.play("0 key m\n", 3);
+  EXPECT_EQ(session.goal(*session.findGoal("hand_r")).state, GoalState::Held);
+  EXPECT_EQ(stage.state().goalSelected(), session.findGoal("hand_r"));
+  EXPECT_EQ(stage.state().selectedJoint(), session.skeleton().findJoint("hand_r"));
+  stage.play("0 key m\n", 3);
+  EXPECT_EQ(stage.state().goalSelected(), session.findGoal("hand_l"));
 }
 
 TEST(Presentation, WithoutAnExampleThereIsNothingToPresent) {
