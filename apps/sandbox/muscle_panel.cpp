@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "apps/document/muscle_settings.h"
 #include "apps/lecture/text.h"
 #include "apps/sandbox/builtin_panels.h"
+#include "apps/sandbox/limb_bend.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "apps/sandbox/skin_comparison.h"
+#include "kinematics/io/text_file.h"
 
 namespace gelenk {
 namespace {
@@ -142,6 +145,24 @@ class MusclePanel final : public Panel {
     if (changed || proportions) look(sandbox);
   }
 
+  /// "layers on|off", "bend DEGREES" of the limb that is shown.
+  void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
+    const MuscleRig* rig = sandbox.muscles();
+    if (words.size() == 2 && words[0] == "layers" && (words[1] == "on" || words[1] == "off")) {
+      settings_.enabled = words[1] == "on";
+      return edit(sandbox);
+    }
+    const auto degrees = words.size() == 2 && words[0] == "bend" ? parseNumber(words[1]) : std::nullopt;
+    if (!degrees || !rig || shownLimb_ >= static_cast<int>(rig->body().limbs.size()))
+      throw std::invalid_argument("the panel Muscles knows layers on|off and, with them, bend DEGREES");
+    Session& session = sandbox.session();
+    const Limb& limb = rig->body().limbs[shownLimb_];
+    const auto range = limbBend(session.skeleton(), limb, session.q());
+    if (!range) throw std::invalid_argument("no hinge bends the limb '" + limb.name + "'");
+    session.remember();
+    session.setPose(bentBy(session.skeleton(), limb, *range, session.q(), *degrees * degree));
+  }
+
   void overlay(Sandbox& sandbox) override {
     if (!dragged_) under_.reset();
     if (!sandbox.muscles() || shownLimb_ >= static_cast<int>(sandbox.limbPoses().size())) return;
@@ -261,15 +282,27 @@ class MusclePanel final : public Panel {
     const LimbFrames limb = limbFrames(rig->body().limbs[shownLimb_], frames);
     if (limb.rotations.size() > 1) {
       const JointBend bend = jointBend(limb, 1);
-      ImGui::Text("Bend %s°   twist %s°", text::fixed(bend.bend / degree, 1).c_str(),
-                  text::fixed(bend.twist / degree, 1).c_str());
-      tooltip(
-          "Total bend of the joint between the links (straight = 0) and its twist about the bone, degrees.");
+      bendSlider(sandbox, rig->body().limbs[shownLimb_], bend.bend / degree);
+      ImGui::Text("Twist %s°", text::fixed(bend.twist / degree, 1).c_str());
+      tooltip("Twist of the joint between the links about the bone, degrees.");
     }
     const double volume =
         limbVolume(rig->body(), rig->surface(shownLimb_), frames, sandbox.limbPoses()[shownLimb_]);
     ImGui::Text("Volume %.4f of rest", volume / rig->restVolume(shownLimb_));
     tooltip("Volume that the limb's surface encloses, relative to the rest pose.");
+  }
+
+  /// Bends elbow or knee, whatever held it; where no hinge does, the bend is told.
+  static void bendSlider(Sandbox& sandbox, const Limb& limb, double degrees) {
+    Session& session = sandbox.session();
+    const auto range = limbBend(session.skeleton(), limb, session.q());
+    if (!range) {
+      ImGui::Text("Bend %s°", text::fixed(degrees, 1).c_str());
+      return;
+    }
+    if (slider(sandbox, "Bend", degrees, range->least / degree, range->most / degree, "%.1f°",
+               "Total bend of the joint between the links, straight = 0, degrees: moves it."))
+      session.setPose(bentBy(session.skeleton(), limb, *range, session.q(), degrees * degree));
   }
 
   /// Scale of planes 2 and 4 against the joint's bend.
