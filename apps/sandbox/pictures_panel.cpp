@@ -76,7 +76,7 @@ class PicturesPanel final : public Panel {
         "drawn for a fifth of a second. Flat at a singularity.");
     ImGui::Checkbox("Force ellipsoid", &show.forceEllipsoid);
     tooltip(
-        "Forces that joint torques of |tau| = 1 hold: half axes are 1 over the singular values. Long where "
+        "Forces that joint torques of |τ| = 1 hold: half axes are 1 over the singular values. Long where "
         "the "
         "velocity ellipsoid is short.");
     ImGui::Checkbox("Reachable set", &show.reachable);

@@ -8,6 +8,7 @@
 #include "apps/sandbox/builtin_panels.h"
 #include "apps/sandbox/parameter_sliders.h"
 #include "apps/sandbox/sandbox_state.h"
+#include "apps/sandbox/solver_lessons.h"
 #include "kinematics/jacobian.h"
 #include "kinematics/rotation.h"
 #include "solvers/problem/goal_text.h"
@@ -87,6 +88,7 @@ class SolvePanel final : public Panel {
         "frame; "
         "every other solver starts at the present pose with 20 iterations.");
     ImGui::PushFont(s.gui.fonts().small);
+    if (const SolverLesson* lesson = solverLesson(current)) mathItem(std::string(lesson->formula));
     dot(toImVec4(solverColour(current)), s.scale);
     wrappedText(s.colours().textDim, std::string(entry.reference));
     ImGui::PopFont();
@@ -107,11 +109,28 @@ class SolvePanel final : public Panel {
     if (ImGui::Selectable(fmt::format("{}##{}", entry.title, name).c_str(), isCurrent, flags))
       chooseSolver(sandbox, name);
     ImGui::PopStyleColor();
-    tooltip(fmt::format("{}\ndocs/solvers/{}.md, --solver {}{}", entry.reference, name, name,
-                        why.empty()          ? std::string()
-                        : wouldDoWithoutPins ? "\n\nNot for these goals: " + why + ". A click frees the pins."
-                                             : "\n\nNot for these goals: " + why)
-                .c_str());
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+      teach(entry, why.empty()          ? std::string()
+                   : wouldDoWithoutPins ? "Not for these goals: " + why + ". A click frees the pins."
+                                        : "Not for these goals: " + why);
+  }
+
+  /// At the mouse: formula, what it does, where it is from and where more is said.
+  static void teach(const SolverEntry& entry, const std::string& whyNot) {
+    const SolverLesson* lesson = solverLesson(entry.name);
+    std::string words = lesson ? std::string(lesson->sentence) + "\n\n" : std::string();
+    words += entry.reference;
+    if (lesson) words += fmt::format("\ndocs/solvers/{}.md, --solver {}", lesson->page, entry.name);
+    if (!whyNot.empty()) words += "\n\n" + whyNot;
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, ImGui::GetStyle().PopupRounding);
+    ImGui::BeginTooltip();
+    if (lesson) {
+      mathItem(std::string(lesson->formula));
+      ImGui::Spacing();
+    }
+    ImGui::TextUnformatted(brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f).c_str());
+    ImGui::EndTooltip();
+    ImGui::PopStyleVar();
   }
 
   static void row(const char* label, const std::string& value, const char* explanation) {
