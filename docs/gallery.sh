@@ -49,12 +49,12 @@ shot map planar 120 <<'R'
 20 show velocity_ellipsoid on
 21 tab Pictures
 R
-shot muscles figure 16 <<'R'
+shot muscles figure 90 <<'R'
 0 tab Muscles
-1 move {940} {47}
-2 press left
-4 release left
-6 move {300} {90}
+1 do Muscles layers on
+2 do Muscles alone on
+20 do Muscles bend 95
+60 move {800} {10}
 R
 shot files figure 14 <<'R'
 0 keydown ctrl

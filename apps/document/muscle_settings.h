@@ -30,6 +30,7 @@ struct MuscleSettings {
   bool enabled = false;
   bool lattice = true;         ///< drawn
   bool split = false;          ///< LBS beside the layers
+  bool alone = false;          ///< of the body, the shown limb is drawn
   std::string shownLimb = {};  ///< whose lattice is drawn; empty: every limb's
   std::vector<std::pair<std::string, LimbSettings>> limbs = {};  ///< by name, in the order of limbsOf
 };

@@ -302,11 +302,8 @@ Json toJson(const MuscleSettings& settings) {
                      {"curves", curves},
                      {"sculpted", sculpted}});
   }
-  return {{"enabled", settings.enabled},
-          {"lattice", settings.lattice},
-          {"split", settings.split},
-          {"shown", settings.shownLimb},
-          {"limbs", limbs}};
+  return {{"enabled", settings.enabled}, {"lattice", settings.lattice}, {"split", settings.split},
+          {"alone", settings.alone},     {"shown", settings.shownLimb}, {"limbs", limbs}};
 }
 
 MusclePlane readPlane(const JsonEntry& from) {
@@ -350,6 +347,7 @@ MuscleSettings readMuscles(const JsonEntry& from, const std::vector<Limb>& limbs
   settings.enabled = from.at("enabled").boolean();
   settings.lattice = from.at("lattice").boolean();
   settings.split = from.at("split").boolean();
+  if (const auto alone = from.find("alone")) settings.alone = alone->boolean();
   const auto limbNamed = [&](const JsonEntry& name) {
     const auto found = std::ranges::find(limbs, name.text(), &Limb::name);
     if (found != limbs.end()) return found - limbs.begin();

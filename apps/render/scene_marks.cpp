@@ -166,7 +166,8 @@ void addMark(Overlay& overlay, const GoalMark& mark, const Colour& colour, bool 
 }  // namespace
 
 void addGoals(Overlay& overlay, const Session& session, double size, const MarkColours& colours,
-              std::optional<GoalId> hovered, std::optional<GoalId> selected) {
+              std::optional<GoalId> hovered, std::optional<GoalId> selected,
+              const std::function<bool(const SceneGoal&)>& shows) {
   using Shape = Overlay::Shape;
   constexpr Colour white{1.0f, 1.0f, 1.0f, 0.95f};
   if (const auto balance = session.balanceGoal()) {
@@ -175,7 +176,7 @@ void addGoals(Overlay& overlay, const Session& session, double size, const MarkC
     addMark(overlay, mark, colours.pinned, false);
   }
   for (const SceneGoal& goal : session.goals()) {
-    if (!isGoalShown(session, goal)) continue;
+    if (!shows(goal)) continue;
     const GoalType& type = goalType(goal.goal.kind);
     const Vector3d reached = session.reached(goal.id);
     const bool dragged = session.dragged() == goal.id, active = goal.state != GoalState::Free,

@@ -25,8 +25,9 @@ Frames framesBeside(const Session& session, Frames worldFromJoint, double size, 
 bool isGoalShown(const Session& session, const SceneGoal& goal);
 /// Handles, pins and what is missed: discs are positions, squares pins, rings orientations, diamonds wishes
 /// such as poles; and what a goal's type says it looks like. hovered: drawn larger; what
-/// is hovered, dragged or selected shows the fainter lines of its type too.
+/// is hovered, dragged or selected shows the fainter lines of its type too. shows: whether it is drawn.
 void addGoals(Overlay& overlay, const Session& session, double size, const MarkColours& colours,
-              std::optional<GoalId> hovered, std::optional<GoalId> selected);
+              std::optional<GoalId> hovered, std::optional<GoalId> selected,
+              const std::function<bool(const SceneGoal&)>& shows);
 
 }  // namespace gelenk

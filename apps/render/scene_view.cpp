@@ -77,12 +77,64 @@ void SceneView::follow(const Session& session, const Frames& frames, bool ownPos
   prepare(session, stroke);
   const bool rigIsOld = rig_ && (rigVersion_ != version || rigChoice_ != choice_);
   if (settings_ != session.edits().muscles || (rigIsOld && !stroke)) bind(session);
+  showLimbAlone(session);
   ownPose_ = ownPose;
   if (!sameFrames(frames_, frames)) {
     frames_ = frames;
     surfaceIsCurrent_ = limbsAreCurrent_ = false;
   }
-  bounds_ = boundsAt(frames_);
+  bounds_ = aloneLimb_.empty() ? boundsAt(frames_) : limbBounds();
+}
+
+/// Of the limb's joints and what is around them.
+Eigen::AlignedBox3d SceneView::limbBounds() const {
+  Eigen::AlignedBox3d box;
+  for (const int joint : aloneJoints_) box.extend(frames_[joint].translation());
+  const Eigen::Vector3d around = Eigen::Vector3d::Constant(0.12 * box.diagonal().norm());
+  return {box.min() - around, box.max() + around};
+}
+
+const std::vector<std::array<int, 3>>& SceneView::triangles(const Session& session) const {
+  return aloneLimb_.empty() ? session.skin()->mesh.triangles : aloneTriangles_;
+}
+
+bool SceneView::shows(const Session& session, const SceneGoal& goal) const {
+  return isGoalShown(session, goal) &&
+         (aloneLimb_.empty() || goal.state != GoalState::Free ||
+          std::ranges::find(aloneJoints_, goal.goal.joint) != aloneJoints_.end());
+}
+
+/// Of one limb alone every mesh draws the triangles that belong by half at least to its joints and what hangs
+/// on them.
+void SceneView::showLimbAlone(const Session& session) {
+  const std::string wanted = rig_ && settings_->alone ? settings_->shownLimb : std::string();
+  if (!session.skin() || (wanted == aloneLimb_ && (aloneIsCurrent_ || wanted.empty()))) return;
+  aloneIsCurrent_ = true;
+  aloneLimb_.clear();
+  aloneTriangles_ = session.skin()->mesh.triangles;
+  for (const Limb& limb : rig_ ? rig_->body().limbs : std::vector<Limb>{}) {
+    if (limb.name != wanted) continue;
+    aloneLimb_ = wanted;
+    std::vector<bool> carries(session.skeleton().jointCount(), false);
+    aloneJoints_.clear();
+    for (int j = limb.joints.front(); j < session.skeleton().jointCount(); ++j) {
+      const int parent = session.skeleton().parent(j);
+      carries[j] = j == limb.joints.front() || (parent >= 0 && carries[parent]);
+      if (carries[j]) aloneJoints_.push_back(j);
+    }
+    const auto isOutside = [&](int vertex) {
+      const Influences& in = session.skin()->influences[vertex];
+      double weight = 0.0;
+      for (int k = 0; k < 4; ++k) weight += carries[in.joints[k]] ? in.weights[k] : 0.0;
+      return weight < 0.5;
+    };
+    for (auto& triangle : aloneTriangles_)
+      if (std::ranges::any_of(triangle, isOutside)) triangle.fill(triangle[0]);
+  }
+  for (SkinnedMeshGl* mesh : {mesh_.get(), layeredMesh_.get()})
+    if (mesh) mesh->setTriangles(aloneTriangles_);
+  for (SkinBeside& beside : skinsBeside_)
+    if (beside.mesh) beside.mesh->setTriangles(aloneTriangles_);
 }
 
 /// Anew where method or weights changed. While weights are being painted the skin is a plain linear blend,
@@ -96,6 +148,7 @@ void SceneView::prepare(const Session& session, bool stroke) {
       cachedPreparedSkin(isTheModels ? cacheFolder() : "", session.model().name, *session.skin(), wanted,
                          session.skeleton(), bindFrames(session.model())));
   mesh_ = std::make_unique<SkinnedMeshGl>(*prepared_);
+  aloneIsCurrent_ = false;
   colouredByLook_ = nullptr;
   posedBounds_ = std::make_unique<PosedBounds>(prepared_->skin);
   choice_ = wanted;
@@ -122,6 +175,7 @@ void SceneView::bind(const Session& session) {
     layered_ = std::make_unique<LayeredSkin>(
         prepareLayers(rig_->body(), *prepared_->method, bindFrames(session.model()), prepared_->spread));
     layeredMesh_ = std::make_unique<SkinnedMeshGl>(*layered_, rig_->body());
+    aloneIsCurrent_ = false;
     colouredByLook_ = nullptr;
     rigChoice_ = choice_;
     rigVersion_ = session.weightsVersion();
@@ -250,6 +304,7 @@ void SceneView::prepareBeside(const Session& session, const SkinChoice& wanted, 
     beside.mesh = beside.skin->layered()
                       ? std::make_unique<SkinnedMeshGl>(*beside.skin->layered(), beside.skin->rig()->body())
                       : std::make_unique<SkinnedMeshGl>(beside.skin->prepared());
+    if (!aloneLimb_.empty()) beside.mesh->setTriangles(aloneTriangles_);
   } catch (const std::invalid_argument& error) {
     muscleFault_ = error.what();
     beside.skin.reset();
@@ -271,8 +326,10 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
           sections_.push_back(std::move(section));
     }
   const SkinnedVertices& own = surface(session);
-  const Eigen::Vector3d top = session.model().up * (0.06 * size_ + session.model().up.dot(bounds_.center()) +
-                                                    0.5 * session.model().up.cwiseAbs().dot(bounds_.sizes()));
+  const Eigen::Vector3d top =
+      session.model().up *
+      (0.06 * (aloneLimb_.empty() ? size_ : bounds_.diagonal().norm()) +
+       session.model().up.dot(bounds_.center()) + 0.5 * session.model().up.cwiseAbs().dot(bounds_.sizes()));
   const auto above = [&](const Eigen::Vector3d& shift) {
     const Eigen::Vector3d up = session.model().up;
     return Eigen::Vector3d(bounds_.center() - up.dot(bounds_.center()) * up + top + shift);
@@ -343,7 +400,8 @@ void SceneView::addMarks(const Session& session, const PictureExtras& extras, Re
     }
   }
   if (show.handles && ownPose_)
-    addGoals(scene.overlayOnTop, session, size_, colours, extras.hovered, extras.selected);
+    addGoals(scene.overlayOnTop, session, size_, colours, extras.hovered, extras.selected,
+             [&](const SceneGoal& goal) { return shows(session, goal); });
   if (rig_ && settings_->lattice)
     for (std::size_t l = 0; l < rig_->body().limbs.size(); ++l)
       if (settings_->shownLimb.empty() || settings_->shownLimb == rig_->body().limbs[l].name)

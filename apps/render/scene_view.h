@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,6 +76,10 @@ class SceneView {
   bool hasBody() const { return mesh_ != nullptr; }
   /// The surface as it is shown (world, metres), for picking; empty without a skin.
   const SkinnedVertices& surface(const Session& session);
+  /// Its triangles; those that are not shown (MuscleSettings::alone) have three times the same corner.
+  const std::vector<std::array<int, 3>>& triangles(const Session& session) const;
+  /// Whether a goal's mark is drawn and can be taken: of a limb alone the free handles are its own.
+  bool shows(const Session& session, const SceneGoal& goal) const;
   /// The bound muscle layers; nullptr: off.
   const MuscleRig* muscles() const { return rig_.get(); }
   const std::vector<LimbPose>& limbPoses(const Session& session);
@@ -116,10 +121,12 @@ class SceneView {
   void prepare(const Session& session, bool stroke);
   const Eigen::VectorXd* knownPose(const Session& session) const { return ownPose_ ? &session.q() : nullptr; }
   void bind(const Session& session);
+  void showLimbAlone(const Session& session);
   void addBodies(const Session& session, PictureExtras& extras, RenderScene& scene);
   LectureDrawing* lectureOf(const Session& session);
   void addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene);
   Eigen::AlignedBox3d boundsAt(const Frames& frames) const;
+  Eigen::AlignedBox3d limbBounds() const;
 
   std::unique_ptr<PreparedSkin> prepared_;
   SkinChoice choice_, rigChoice_;  ///< that prepared_ and rig_ stand on
@@ -132,6 +139,10 @@ class SceneView {
   std::shared_ptr<const MuscleSettings> settings_;
   std::unique_ptr<MuscleRig> rig_;
   std::string muscleFault_;
+  std::string aloneLimb_;                           ///< that triangles_ shows; empty: the whole body
+  std::vector<int> aloneJoints_;                    ///< that carry it
+  std::vector<std::array<int, 3>> aloneTriangles_;  ///< of every mesh while it is alone
+  bool aloneIsCurrent_ = true;                      ///< no mesh was made since
 
   Frames frames_;
   bool ownPose_ = false;

@@ -417,8 +417,7 @@ class BindingPanel final : public Panel {
 
   std::optional<SurfaceHit> hitAt(Sandbox& sandbox, const Vector2d& pixel) const {
     const Sandbox::State& s = sandbox.state();
-    const Skin& skin = *sandbox.session().model().skin;
-    return pickSurface(skin.mesh.triangles, sandbox.surface().positions,
+    return pickSurface(s.view->triangles(sandbox.session()), sandbox.surface().positions,
                        rayThroughPixel(s.camera(), s.viewport(), s.toView(pixel)));
   }
 
@@ -450,12 +449,16 @@ class BindingPanel final : public Panel {
     const Vector3d eye = s.camera().eye();
     std::vector<Projected> points;
     for (const Vector3d& p : surface.positions) points.push_back(project(s.camera(), s.viewport(), p));
-    const DepthMap depths(points, sandbox.session().model().skin->mesh.triangles, s.viewport());
+    const auto& triangles = s.view->triangles(sandbox.session());
+    const DepthMap depths(points, triangles, s.viewport());
+    std::vector<bool> seen(points.size(), false);
+    for (const auto& t : triangles)
+      if (t[0] != t[1]) seen[t[0]] = seen[t[1]] = seen[t[2]] = true;
     std::vector<Vector2d> outline;
     for (const Vector2d& pixel : lasso_) outline.push_back(s.toView(pixel));
     VertexSelection selection;
     for (int v = 0; v < static_cast<int>(points.size()); ++v) {
-      if (points[v].depth <= 0.0 || !insideLasso(outline, points[v].pixel)) continue;
+      if (!seen[v] || points[v].depth <= 0.0 || !insideLasso(outline, points[v].pixel)) continue;
       const bool facing = surface.normals[v].dot(eye - surface.positions[v]) > 0.0;
       if (through_ || (facing && depths.shows(points[v], 0.02 * s.size())))
         selection.push_back({v, strength_});

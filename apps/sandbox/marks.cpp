@@ -162,7 +162,7 @@ void drawMarks(Sandbox& sandbox) {
   if (s.show().handles && (!s.shownFrames || s.handlesOnShown)) {
     std::vector<const SceneGoal*> shown;
     for (const SceneGoal& goal : s.session->goals())
-      if (isGoalShown(sandbox.session(), goal)) shown.push_back(&goal);
+      if (s.view->shows(sandbox.session(), goal)) shown.push_back(&goal);
     for (const SceneGoal* goal : shown) {  // no words on a handle
       const ImVec2 at = toImVec2(s.toWindow(s.session->reached(goal->id)).pixel);
       places.takeAround(at.x, at.y, 7 * s.viewScale());

@@ -51,14 +51,8 @@ class MusclePanel final : public Panel {
     selectedLink_ = 0;
   }
 
-  /// Takes up what undo or a file changed.
   void step(Sandbox& sandbox, double) override {
-    if (const auto& muscles = sandbox.session().edits().muscles; muscles && muscles != shownSettings_) {
-      shownSettings_ = muscles;
-      settings_ = *muscles;
-      if (const int limb = indexOf(settings_.shownLimb); limb < static_cast<int>(limbs_.size()))
-        shownLimb_ = limb;
-    }
+    takeUp(sandbox);
     if (const std::string& fault = sandbox.state().view->muscleFault(); !fault.empty() && fault != told_)
       sandbox.say(fault, true);
     told_ = sandbox.state().view->muscleFault();
@@ -97,6 +91,10 @@ class MusclePanel final : public Panel {
     drawSkinComparison(sandbox);
     heading(s, "LIMB");
     limbChoice(sandbox);
+    if (ImGui::Checkbox("This limb alone", &settings_.alone)) showAlone(sandbox);
+    tooltip(
+        "The rest of the body is not drawn: beside this limb, with muscles, stand linear blending and the "
+        "volumes without muscles, or what is chosen under SIDE BY SIDE.");
     LimbSettings& limb = settings_.limbs[shownLimb_].second;
     measures(sandbox);
 
@@ -145,16 +143,27 @@ class MusclePanel final : public Panel {
     if (changed || proportions) look(sandbox);
   }
 
-  /// "layers on|off", "bend DEGREES" of the limb that is shown.
+  /// "layers on|off"; "alone on|off" and "bend DEGREES" of the limb that is shown; "limb NAME" shows another.
   void act(Sandbox& sandbox, const std::vector<std::string>& words) override {
+    if (limbs_.empty()) throw std::invalid_argument("this model has no limb of a known name");
+    takeUp(sandbox);
     const MuscleRig* rig = sandbox.muscles();
     if (words.size() == 2 && words[0] == "layers" && (words[1] == "on" || words[1] == "off")) {
       settings_.enabled = words[1] == "on";
       return edit(sandbox);
     }
+    if (words.size() == 2 && words[0] == "alone" && (words[1] == "on" || words[1] == "off")) {
+      settings_.alone = words[1] == "on";
+      return showAlone(sandbox);
+    }
+    if (words.size() >= 2 && words[0] == "limb") {  // names have blanks
+      const int limb = indexOf(fmt::format("{}", fmt::join(words.begin() + 1, words.end(), " ")));
+      if (limb < static_cast<int>(limbs_.size())) return showLimb(sandbox, limb);
+    }
     const auto degrees = words.size() == 2 && words[0] == "bend" ? parseNumber(words[1]) : std::nullopt;
     if (!degrees || !rig || shownLimb_ >= static_cast<int>(rig->body().limbs.size()))
-      throw std::invalid_argument("the panel Muscles knows layers on|off and, with them, bend DEGREES");
+      throw std::invalid_argument(
+          "the panel Muscles knows layers on|off, limb NAME and, with layers, alone on|off and bend DEGREES");
     Session& session = sandbox.session();
     const Limb& limb = rig->body().limbs[shownLimb_];
     const auto range = limbBend(session.skeleton(), limb, session.q());
@@ -227,6 +236,16 @@ class MusclePanel final : public Panel {
     bool moved = false;
   };
 
+  /// What undo, a file or the model's opening made of the settings.
+  void takeUp(Sandbox& sandbox) {
+    const auto& muscles = sandbox.session().edits().muscles;
+    if (!muscles || muscles == shownSettings_) return;
+    shownSettings_ = muscles;
+    settings_ = *muscles;
+    if (const int limb = indexOf(settings_.shownLimb); limb < static_cast<int>(limbs_.size()))
+      shownLimb_ = limb;
+  }
+
   /// The hand's edits of the selected plane; nullptr for planes that follow from others.
   MusclePlane* selectedMuscle() {
     if (selectedPlane_ != 2 && selectedPlane_ != 4) return nullptr;
@@ -258,13 +277,29 @@ class MusclePanel final : public Panel {
     ImGui::SetNextItemWidth(-1);
     if (!ImGui::BeginCombo("##limb", limbs_[shownLimb_].name.c_str())) return;
     for (int l = 0; l < static_cast<int>(limbs_.size()); ++l)
-      if (ImGui::Selectable(limbs_[l].name.c_str(), l == shownLimb_)) {
-        shownLimb_ = l;
-        settings_.shownLimb = limbs_[l].name;
-        look(sandbox);
-      }
+      if (ImGui::Selectable(limbs_[l].name.c_str(), l == shownLimb_)) showLimb(sandbox, l);
     ImGui::EndCombo();
-    selectedLink_ = std::min<int>(selectedLink_, static_cast<int>(limbs_[shownLimb_].shape.links.size()) - 1);
+  }
+
+  void showLimb(Sandbox& sandbox, int limb) {
+    shownLimb_ = limb;
+    settings_.shownLimb = limbs_[limb].name;
+    selectedLink_ = std::min<int>(selectedLink_, static_cast<int>(limbs_[limb].shape.links.size()) - 1);
+    look(sandbox);
+    if (settings_.alone) frameShown(sandbox);
+  }
+
+  /// The limb alone, or the body again. With the limb come the two skins that explain it, where none are
+  /// beside it yet.
+  void showAlone(Sandbox& sandbox) {
+    edit(sandbox);
+    std::vector<SkinChoice>& beside = sandbox.session().lab().skins;
+    if (settings_.alone && beside.empty()) beside = {parseSkinChoice("lbs"), parseSkinChoice("lbs+layers")};
+    frameShown(sandbox);
+  }
+
+  static void frameShown(Sandbox& sandbox) {
+    sandbox.state().afterFrame = [](Sandbox& s) { frameEverything(s, true); };
   }
 
   void linkChoice() {

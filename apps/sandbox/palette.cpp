@@ -101,6 +101,15 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
     for (const auto& panel : s.state().panels)
       if (panel->name() == "Lab") panel->keyPressed(s, GLFW_KEY_L, 0);
   });
+  if (const auto& muscles = sandbox.session().edits().muscles)
+    add("Muscles: one limb alone, or the body", "", [alone = muscles->enabled && muscles->alone](Sandbox& s) {
+      for (const auto& panel : s.state().panels)
+        if (panel->name() == "Muscles") {
+          if (!alone) panel->act(s, {"layers", "on"});
+          panel->act(s, {"alone", alone ? "off" : "on"});
+          s.showInspector("Muscles");
+        }
+    });
   for (const std::string& name : frameSolverNames()) {
     const SolverEntry& entry = solverEntry(name);
     add(fmt::format("Solver {} ({})", entry.title, name), "", [name](Sandbox& s) { chooseSolver(s, name); });

@@ -41,7 +41,7 @@ Hover hoverAt(Sandbox& sandbox, const Vector2d& pixel) {
   }
   if (session.skin() && (s.show().skin || s.show().wireframe)) {
     const Ray ray = rayThroughPixel(s.camera(), s.viewport(), s.toView(pixel));
-    if (const auto hit = pickSurface(session.skin()->mesh.triangles, sandbox.surface().positions, ray))
+    if (const auto hit = pickSurface(s.view->triangles(session), sandbox.surface().positions, ray))
       return {.kind = Hover::Kind::Skin,
               .joint = dominantJoint(*session.skin(), hit->point),
               .surface = hit->point,
@@ -318,7 +318,7 @@ std::optional<GoalId> handleAt(const Sandbox::State& s, const Vector2d& pixel) {
   std::optional<GoalId> best;
   double nearest = handleReach * s.viewScale();
   for (const SceneGoal& goal : s.session->goals()) {
-    if (!isGoalShown(*s.session, goal)) continue;
+    if (!s.view->shows(*s.session, goal)) continue;
     const Projected p = s.toWindow(s.session->reached(goal.id));
     if (const double d = (p.pixel - pixel).norm(); p.depth > 0.0 && d < nearest) {
       nearest = d;

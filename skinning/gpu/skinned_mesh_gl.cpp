@@ -392,6 +392,19 @@ void SkinnedMeshGl::setShape(const SkinnedVertices& deformed) {
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
+void SkinnedMeshGl::setTriangles(const std::vector<std::array<int, 3>>& triangles) {
+  if (static_cast<int>(triangles.size()) != triangleCount_)
+    throw std::invalid_argument("a mesh of " + std::to_string(triangleCount_) + " triangles was given " +
+                                std::to_string(triangles.size()));
+  shapeVersion_ = newVersion();
+  coarse_.reset();
+  glBindVertexArray(triangleArray_);
+  fill(GL_ELEMENT_ARRAY_BUFFER, indices_, triangles);
+  glBindVertexArray(cornerArray_);
+  fill(GL_ELEMENT_ARRAY_BUFFER, cornerIndices_, indicesByCorner(triangles, vertexCount_));
+  glBindVertexArray(0);
+}
+
 void SkinnedMeshGl::drawTriangles(bool layered) const {
   glBindVertexArray(layered ? layeredArray_ : triangleArray_);
   glDrawElements(GL_TRIANGLES, 3 * triangleCount_, GL_UNSIGNED_INT, nullptr);

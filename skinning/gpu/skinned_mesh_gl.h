@@ -71,6 +71,9 @@ class SkinnedMeshGl {
   /// Replaces positions and normals by vertices that were deformed on the CPU, in world coordinates: draw
   /// with unposed(). Throws std::invalid_argument on another length.
   void setShape(const SkinnedVertices& deformed);
+  /// Replaces the triangles by as many others over the same vertices; a triangle of one vertex is not seen.
+  /// Throws std::invalid_argument on another number.
+  void setTriangles(const std::vector<std::array<int, 3>>& triangles);
 
   /// Control points displaced by hand: what they do to each vertex in its link's own frame, position and
   /// three derivatives. Computed and uploaded only where they changed since the last call. rig: of the body

@@ -68,7 +68,12 @@ Document armDocument(const Model& model) {
   }
   edits.weights.set(201, Influences{{2, 1, 0, 0}, {2.0 / 3.0, 1.0 / 3.0, 0, 0}});
   MuscleSettings muscles = *edits.muscles;
-  muscles = {.enabled = true, .lattice = false, .split = true, .shownLimb = "", .limbs = muscles.limbs};
+  muscles = {.enabled = true,
+             .lattice = false,
+             .split = true,
+             .alone = true,
+             .shownLimb = "",
+             .limbs = muscles.limbs};
   LimbSettings& arm = muscles.limbs[0].second;
   arm.jointGap = 0.1 + 1.0 / 30.0;
   arm.wedge = 1.0 / 7.0;

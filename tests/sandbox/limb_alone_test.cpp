@@ -1,0 +1,88 @@
+// One limb alone in the window, with other skins beside it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "apps/sandbox/sandbox_state.h"
+#include "tests/sandbox/stage.h"
+
+namespace gelenk {
+namespace {
+
+using testing::Stage;
+
+int seen(const std::vector<std::array<int, 3>>& triangles) {
+  return static_cast<int>(std::ranges::count_if(triangles, [](const auto& t) { return t[0] != t[1]; }));
+}
+
+class LimbAlone : public ::testing::Test {
+ protected:
+  Stage stage_{{.model = "figure", .width = 640, .height = 480}};
+  Sandbox::State& state_ = stage_.sandbox.state();
+
+  const std::vector<std::array<int, 3>>& triangles() { return state_.view->triangles(*state_.session); }
+  bool canTake(const std::string& name) {
+    const auto id = state_.session->findGoal(name);
+    if (!id) ADD_FAILURE() << "no goal " << name;
+    return id && state_.view->shows(*state_.session, state_.session->goal(*id));
+  }
+};
+
+TEST_F(LimbAlone, IsAPartOfTheBodyWithTwoSkinsBesideItAndTheBodyComesBack) {
+  stage_.play("0 do Muscles layers on\n", 3);
+  const auto whole = triangles();
+  EXPECT_EQ(seen(whole), static_cast<int>(whole.size()));
+  const double bodyHeight = state_.view->bounds().sizes().y();
+  stage_.play("0 do Muscles alone on\n1 do Muscles bend 90\n", 3);
+  ASSERT_EQ(triangles().size(), whole.size());
+  EXPECT_GT(seen(triangles()), 1000);
+  EXPECT_LT(seen(triangles()), static_cast<int>(whole.size()) / 4);
+  EXPECT_LT(state_.view->bounds().sizes().y(), 0.5 * bodyHeight);
+  EXPECT_EQ(state_.view->skinFacts().size(), 3u);
+  EXPECT_TRUE(canTake("hand_l"));
+  EXPECT_FALSE(canTake("head"));
+  EXPECT_TRUE(canTake("foot_l"));  // a pin is told of, wherever it is
+  stage_.play("0 do Muscles alone off\n", 3);
+  EXPECT_EQ(triangles(), whole);
+  EXPECT_TRUE(canTake("head"));
+}
+
+/// Every mesh is made anew by another skinning method and by other proportions of a limb.
+TEST_F(LimbAlone, StaysAloneWhateverIsMadeAnewAndWhichLimbItIs) {
+  stage_.play("0 do Muscles layers on\n1 do Muscles alone on\n", 3);
+  const auto arm = triangles();
+  state_.session->chooseSkin(parseSkinChoice("lbs"));
+  stage_.play("", 3);
+  EXPECT_EQ(triangles(), arm);
+  const auto picture = [&](const char* script) {
+    stage_.play(script, 20);
+    return readPixels(stage_.target.framebuffer(), stage_.width, stage_.height);
+  };
+  const auto lonely = picture("");
+  const auto body = picture("0 do Muscles alone off\n");
+  int differ = 0;
+  for (std::size_t i = 0; i < body.size(); i += 4) differ += body[i] != lonely[i];
+  EXPECT_GT(differ, 2000);
+  stage_.play("0 do Muscles alone on\n1 do Muscles limb right leg\n", 3);
+  EXPECT_NE(triangles(), arm);
+  EXPECT_TRUE(canTake("foot_r"));
+  EXPECT_FALSE(canTake("hand_l"));
+}
+
+TEST_F(LimbAlone, WhatIsNotSeenIsNotTouched) {
+  stage_.play("0 do Muscles layers on\n", 3);
+  const int joint = *state_.session->skeleton().findJoint("head");
+  const Eigen::Vector3d head = state_.session->frames()[joint].translation();
+  const auto hits = [&] {
+    const Projected p = project(state_.camera(), state_.viewport(), head);
+    return pickSurface(triangles(), stage_.sandbox.surface().positions,
+                       rayThroughPixel(state_.camera(), state_.viewport(), p.pixel))
+        .has_value();
+  };
+  EXPECT_TRUE(hits());
+  stage_.play("0 do Muscles alone on\n", 3);
+  EXPECT_FALSE(hits());
+}
+
+}  // namespace
+}  // namespace gelenk
