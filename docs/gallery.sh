@@ -69,6 +69,7 @@ shot solvers figure 110 <<'R'
 14 move {1060} {77}
 15 press left
 16 release left
+30 move {1050} {241}
 R
 shot layout figure 16 <<'R'
 0 keydown ctrl
