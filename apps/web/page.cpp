@@ -177,7 +177,8 @@ EMSCRIPTEN_KEEPALIVE double page_frame(int width, int height, double scale, doub
     const double dt = std::clamp(passed, 1.0 / 240.0, 0.1);
     if (passed > dt) sandbox.slept(passed - dt);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    sandbox.frame({.width = width, .height = height, .scale = scale, .events = page().queue.take(writesText())}, dt);
+    sandbox.frame(
+        {.width = width, .height = height, .scale = scale, .events = page().queue.take(writesText())}, dt);
     if (sandbox.wantsToClose()) {
       sandbox.state().closing = false;
       sandbox.say("Close the page's tab to quit");
