@@ -15,7 +15,7 @@
 #include "kinematics/io/word_stream.h"
 #include "kinematics/motion/standing.h"
 #include "kinematics/skeleton_transform.h"
-#include "skinning/mesh_look.h"
+#include "skinning/bodies/robot_body.h"
 
 namespace gelenk {
 namespace {
@@ -343,13 +343,10 @@ void exportMotion(const std::string& path, const Skeleton& skeleton, const Skin*
 
 namespace {
 
-/// Of one colour, as links without a material have it.
+/// As links without a material have it.
 std::shared_ptr<const MeshLook> robotLook(const Mesh& mesh) {
-  const Eigen::Vector3f grey = linearFromSrgb(Eigen::Vector3f(0.78f, 0.79f, 0.80f));
-  Material material{.name = "link", .gloss = 0.25f};
-  material.colour << grey, 1.0f;
   return std::make_shared<const MeshLook>(MeshLook{
-      .materials = {material}, .parts = {{.triangleCount = static_cast<int>(mesh.triangles.size())}}});
+      .materials = {linkMaterial()}, .parts = {{.triangleCount = static_cast<int>(mesh.triangles.size())}}});
 }
 
 }  // namespace

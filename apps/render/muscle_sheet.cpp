@@ -8,6 +8,7 @@
 
 #include "apps/commands/muscle_report.h"
 #include "apps/render/lettering.h"
+#include "apps/render/limb_part.h"
 #include "apps/render/renderer.h"
 #include "apps/render/signs.h"
 #include "skinning/gpu/render_target.h"
@@ -21,8 +22,8 @@ constexpr double degree = M_PI / 180.0;
 constexpr double bends[] = {0.0, 60.0, 120.0};
 constexpr const char* ways[] = {"LBS", "FFD", "FFD + muscle"};
 
-/// The triangles whose corners all belong at least to the share to these joints.
-MuscleSkin cutOut(const MuscleSkin& body, const std::vector<int>& joints, double share) {
+/// The triangles whose corners all belong to these joints.
+MuscleSkin cutOut(const MuscleSkin& body, const std::vector<int>& joints) {
   MuscleSkin part{.skin = {.mesh = {}, .influences = {}, .jointFromRestWorld = body.skin.jointFromRestWorld},
                   .limbs = body.limbs,
                   .vertices = {},
@@ -31,10 +32,7 @@ MuscleSkin cutOut(const MuscleSkin& body, const std::vector<int>& joints, double
   std::vector<int> kept(body.vertices.size(), -1);
   for (std::size_t v = 0; v < kept.size(); ++v) {
     const Influences& in = body.skin.influences[v];
-    double weight = 0.0;
-    for (int k = 0; k < 4; ++k)
-      if (std::find(joints.begin(), joints.end(), in.joints[k]) != joints.end()) weight += in.weights[k];
-    if (weight < share) continue;
+    if (!belongsTo(in, joints)) continue;
     kept[v] = static_cast<int>(part.vertices.size());
     part.skin.mesh.positions.push_back(body.skin.mesh.positions[v]);
     part.skin.mesh.normals.push_back(body.skin.mesh.normals[v]);
@@ -48,14 +46,6 @@ MuscleSkin cutOut(const MuscleSkin& body, const std::vector<int>& joints, double
   if (part.skin.mesh.triangles.empty())
     throw std::invalid_argument("no part of the skin follows limb '" + body.limbs[0].name + "'");
   return part;
-}
-
-/// The joint and all that hangs on it.
-std::vector<int> descendants(const Skeleton& skeleton, int joint) {
-  std::vector<int> joints{joint};
-  for (int j = joint + 1; j < skeleton.jointCount(); ++j)
-    if (std::find(joints.begin(), joints.end(), skeleton.parent(j)) != joints.end()) joints.push_back(j);
-  return joints;
 }
 
 /// Along the bend axis, from outside the body; the first bone hangs down.
@@ -93,7 +83,7 @@ class SheetPainter {
         cell_{scaled(sheet.cellWidth), scaled(sheet.cellHeight)},
         rest_(restFrames(model.skeleton)),
         rig_(bindMuscles(*model.skin, {limb}, rest_), rest_),
-        part_(cutOut(rig_.body(), descendants(model.skeleton, limb.joints.front()), 0.5)),
+        part_(cutOut(rig_.body(), descendants(model.skeleton, limb.joints.front()))),
         mesh_(part_),
         camera_(alongBendAxis(limb, rest_, cell_)),
         target_(cell_.width, cell_.height) {

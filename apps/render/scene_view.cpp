@@ -5,6 +5,7 @@
 
 #include "apps/render/colour.h"
 #include "apps/render/lab_marks.h"
+#include "apps/render/limb_part.h"
 #include "apps/render/rulers.h"
 #include "apps/render/scene_marks.h"
 #include "apps/render/signs.h"
@@ -104,8 +105,7 @@ bool SceneView::shows(const Session& session, const SceneGoal& goal) const {
           std::ranges::find(aloneJoints_, goal.goal.joint) != aloneJoints_.end());
 }
 
-/// Of one limb alone every mesh draws the triangles that belong by half at least to its joints and what hangs
-/// on them.
+/// Of one limb alone every mesh draws the triangles that belong to its joints and what hangs on them.
 void SceneView::showLimbAlone(const Session& session) {
   const std::string wanted = rig_ && settings_->alone ? settings_->shownLimb : std::string();
   if (!session.skin() || (wanted == aloneLimb_ && (aloneIsCurrent_ || wanted.empty()))) return;
@@ -115,18 +115,9 @@ void SceneView::showLimbAlone(const Session& session) {
   for (const Limb& limb : rig_ ? rig_->body().limbs : std::vector<Limb>{}) {
     if (limb.name != wanted) continue;
     aloneLimb_ = wanted;
-    std::vector<bool> carries(session.skeleton().jointCount(), false);
-    aloneJoints_.clear();
-    for (int j = limb.joints.front(); j < session.skeleton().jointCount(); ++j) {
-      const int parent = session.skeleton().parent(j);
-      carries[j] = j == limb.joints.front() || (parent >= 0 && carries[parent]);
-      if (carries[j]) aloneJoints_.push_back(j);
-    }
+    aloneJoints_ = descendants(session.skeleton(), limb.joints.front());
     const auto isOutside = [&](int vertex) {
-      const Influences& in = session.skin()->influences[vertex];
-      double weight = 0.0;
-      for (int k = 0; k < 4; ++k) weight += carries[in.joints[k]] ? in.weights[k] : 0.0;
-      return weight < 0.5;
+      return !belongsTo(session.skin()->influences[vertex], aloneJoints_);
     };
     for (auto& triangle : aloneTriangles_)
       if (std::ranges::any_of(triangle, isOutside)) triangle.fill(triangle[0]);

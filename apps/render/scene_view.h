@@ -139,7 +139,7 @@ class SceneView {
   std::shared_ptr<const MuscleSettings> settings_;
   std::unique_ptr<MuscleRig> rig_;
   std::string muscleFault_;
-  std::string aloneLimb_;                           ///< that triangles_ shows; empty: the whole body
+  std::string aloneLimb_;                           ///< that is drawn; empty: the whole body
   std::vector<int> aloneJoints_;                    ///< that carry it
   std::vector<std::array<int, 3>> aloneTriangles_;  ///< of every mesh while it is alone
   bool aloneIsCurrent_ = true;                      ///< no mesh was made since

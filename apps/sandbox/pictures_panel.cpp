@@ -228,7 +228,7 @@ bool takeBranchAt(Sandbox& sandbox, const Eigen::Vector2d& pixel) {
     const Frames frames = forwardKinematics(session.skeleton(), q);
     if (session.skin() && s.view->prepared()) {
       const auto hit =
-          pickSurface(session.skin()->mesh.triangles, blendSkin(*s.view->prepared(), frames).positions, ray);
+          pickSurface(s.view->triangles(session), blendSkin(*s.view->prepared(), frames).positions, ray);
       if (hit && hit->depth < nearest) nearest = hit->depth, found = &q;
       continue;
     }

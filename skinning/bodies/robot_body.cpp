@@ -280,4 +280,11 @@ RobotBody robotBody(const Skeleton& skeleton, const RobotFigures& figures) {
   return body;
 }
 
+Material linkMaterial(const Eigen::Vector4d& rgba) {
+  Material material{.name = "link", .gloss = 0.25f};
+  material.colour << linearFromSrgb(Eigen::Vector3f(rgba.head<3>().cast<float>())),
+      static_cast<float>(rgba.w());
+  return material;
+}
+
 }  // namespace gelenk

@@ -29,4 +29,8 @@ struct RobotBody {
 /// Throws std::invalid_argument where a joint has two children, or all joints lie in one place.
 RobotBody robotBody(const Skeleton& skeleton, const RobotFigures& figures = {});
 
+/// Of a link that a file describes: colour in sRGB and alpha; by default the grey of those without a
+/// material.
+Material linkMaterial(const Eigen::Vector4d& rgba = {0.78, 0.79, 0.80, 1.0});
+
 }  // namespace gelenk

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "kinematics/io/word_stream.h"
+#include "skinning/bodies/robot_body.h"
 #include "skinning/creases.h"
 #include "skinning/io/collada.h"
 #include "skinning/io/obj.h"
@@ -172,11 +173,7 @@ UrdfModel openUrdf(const std::string& path) {
   const auto paint = [&](const UrdfVisual& visual, MeshLook own, int first, int count) {
     const auto texture = textureOf(visual, own, path, model.notes);
     if (visual.colour || texture || own.materials.empty()) {
-      Material material{.name = "link", .gloss = 0.25f};
-      const Eigen::Vector4d rgba = visual.colour.value_or(Eigen::Vector4d(0.78, 0.79, 0.80, 1.0));
-      material.colour << linearFromSrgb(Eigen::Vector3f(rgba.head<3>().cast<float>())),
-          static_cast<float>(rgba.w());
-      own.materials = {material};
+      own.materials = {visual.colour ? linkMaterial(*visual.colour) : linkMaterial()};
       own.textures.clear();
       own.parts = {{.triangleCount = count}};
       if (texture) {  // in place of the colour, as ROS' programs draw it
