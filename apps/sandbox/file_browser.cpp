@@ -178,7 +178,7 @@ std::optional<std::string> FileBrowser::draw(Sandbox& sandbox) {
   places(sandbox, height, chosen);
   ImGui::SameLine();
   list(sandbox, height, chosen);
-  if (std::exchange(focus_, false)) ImGui::SetKeyboardFocusHere();
+  if (std::exchange(focus_, false)) s.gui.focusText();
   ImGui::SetNextItemWidth((purpose_ == Purpose::Open ? 400 : 628) * s.scale);
   const bool entered = ImGui::InputText("##path", name_, sizeof name_, ImGuiInputTextFlags_EnterReturnsTrue);
   if (purpose_ == Purpose::Open) {

@@ -35,7 +35,7 @@ void filmReplay(const FilmOrder& order) {
     sandbox.frame({.width = order.width,
                    .height = order.height,
                    .scale = order.scale,
-                   .events = queue.take(writesText())},
+                   .events = queue.take(sandbox.keys())},
                   1.0 / 60.0);
     if (shown) fmt::print(stderr, "\r{}/{}{}", i + 1, frames, i + 1 == frames ? "\n" : "");
   }

@@ -71,6 +71,7 @@ void Gui::setLook(Theme theme, float scale) {
 
 void Gui::beginFrame(const Input& input, double dt) {
   ImGuiIO& io = ImGui::GetIO();
+  awaited_ = keys() == Keys::Awaited ? awaited_ - 1 : 0;
   io.DisplaySize = ImVec2(static_cast<float>(input.width), static_cast<float>(input.height));
   io.DeltaTime = static_cast<float>(std::max(dt, 1e-4));
   for (const InputEvent& event : input.events) {
@@ -88,7 +89,7 @@ void Gui::beginFrame(const Input& input, double dt) {
       case InputEvent::Kind::Key:
         // Tab is the next solver's: Dear ImGui, which would turn the next slider into a field, has it in
         // fields alone.
-        if (event.code == GLFW_KEY_TAB && !io.WantTextInput)
+        if (event.code == GLFW_KEY_TAB && keys() != Keys::Text)
           io.KeysDown[event.code] = false;
         else if (event.code >= 0 && event.code < 512)
           io.KeysDown[event.code] = event.down;
@@ -180,7 +181,17 @@ void fillRounded(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float 
   draw.PopClipRect();
 }
 
-bool writesText() { return ImGui::GetCurrentContext() && ImGui::GetIO().WantTextInput; }
+void Gui::focusText() {
+  ImGui::SetKeyboardFocusHere();
+  awaited_ = 4;
+}
+
+/// By what is active, not by WantTextInput, which is a frame late when Enter or a click ends or begins it.
+Keys Gui::keys() const {
+  const ImGuiContext& g = *ImGui::GetCurrentContext();
+  if (g.ActiveId != 0 && g.ActiveId == g.InputTextState.ID) return Keys::Text;
+  return awaited_ > 0 ? Keys::Awaited : Keys::Commands;
+}
 
 Span placeOfValue(const Span& frame, const Span& grab, float width, float gap) {
   const Span right{grab.high + gap, frame.high - gap}, left{frame.low + gap, grab.low - gap};

@@ -22,7 +22,13 @@ class Gui {
   /// Draws everything into the framebuffer that is bound.
   void endFrame();
 
+  /// Gives the next widget, a text field, the keys; those that are pressed until it has them wait for it.
+  void focusText();
+  /// Whom the next frame's keys belong to.
+  Keys keys() const;
+
  private:
+  int awaited_ = 0;  ///< frames in which a text field may still become ready
   Theme theme_ = Theme::Light;
   float scale_ = 0.0f;
   Fonts fonts_;
@@ -30,9 +36,6 @@ class Gui {
 
 /// A rectangle with round corners, as what is plotted on; a large opaque one on whole pixels costs little.
 void fillRounded(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float rounding);
-
-/// Whether a text field has the keyboard.
-bool writesText();
 
 /// From where to where something lies along a line, pixels.
 struct Span {

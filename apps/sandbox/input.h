@@ -24,15 +24,22 @@ struct Input {
   std::vector<InputEvent> events = {};
 };
 
-/// Holds events until a frame may see them. Within one frame a button or key changes at most once, a press is
-/// seen where it was made, and a release after the frame that saw the moves before it: whatever the frame
-/// rate, a quick tap is never lost, nor the end of a drag.
+/// Whom the keys belong to.
+enum class Keys {
+  Commands,  ///< each does something
+  Text,      ///< a text field has them
+  Awaited,   ///< one that just opened will have them, but is not ready
+};
+
+/// Holds events until a frame may see them. A key or button that goes down ends what its frame sees, since it
+/// may change whom the next belongs to; a release comes after the frame that saw the moves before it. So the
+/// same is done whatever the frame rate: no tap is lost, no end of a drag, no letter of a word.
 class InputQueue {
  public:
   void add(InputEvent event) { waiting_.push_back(std::move(event)); }
-  /// writing: a text field has the keys. What was typed into it comes at once, as fast as it was typed; keys
-  /// that do something to the text, such as Backspace and Enter, have a frame of their own, in their order.
-  std::vector<InputEvent> take(bool writing = false);
+  /// What is typed into a text field comes at once, as fast as it was typed; keys that do something to the
+  /// text, such as Backspace and Enter, keep their place in it.
+  std::vector<InputEvent> take(Keys keys);
   bool empty() const { return waiting_.empty(); }
 
  private:

@@ -162,7 +162,7 @@ void CommandPalette::draw(Sandbox& sandbox) {
   dropShadow(s);
   if (std::exchange(focus_, false)) {
     ImGui::SetWindowFocus();
-    ImGui::SetKeyboardFocusHere();
+    s.gui.focusText();
   }
   ImGui::SetNextItemWidth(-1);
   const std::string before = query_;

@@ -388,8 +388,7 @@ double Sandbox::rests() const {
       (!s.shownFrames && solve.ran && solve.jointMotion > still) ||
       std::ranges::any_of(s.limitGlow, [](double glow) { return glow > 0.0 && glow < 1.0; }))
     return 0.0;
-  double seconds =
-      ImGui::GetIO().WantTextInput ? 0.25 : std::numeric_limits<double>::infinity();  // the caret
+  double seconds = keys() == Keys::Text ? 0.25 : std::numeric_limits<double>::infinity();  // the caret
   for (const Notice& notice : s.notices)
     seconds = std::min(seconds, std::max(0.0, notice.until - noticeFade - s.time));
   for (const auto& panel : s.panels) seconds = std::min(seconds, panel->rests(*this));
@@ -403,6 +402,7 @@ Camera& Sandbox::camera() { return state_->camera(); }
 ViewOptions& Sandbox::options() { return state_->show(); }
 Theme Sandbox::theme() const { return state_->theme(); }
 float Sandbox::scale() const { return state_->scale; }
+Keys Sandbox::keys() const { return state_->gui.keys(); }
 int Sandbox::frameNumber() const { return state_->frameNumber; }
 double Sandbox::time() const { return state_->time; }
 

@@ -83,6 +83,7 @@ class Sandbox {
   Theme theme() const;
   float scale() const;  ///< HiDPI factor: multiply pixel sizes by it
   int frameNumber() const;
+  Keys keys() const;    ///< whom those of the next frame belong to
   double time() const;  ///< sum of dt, seconds
 
   /// Shows these frames instead of the session's pose, in this frame only; the solver rests. For poses that

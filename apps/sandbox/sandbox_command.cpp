@@ -90,7 +90,7 @@ void runOffscreen(const Arguments& arguments, std::optional<Replay> replay, Cloc
     sandbox.frame({.width = width,
                    .height = height,
                    .scale = arguments.sandbox.scale,
-                   .events = queue.take(writesText())},
+                   .events = queue.take(sandbox.keys())},
                   1.0 / 60.0);
     if (i == 0) tellStart(arguments, sandbox, begin);
     if (remote) remote->tell(sandbox);
@@ -124,12 +124,12 @@ void runWindow(const Arguments& arguments, std::optional<Replay> replay, Clock::
     // A window at rest is not drawn again. Replays and counted frames go through without a pause.
     if (!replay && arguments.frames == 0 && !window.hasEvents())
       if (const double rests = sandbox.rests(); rests > 0.0) window.wait(rests);
-    input = window.poll(arguments.scale);
+    input = window.poll(arguments.scale, sandbox.keys());
     if (window.takeCloseRequest()) sandbox.requestClose();
     if (remote) remote->receive(sandbox);
     if (replay) {
       replay->play(i, sandbox, queue);
-      for (InputEvent& event : queue.take(writesText())) input.events.push_back(std::move(event));
+      for (InputEvent& event : queue.take(sandbox.keys())) input.events.push_back(std::move(event));
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     const double since = secondsSince(std::exchange(last, Clock::now()));

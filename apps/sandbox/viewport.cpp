@@ -384,7 +384,8 @@ void frameEverything(Sandbox& sandbox, bool glide) {
 void handleViewInput(Sandbox& sandbox, const Input& input) {
   Sandbox::State& s = sandbox.state();
   const ImGuiIO& io = ImGui::GetIO();
-  const bool typing = io.WantTextInput || s.dialog != Sandbox::State::Dialog::None || s.palette.isOpen();
+  const bool typing =
+      sandbox.keys() == Keys::Text || s.dialog != Sandbox::State::Dialog::None || s.palette.isOpen();
   for (const InputEvent& event : input.events) {
     switch (event.kind) {
       case InputEvent::Kind::MouseMove:

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "apps/sandbox/gui.h"
 #include "skinning/gpu/driver.h"
 
 namespace gelenk {
@@ -104,9 +103,9 @@ bool Window::takeCloseRequest() {
   return asked;
 }
 
-Input Window::poll(double scale) {
+Input Window::poll(double scale, Keys keys) {
   glfwPollEvents();
-  Input input{.scale = scale, .events = queue_.take(writesText())};
+  Input input{.scale = scale, .events = queue_.take(keys)};
   glfwGetFramebufferSize(window_, &input.width, &input.height);
   while ((input.width == 0 || input.height == 0) && !shouldClose()) {  // minimised
     glfwWaitEvents();

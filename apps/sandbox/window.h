@@ -22,7 +22,7 @@ class Window {
   /// Whether its close button was pressed since the last call.
   bool takeCloseRequest();
   /// Collects events; returns what the next frame sees. scale 0: the monitor's.
-  Input poll(double scale);
+  Input poll(double scale, Keys keys = Keys::Commands);
   /// Sleeps until something happens, or for so many seconds (infinity: as long as it takes).
   void wait(double seconds);
   /// Ends a wait; from any thread.

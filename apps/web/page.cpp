@@ -178,7 +178,7 @@ EMSCRIPTEN_KEEPALIVE double page_frame(int width, int height, double scale, doub
     if (passed > dt) sandbox.slept(passed - dt);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     sandbox.frame(
-        {.width = width, .height = height, .scale = scale, .events = page().queue.take(writesText())}, dt);
+        {.width = width, .height = height, .scale = scale, .events = page().queue.take(sandbox.keys())}, dt);
     if (sandbox.wantsToClose()) {
       sandbox.state().closing = false;
       sandbox.say("Close the page's tab to quit");

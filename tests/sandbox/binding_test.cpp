@@ -107,7 +107,7 @@ TEST(BindingPanel, EveryWayOfBindingTheFigureLeavesTheSolverAtWork) {
     for (int i = 0; i < replay.length() + 6; ++i) {
       replay.play(i, sandbox, queue);
       glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = 1280, .height = 800, .events = queue.take()}, 1.0 / 60.0);
+      sandbox.frame({.width = 1280, .height = 800, .events = queue.take(sandbox.keys())}, 1.0 / 60.0);
     }
   };
   const Skeleton* skeleton = &sandbox.session().skeleton();

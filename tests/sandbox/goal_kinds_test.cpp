@@ -25,7 +25,7 @@ struct Window {
     for (int i = 0; i < frames; ++i) {
       replay.play(i, sandbox, queue);
       glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
+      sandbox.frame({.width = width, .height = height, .events = queue.take(sandbox.keys())}, 1.0 / 60.0);
     }
   }
   Session& session() { return *sandbox.state().session; }

@@ -125,7 +125,7 @@ class Monkey {
       act(command);
     }
     glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
-    sandbox_.frame({.width = width, .height = height, .events = queue_.take()}, 1.0 / 60.0);
+    sandbox_.frame({.width = width, .height = height, .events = queue_.take(sandbox_.keys())}, 1.0 / 60.0);
     ++frame_;
     check();
     return !sandbox_.wantsToClose();
@@ -354,7 +354,7 @@ TEST(Monkey, UndoWalksBackThroughRandomEditsAndRedoForwardAgain) {
         Replay::parse("edit", std::to_string(frame) + " " + command).play(frame, sandbox, queue);
       for (int i = 0; i < frames; ++i, ++frame) {
         glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-        sandbox.frame({.width = width, .height = height, .events = queue.take()}, 1.0 / 60.0);
+        sandbox.frame({.width = width, .height = height, .events = queue.take(sandbox.keys())}, 1.0 / 60.0);
       }
     };
     play({}, 2);

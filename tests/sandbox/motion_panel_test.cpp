@@ -78,7 +78,7 @@ class Driven : public ::testing::Test {
     for (int i = 0; i < frames; ++i) {
       replay.play(i, sandbox_, queue);
       glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
-      sandbox_.frame({.width = 1280, .height = 800, .events = queue.take()}, 1.0 / 60.0);
+      sandbox_.frame({.width = 1280, .height = 800, .events = queue.take(sandbox_.keys())}, 1.0 / 60.0);
       each();
     }
   }

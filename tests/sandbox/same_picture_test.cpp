@@ -70,7 +70,7 @@ void expectTheSamePicture(const std::string& model, const std::string& script,
     Replay replay = Replay::parse("test", script + "60 move 5 5\n");
     const auto frame = [&](double dt) {
       glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-      sandbox.frame({.width = width, .height = height, .events = queue.take()}, dt);
+      sandbox.frame({.width = width, .height = height, .events = queue.take(sandbox.keys())}, dt);
     };
     for (int i = 0; i < replay.length(); ++i) {
       replay.play(i, sandbox, queue);

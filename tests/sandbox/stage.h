@@ -26,7 +26,7 @@ struct Stage {
   }
   void frame() {
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
-    sandbox.frame({.width = width, .height = height, .events = queue.take(writesText())}, 1.0 / 60.0);
+    sandbox.frame({.width = width, .height = height, .events = queue.take(sandbox.keys())}, 1.0 / 60.0);
   }
   /// The script's frames, counted from 0, and some more.
   void play(const std::string& script, int more = 2) {

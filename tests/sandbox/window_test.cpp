@@ -1,6 +1,7 @@
 // A real window under Xvfb, moved by a real mouse (xdotool). The program writes its status after every frame;
 // the test waits for frame numbers and facts in it, never for a time.
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -156,6 +157,39 @@ TEST_F(RealWindow, AShortTapOfAKeyIsNotLost) {
   mouse({"key", "Tab"});
   const json status = waitFor([&](const json& s) { return s["solver"] != before; });
   EXPECT_NE(status["solver"], before);
+}
+
+/// On a machine so slow that everything is there before the next frame: the same is done, in the same order.
+TEST_F(RealWindow, WhatWasDoneWhileTheProgramDidNotAnswerIsDone) {
+  const json start = waitFor([](const json&) { return true; }), at = goal(start, "hand_r");
+  const double x = at["pixel"][0], y = at["pixel"][1];
+  ::kill(program_->id(), SIGSTOP);
+  moveTo(x, y);
+  mouse({"mousedown", "1"});
+  for (int i = 1; i <= 5; ++i) moveTo(x - 4.0 * i, y - 8.0 * i);
+  mouse({"mouseup", "1"});
+  moveTo(40, 60);
+  ::kill(program_->id(), SIGCONT);
+  waitFor([](const json& s) { return goal(s, "hand_r")["state"] == "held"; });
+  json status = nextFrames(8);
+  EXPECT_NEAR(goal(status, "hand_r")["pixel"][0].get<double>(), x - 20.0, 1.5);
+  EXPECT_NEAR(goal(status, "hand_r")["pixel"][1].get<double>(), y - 40.0, 1.5);
+
+  ::kill(program_->id(), SIGSTOP);
+  moveTo(x - 20.0, y - 40.0);
+  for (const char* words : {"robot scarra", "show velocity ellipsoid"}) {
+    mouse({"key", "ctrl+k"});
+    mouse({"type", "--delay", "2", words});
+    if (words[0] == 'r') mouse({"key", "BackSpace", "BackSpace", "a"});
+    mouse({"key", "Return"});
+    if (words[0] == 'r') mouse({"key", "d"});  // not saved
+  }
+  mouse({"key", "Tab"});
+  ::kill(program_->id(), SIGCONT);
+  status = waitFor([&](const json& s) { return s["solver"] != start["solver"]; });
+  EXPECT_EQ(status["model"], "scara");
+  EXPECT_EQ(std::ranges::count(status["shown"], json("velocity_ellipsoid")), 1);
+  EXPECT_EQ(status["dragging"], nullptr);
 }
 
 /// The hour in short, with a real mouse and real keys: everything is found through the command palette.
