@@ -144,8 +144,8 @@ void findUp(const FileFormat& format, const std::string& wanted, Model& model) {
   }
   model.up = upOf(model.skeleton, some, standingParts(model.skeleton));
   if (model.up.z() > 0.5)
-    tellFact(model.notes, "up-axis",
-             "the body stands along z, which is taken as up (--up chooses; convert --up-in z turns it)");
+    tellFact(model.notes, "up-axis", "the body stands along z, which is taken as up",
+             "--up chooses; convert --up-in z turns it");
 }
 
 /// Largest extent of the body (else of the joints) in the pose it stands in, metres.

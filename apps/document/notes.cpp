@@ -45,8 +45,10 @@ bool notesAreQuiet() { return voice().quiet; }
 
 nlohmann::json asJson(const std::vector<Note>& notes) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Note& note : notes)
+  for (const Note& note : notes) {
     list.push_back({{"kind", note.kind}, {"text", note.text}, {"count", note.count}, {"fact", note.fact}});
+    if (!note.remedy.empty()) list.back()["remedy"] = note.remedy;
+  }
   return list;
 }
 

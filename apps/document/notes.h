@@ -23,7 +23,7 @@ void demandNoNotes(const std::string& file, const std::vector<Note>& notes);
 /// True with --quiet.
 bool notesAreQuiet();
 
-/// [{"kind", "text", "count", "fact"}, ...], whatever --quiet says.
+/// [{"kind", "text", "count", "fact"}, ...] and "remedy" where there is one, whatever --quiet says.
 nlohmann::json asJson(const std::vector<Note>& notes);
 
 }  // namespace gelenk

@@ -392,7 +392,7 @@ std::vector<std::string> namesOf(const Skeleton& skeleton) {
 
 py::list noteList(const std::vector<Note>& notes) {
   py::list out;
-  for (const Note& note : notes) out.append(py::make_tuple(note.kind, note.line()));
+  for (const Note& note : notes) out.append(py::make_tuple(note.kind, note.lineWithoutRemedy()));
   return out;
 }
 

@@ -27,12 +27,16 @@ ImVec4 inkOf(const ImVec4& colour, const Palette& palette) {
           colour.z + white * (1.0f - colour.z), colour.w};
 }
 
+ImVec2 sizeOfWords(const LabelPen& pen, const std::string& text, bool isFormula) {
+  const ImVec2 size = pen.font->CalcTextSizeA(pen.size, 1e9f, 0.0f, text.c_str());
+  return isFormula ? ImVec2(mathExtent(pen.font, pen.size, text).width, size.y) : size;
+}
+
 void writeWords(const LabelPen& pen, ImVec2 at, const ImVec4& named, const std::string& text,
                 bool isFormula) {
   const ImVec4 colour = inkOf(named, pen.colours);
   ImFont* font = pen.font;
-  ImVec2 size = font->CalcTextSizeA(pen.size, 1e9f, 0.0f, text.c_str());
-  if (isFormula) size = {mathExtent(font, pen.size, text).width, size.y};
+  const ImVec2 size = sizeOfWords(pen, text, isFormula);
   // In whole pixels: sharp, and the same wherever the picture lies.
   LabelBox box{std::floor(at.x - 5 * pen.scale), std::floor(at.y - 2 * pen.scale),
                std::ceil(size.x + 10 * pen.scale), std::ceil(size.y + 4 * pen.scale)};
@@ -58,12 +62,15 @@ void writeLabels(const LabelPen& pen, const std::vector<SceneLabel>& labels, con
                     mark = project(camera, viewport, label.mark.value_or(label.at));
     if (p.depth <= 0.0) continue;
     const ImVec2 middle = pixelOf(mark);
-    pen.places->takeAround(middle.x, middle.y, dot);
+    if (!label.isAbove) pen.places->takeAround(middle.x, middle.y, dot);
     seen.emplace_back(&label, pixelOf(p));
   }
-  for (const auto& [label, at] : seen)
-    writeWords(pen, {at.x + 12 * pen.scale, at.y - 8 * pen.scale}, toImVec4(label->colour), label->text,
-               !label->isName);
+  for (const auto& [label, at] : seen) {
+    const ImVec2 size = sizeOfWords(pen, label->text, !label->isName);
+    const ImVec2 from = label->isAbove ? ImVec2(at.x - 0.5f * size.x, at.y - size.y)
+                                       : ImVec2(at.x + 12 * pen.scale, at.y - 8 * pen.scale);
+    writeWords(pen, from, toImVec4(label->colour), label->text, !label->isName);
+  }
 }
 
 LabelWriter::LabelWriter(Theme theme, float scale) : theme_(theme), scale_(scale) {

@@ -182,8 +182,7 @@ Session openRequested(const Request& request) {
   return Session(std::move(model), std::move(document));
 }
 
-Camera cameraOf(const Request& request, const Session& session, const SceneView& view,
-                const Viewport& viewport) {
+Camera cameraOf(const Request& request, const Session& session, SceneView& view, const Viewport& viewport) {
   const bool asked = !request.view.empty() || !request.focus.empty() || request.azimuth ||
                      request.elevation || request.orthographic;
   Camera camera = session.document().view.camera;

@@ -22,6 +22,8 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr GLuint frameBinding = 2;
+constexpr int depthBits = 24;       // of the picture's depth buffer
+constexpr double ghostStep = 3e-4;  // from ghost to ghost, of the model's size
 enum TextureUnit : GLint {
   ShadowMapUnit = 0,
   ShadowDepthUnit = 1,
@@ -173,6 +175,14 @@ Matrix4d clipOf(const RenderScene& scene, const Camera& camera, const Viewport& 
                 const Lighting& light) {
   return clipFromView(camera, viewport, depthRange(camera, scene.bounds, 6.0 * light.size)) *
          viewFromWorld(camera);
+}
+
+/// Units of glPolygonOffset for a metre at the camera's distance.
+float depthUnits(const RenderScene& scene, const Camera& camera, const Lighting& light) {
+  const DepthRange range = depthRange(camera, scene.bounds, 6.0 * light.size);
+  const double near = range.near, far = range.far, d = camera.distance;
+  const double perMetre = camera.orthographic ? 1.0 : near * far / (d * d);
+  return static_cast<float>(std::ldexp(perMetre / (far - near), depthBits));
 }
 
 /// How far from the patch's centre the ground has faded: beyond what is below the eye, however far that is.
@@ -346,6 +356,7 @@ struct Renderer::State {
   GLuint comparing = 0, plain = 0;
 
   RenderTarget large, resolved;
+  float ghostOffset = 0.0f;           ///< polygon offset of a ghost, units
   GlTexture noisyOpenness, openness;  ///< of still pictures, a pixel of the picture each
   GlFramebuffer noisyOpennessBuffer, opennessBuffer;
   Viewport opennessSize{0, 0};
@@ -613,7 +624,8 @@ void Renderer::State::drawBody(const RenderScene& scene, std::size_t index, bool
     glEnable(GL_POLYGON_OFFSET_FILL);
     culling.emplace(body, GL_BACK);
   }
-  glPolygonOffset(1.0f, 8.0f);
+  // Farther back than corners of round parts that were turned stick out, and each behind the one before.
+  glPolygonOffset(1.0f, (5.0f + static_cast<float>(index)) * ghostOffset);
   // Depth first, so that only the nearest layer of a translucent body is seen.
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   drawAll();
@@ -770,6 +782,7 @@ void Renderer::draw(const RenderScene& scene, const Camera& camera, const Viewpo
   // The picture stays opaque: what shows it may blend it over something else.
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl.overlay.draw(scene.overlay);
+  gl.ghostOffset = static_cast<float>(ghostStep * scene.size) * depthUnits(scene, camera, light);
   gl.drawBodies(scene, true);
   if (!scene.overlayOnTop.empty()) {
     glClear(GL_DEPTH_BUFFER_BIT);

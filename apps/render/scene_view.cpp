@@ -110,6 +110,7 @@ void SceneView::showLimbAlone(const Session& session) {
   const std::string wanted = rig_ && settings_->alone ? settings_->shownLimb : std::string();
   if (!session.skin() || (wanted == aloneLimb_ && (aloneIsCurrent_ || wanted.empty()))) return;
   aloneIsCurrent_ = true;
+  volume_.reset();
   aloneLimb_.clear();
   aloneTriangles_ = session.skin()->mesh.triangles;
   for (const Limb& limb : rig_ ? rig_->body().limbs : std::vector<Limb>{}) {
@@ -197,8 +198,9 @@ const SkinnedVertices& SceneView::surface(const Session& session) {
 }
 
 Camera SceneView::wholeView(const Session& session, const Viewport& viewport,
-                            const Eigen::AlignedBox3d& shown) const {
+                            const Eigen::AlignedBox3d& shown) {
   Eigen::AlignedBox3d box = shown;
+  if (session.document().view.show.reachable) box.extend(teaching_.reachableBox(session, std::nullopt));
   if (session.model().planar && !frames_.empty()) {
     double reach = 0.0;
     for (int i = 0; i < session.skeleton().jointCount(); ++i)
@@ -249,8 +251,12 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
     ghosts_.push_back({.worldFromJoint = framesBeside(session, frames_, size_),
                        .tint = {0.80f, 0.76f, 0.71f},
                        .opacity = 1.0f});
-    scene.labels.push_back({ghosts_.back().worldFromJoint[0].translation() + above, "LBS", colours.dim});
-    scene.labels.push_back({frames_[0].translation() + above, "FFD", colours.accent});
+    const auto name = [&](const Frames& frames, const char* words, const Colour& colour) {
+      scene.labels.push_back(
+          {.at = frames[0].translation() + above, .text = words, .colour = colour, .isAbove = true});
+    };
+    name(ghosts_.back().worldFromJoint, "LBS", colours.dim);
+    name(frames_, "FFD", colours.accent);
   }
   ghostPoses_.resize(ghosts_.size());
   for (std::size_t i = 0; i < ghosts_.size(); ++i) {
@@ -266,11 +272,11 @@ SkinFacts SceneView::factsOf(const SkinChoice& choice, const SkinnedVertices& at
                              const SkinnedVertices& own) const {
   const Mesh& rest = prepared_->skin.mesh;
   SkinFacts facts{.choice = choice, .section = smallestSection(sections_, at.positions)};
-  Mesh posed{.positions = at.positions, .triangles = rest.triangles, .normals = {}};
-  if (const double volume = enclosedVolume(rest); volume > 0.0)
-    facts.volume = enclosedVolume(posed) / volume - 1.0;
-  for (std::size_t v = 0; v < at.positions.size(); ++v)
-    facts.farthest = std::max(facts.farthest, (at.positions[v] - own.positions[v]).norm());
+  if (const double volume = volume_->volume(rest.positions); volume > 0.0)
+    facts.volume = volume_->volume(at.positions) / volume - 1.0;
+  for (const auto& triangle : aloneLimb_.empty() ? rest.triangles : aloneTriangles_)
+    for (const int v : triangle)
+      facts.farthest = std::max(facts.farthest, (at.positions[v] - own.positions[v]).norm());
   return facts;
 }
 
@@ -308,14 +314,18 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
   skinFacts_.clear();
   const std::vector<SkinChoice>& wanted = session.document().lab.skins;
   if (wanted.empty()) return;
-  if (sections_.empty())
+  if (!volume_) {
+    volume_.emplace(triangles(session));
+    sections_.clear();
+    const Frames bound = bindFrames(session.model());
     for (const LimbChain& limb : limbChains(session.skeleton())) {
-      const Frames bound = bindFrames(session.model());
+      if (!aloneLimb_.empty() && !std::ranges::binary_search(aloneJoints_, limb.joints.back())) continue;
       for (std::size_t k = 0; k + 1 < limb.joints.size(); ++k)
         for (SkinSection& section : sectionsAlong(prepared_->skin.mesh, bound[limb.joints[k]].translation(),
                                                   bound[limb.joints[k + 1]].translation(), 9))
           sections_.push_back(std::move(section));
     }
+  }
   const SkinnedVertices& own = surface(session);
   const Eigen::Vector3d top =
       session.model().up *
@@ -360,7 +370,8 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
     scene.labels.push_back({.at = facts.above,
                             .text = toString(facts.choice),
                             .colour = markColours(scene.theme).dim,
-                            .isName = true});
+                            .isName = true,
+                            .isAbove = true});
 }
 
 void SceneView::addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene) {

@@ -45,7 +45,7 @@ struct PictureExtras {
 /// A skin drawn beside the body by another method, and what is measured of it.
 struct SkinFacts {
   SkinChoice choice = {};
-  double volume = 0.0;    ///< change of the body's volume since rest, of it
+  double volume = 0.0;    ///< change of the volume of what is drawn since rest, of it: body or limb
   double section = 1.0;   ///< smallest section across a limb's bone, of rest's
   double farthest = 0.0;  ///< largest distance of a vertex from the body's own, metres
   Eigen::Vector3d above = Eigen::Vector3d::Zero();  ///< where its name stands
@@ -86,15 +86,16 @@ class SceneView {
   /// Why the muscle layers that the document asks for are not there; empty: nothing is amiss.
   const std::string& muscleFault() const { return muscleFault_; }
 
-  /// The camera of a document that begins: everything in view (planar: all that the arm can reach), from the
-  /// direction that the document's camera looks.
-  Camera wholeView(const Session& session, const Viewport& viewport, const Eigen::AlignedBox3d& box) const;
+  /// The camera of a document that begins: everything in view (all that the arm can reach where it is planar
+  /// or that is shown), from the direction that the document's camera looks.
+  Camera wholeView(const Session& session, const Viewport& viewport, const Eigen::AlignedBox3d& box);
 
   /// Of the document's motion with its edits; nothing is known without one.
   const MotionFacts& motionFacts(const Session& session);
 
   /// What stands beside the body to explain it.
   const TeachingPictures& teaching() const { return teaching_; }
+  TeachingPictures& teaching() { return teaching_; }
 
   /// The picture. It points into this object and is valid until the next call.
   RenderScene compose(const Session& session, PictureExtras extras = {});
@@ -163,7 +164,8 @@ class SceneView {
   std::vector<SkinPose> ghostPoses_;
   std::vector<SkinBeside> skinsBeside_;
   std::vector<SkinFacts> skinFacts_;
-  std::vector<SkinSection> sections_;  ///< across the limbs' bones
+  std::vector<SkinSection> sections_;  ///< across the bones of the limbs that are drawn
+  std::optional<PartVolume> volume_;   ///< of the body or limb that is drawn; with the sections
 };
 
 }  // namespace gelenk

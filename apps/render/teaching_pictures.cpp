@@ -163,8 +163,18 @@ void TeachingPictures::ellipsoids(const Session& session, const Frames& frames, 
   }
 }
 
-/// Places of the effector over random joint values, brighter where it moves better.
-void TeachingPictures::reach(const Session& session, const Effector& at, const Look& look, Overlay& overlay) {
+Eigen::AlignedBox3d TeachingPictures::reachableBox(const Session& session, std::optional<GoalId> selected) {
+  Eigen::AlignedBox3d box;
+  if (const auto effector = effectorOf(session, selected)) {
+    lookForReach(session, *effector);
+    for (const Vector3d& point : cloud_) box.extend(point);
+  }
+  return box;
+}
+
+/// Places of the effector over random joint values, and how well it moves there; nothing where they are
+/// known.
+void TeachingPictures::lookForReach(const Session& session, const Effector& at) {
   const Skeleton& skeleton = session.skeleton();
   const std::vector<int> path = pathTo(skeleton, at.joint);
   VectorXd fixed =
@@ -210,6 +220,11 @@ void TeachingPictures::reach(const Session& session, const Effector& at, const L
     }
     for (float& value : cloudValue_) value /= most;
   }
+}
+
+/// Brighter where it moves better.
+void TeachingPictures::reach(const Session& session, const Effector& at, const Look& look, Overlay& overlay) {
+  lookForReach(session, at);
   const Vector3d below =
       session.model().planar ? Vector3d(-0.004 * look.size * session.model().up) : Vector3d::Zero();
   for (std::size_t i = 0; i < cloud_.size(); ++i)

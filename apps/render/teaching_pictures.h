@@ -75,10 +75,14 @@ class TeachingPictures {
   static std::string whyNoSelfMotion(const Skeleton& skeleton, const Effector& at);
   static std::string whyNoMap(const Skeleton& skeleton, const Effector& at);
 
+  /// Of the reachable set; empty where no point is meant.
+  Eigen::AlignedBox3d reachableBox(const Session& session, std::optional<GoalId> selected);
+
  private:
   void ellipsoids(const Session& session, const Frames& frames, const Effector& at, const Look& look,
                   Overlay& overlay) const;
   void reach(const Session& session, const Effector& at, const Look& look, Overlay& overlay);
+  void lookForReach(const Session& session, const Effector& at);
   void otherSolutions(const Session& session, const Frames& frames, const Effector& at,
                       std::vector<Ghost>& ghosts);
   void nullSpace(const Session& session, const Frames& frames, const Effector& at,

@@ -139,4 +139,13 @@ void drawGizmo(const Sandbox::State& s, ImDrawList& draw) {
   }
 }
 
+void keepGizmoFree(const Sandbox::State& s, LabelPlaces& places) {
+  const std::optional<GizmoPlace> place = gizmoOf(s);
+  for (int axis = 0; place && axis < 3; ++axis)
+    for (int step = 1; place->arrows[axis] && step <= 8; ++step) {
+      const Vector2d at = s.toWindow(place->at + step / 8.0 * place->size * Vector3d::Unit(axis)).pixel;
+      places.takeAround(static_cast<float>(at.x()), static_cast<float>(at.y()), 6 * s.viewScale());
+    }
+}
+
 }  // namespace gelenk

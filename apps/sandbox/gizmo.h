@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "apps/render/label_places.h"
 #include "apps/sandbox/sandbox_state.h"
 
 namespace gelenk {
@@ -26,5 +27,7 @@ std::optional<double> angleAbout(const Sandbox::State& state, const Eigen::Vecto
                                  const Eigen::Vector2d& pixel);
 
 void drawGizmo(const Sandbox::State& state, ImDrawList& draw);
+/// No words on its arrows.
+void keepGizmoFree(const Sandbox::State& state, LabelPlaces& places);
 
 }  // namespace gelenk

@@ -156,6 +156,7 @@ void drawMarks(Sandbox& sandbox) {
                  {view.x, view.y}, {view.x + view.width, view.y + view.height}, {0, 1}, {1, 0});
   draw->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glEnable(GL_BLEND); }, nullptr);
   draw->PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height}, true);
+  keepGizmoFree(s, places);
   writeLabels(pen, s.labels, s.camera(), s.viewport(), corner);
   drawConstraint(pen, sandbox);
   drawGizmo(sandbox.state(), *draw);

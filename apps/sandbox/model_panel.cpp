@@ -92,7 +92,7 @@ class ModelPanel final : public Panel {
                                      ? "A note on the file###notes"
                                      : fmt::format("{} notes on the file###notes", notes.size()).c_str()))
       return;
-    for (const Note& note : notes) wrappedText(note.line());
+    for (const Note& note : notes) wrappedText(note.lineWithoutRemedy());
   }
 
   static float slidersHeight(const Sandbox::State& s) {

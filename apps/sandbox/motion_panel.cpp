@@ -432,7 +432,7 @@ class MotionPanel final : public Panel {
     const ModelReference& reference = sandbox.state().session->document().model;
     FittedClip fitted = clipFor(sandbox.session().model(), clip().framesPerSecond, file, reference.nameOrFile,
                                 withoutMotion(reference.files));
-    for (const Note& note : fitted.notes) sandbox.say(note.line());
+    for (const Note& note : fitted.notes) sandbox.say(note.lineWithoutRemedy());
     return std::move(fitted.clip);
   }
   void fade(Sandbox& sandbox, const std::string& file, double seconds) {

@@ -89,8 +89,10 @@ std::vector<Action> actionsOf(Sandbox& sandbox) {
   add("Play or pause", "Space", [](Sandbox& s) { s.setPlaying(!s.playing()); });
   add("Mouse and keys (help)", "H", [](Sandbox& s) { s.state().helpOpen = true; });
   for (const ViewOptionName& option : viewOptionNames())
-    add(fmt::format("Show or hide {}", option.title), "",
-        [which = option.option](Sandbox& s) { s.options().*which = !(s.options().*which); });
+    add(fmt::format("Show or hide {}", option.title), "", [which = option.option](Sandbox& s) {
+      s.options().*which = !(s.options().*which);
+      if (which == &ViewOptions::reachable && s.options().reachable) frameReachable(s);
+    });
   for (const auto& panel : sandbox.state().panels) {
     const std::string name = panel->name();
     if (panel->hasInspector()) add("Tab " + name, "", [name](Sandbox& s) { s.showInspector(name); });

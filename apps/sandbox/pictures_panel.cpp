@@ -79,7 +79,7 @@ class PicturesPanel final : public Panel {
         "Forces that joint torques of |τ| = 1 hold: half axes are 1 over the singular values. Long where "
         "the "
         "velocity ellipsoid is short.");
-    ImGui::Checkbox("Reachable set", &show.reachable);
+    if (ImGui::Checkbox("Reachable set", &show.reachable) && show.reachable) frameReachable(sandbox);
     tooltip(
         "5,000 random poses within the joints' limits; bright where the arm moves well in all directions.");
     heading(s, "OTHER POSES OF THE SAME EFFECTOR");

@@ -129,6 +129,7 @@ Sandbox::Sandbox(const SandboxOptions& options) : state_(std::make_unique<State>
   s.options = options;
   s.scale = static_cast<float>(options.scale);
   s.preferences = s.written = readPreferences(options.preferences);
+  s.preferences.opened(options.model);
   s.panels = makePanels();
   s.gui.setLook(options.theme, s.scale);
   s.windowWidth = options.width;
@@ -192,7 +193,7 @@ void Sandbox::adopt(std::unique_ptr<Session> session, bool fromFile) {
     s.camera() = s.view->wholeView(*s.session, s.viewport(), whole);
   for (const auto& panel : s.panels) panel->opened(*this, fromFile);
   if (!notesAreQuiet())
-    for (const Note& note : notes) say(note.line());
+    for (const Note& note : notes) say(note.lineWithoutRemedy());
 }
 
 namespace {

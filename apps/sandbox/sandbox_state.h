@@ -186,6 +186,7 @@ struct Sandbox::State {
 void handleViewInput(Sandbox& sandbox, const Input& input);
 void frameEverything(Sandbox& sandbox, bool glide);
 void frameSelection(Sandbox& sandbox);         ///< everything where nothing is selected
+void frameReachable(Sandbox& sandbox);         ///< steps back until the reachable set is in view
 void undoOrRedo(Sandbox& sandbox, bool redo);  ///< says so where there is nothing
 void mirrorPose(Sandbox& sandbox);             ///< the selection goes along with its goal
 /// The handle that a press at the window's pixel takes.

@@ -1,5 +1,6 @@
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cstring>
@@ -606,11 +607,25 @@ void tooltip(const char* words) {
   showTooltip(words);
 }
 
+/// Where it covers no control of the panel: beside a panel at the right, above what lies in one at the left.
 void showTooltip(const char* words) {
   const ImGuiStyle& style = ImGui::GetStyle();
+  const std::string text = brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f);
+  const ImVec2 whole = ImGui::CalcTextSize(text.c_str()), mouse = ImGui::GetMousePos(),
+               display = ImGui::GetIO().DisplaySize;
+  const float width = whole.x + 2 * style.WindowPadding.x, height = whole.y + 2 * style.WindowPadding.y,
+              gap = 0.5f * ImGui::GetFontSize();
+  const float panel = ImGui::GetCurrentWindow()->RootWindow->Pos.x;
+  if (panel > 0.4f * display.x && width + gap < panel)
+    ImGui::SetNextWindowPos(
+        {panel - gap, std::clamp(mouse.y - 0.5f * height, 0.0f, std::max(0.0f, display.y - height))},
+        ImGuiCond_Always, {1.0f, 0.0f});
+  else if (mouse.y > 0.5f * display.y && height + 2 * gap < mouse.y)
+    ImGui::SetNextWindowPos({std::min(mouse.x, std::max(0.0f, display.x - width)), mouse.y - 2 * gap},
+                            ImGuiCond_Always, {0.0f, 1.0f});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, style.PopupRounding);
   ImGui::BeginTooltip();
-  ImGui::TextUnformatted(brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f).c_str());
+  ImGui::TextUnformatted(text.c_str());
   ImGui::EndTooltip();
   ImGui::PopStyleVar();
 }

@@ -46,8 +46,9 @@ void facts(Sandbox& sandbox) {
   }
   ImGui::EndGroup();
   tooltip(
-      "Change of the body's volume since rest; smallest section across a limb's bone, of rest's; largest "
-      "distance of a vertex from the body's own skin. The colours: distance, up to 20 mm.");
+      "Of the body, or of the limb that is shown alone: change of volume since rest; smallest section across "
+      "a limb's bone, of rest's; largest distance of a vertex from the body's own skin. The colours: "
+      "distance, up to 20 mm.");
 }
 
 }  // namespace

@@ -381,6 +381,14 @@ void frameEverything(Sandbox& sandbox, bool glide) {
     s.camera() = camera;
 }
 
+void frameReachable(Sandbox& sandbox) {
+  Sandbox::State& s = sandbox.state();
+  Eigen::AlignedBox3d box = s.view->bounds();
+  box.extend(s.view->teaching().reachableBox(*s.session, s.goalSelected()));
+  const Camera camera = frameBox(s.camera(), s.viewport(), box);
+  if (camera.distance > s.camera().distance) glideTo(s, camera);
+}
+
 void handleViewInput(Sandbox& sandbox, const Input& input) {
   Sandbox::State& s = sandbox.state();
   const ImGuiIO& io = ImGui::GetIO();

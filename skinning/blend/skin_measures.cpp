@@ -53,6 +53,14 @@ std::vector<std::vector<SkinSection::Point>> cutLoops(const Mesh& mesh, const st
   return loops;
 }
 
+std::vector<std::array<int, 3>> trianglesWithin(const Mesh& mesh, const Vector3d& centre, double radius) {
+  const auto isInside = [&](int v) { return (mesh.positions[v] - centre).norm() < radius; };
+  std::vector<std::array<int, 3>> triangles;
+  std::ranges::copy_if(mesh.triangles, std::back_inserter(triangles),
+                       [&](const auto& t) { return std::ranges::all_of(t, isInside); });
+  return triangles;
+}
+
 }  // namespace
 
 std::vector<SkinSection> sectionsAlong(const Mesh& mesh, const Vector3d& head, const Vector3d& end,
@@ -96,13 +104,14 @@ double smallestSection(const std::vector<SkinSection>& sections, const std::vect
   return least;
 }
 
-PartVolume::PartVolume(const Mesh& mesh, const Vector3d& centre, double radius) {
-  std::vector<char> inside(mesh.positions.size());
-  for (std::size_t v = 0; v < inside.size(); ++v) inside[v] = (mesh.positions[v] - centre).norm() < radius;
+PartVolume::PartVolume(const Mesh& mesh, const Vector3d& centre, double radius)
+    : PartVolume(trianglesWithin(mesh, centre, radius)) {}
+
+PartVolume::PartVolume(const std::vector<std::array<int, 3>>& triangles) {
   std::map<int, std::vector<int>> next;  // border edges turned round
   std::map<Edge, int> open;
-  for (const auto& t : mesh.triangles) {
-    if (!inside[t[0]] || !inside[t[1]] || !inside[t[2]]) continue;
+  for (const auto& t : triangles) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
     triangles_.push_back(t);
     for (int k = 0; k < 3; ++k) {
       const Edge edge{t[k], t[(k + 1) % 3]}, back{edge.second, edge.first};

@@ -29,10 +29,13 @@ std::vector<SkinSection> sectionsAlong(const Mesh& mesh, const Eigen::Vector3d& 
 double smallestSection(const std::vector<SkinSection>& sections,
                        const std::vector<Eigen::Vector3d>& positions);
 
-/// The part of the body within a radius of a point at rest as a closed surface: its triangles and fans over
-/// the openings, whose hubs are means of the openings' vertices.
+/// A part of a body as a closed surface: its triangles and fans over the openings, whose hubs are means of
+/// the openings' vertices.
 class PartVolume {
  public:
+  /// Triangles without an inside, such as three times the same vertex, are passed over.
+  explicit PartVolume(const std::vector<std::array<int, 3>>& triangles);
+  /// What lies within a radius of a point at rest, whole triangles.
   PartVolume(const Mesh& mesh, const Eigen::Vector3d& centre, double radius);
   /// m^3.
   double volume(const std::vector<Eigen::Vector3d>& positions) const;

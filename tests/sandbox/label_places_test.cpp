@@ -5,6 +5,7 @@
 #include <random>
 
 #include "apps/render/label_writer.h"
+#include "apps/sandbox/gizmo.h"
 #include "apps/sandbox/sandbox_state.h"
 #include "tests/sandbox/stage.h"
 
@@ -95,6 +96,57 @@ TEST(Labels, NamesAreWrittenLetterByLetter) {
   draw.PopClipRect();
   ImGui::End();
   ImGui::EndFrame();
+}
+
+/// The names of skins side by side began over the bodies' middles.
+TEST(Labels, ANameAboveABodyIsCentredAboveIt) {
+  testing::Stage stage({.model = "planar", .width = 640, .height = 480});
+  stage.play("", 1);
+  Sandbox::State& s = stage.sandbox.state();
+  ImGui::NewFrame();
+  ImGui::Begin("labels alone");
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRectFullScreen();
+  const int before = draw.VtxBuffer.Size;
+  LabelPlaces places = roomForLabels({0, 0}, s.viewport(), true, 1.0f);
+  const Eigen::Vector3d place = s.camera().target;
+  writeLabels({&draw, palette(Theme::Light), s.gui.fonts().small, 13.0f, 1.0f, &places},
+              {{.at = place, .text = "cor+twist", .colour = {1, 0, 0, 1}, .isName = true, .isAbove = true}},
+              s.camera(), s.viewport(), {0, 0});
+  ImVec2 low(1e9f, 1e9f), high(-1e9f, -1e9f);
+  for (int v = before; v < draw.VtxBuffer.Size; ++v) {
+    low = {std::min(low.x, draw.VtxBuffer[v].pos.x), std::min(low.y, draw.VtxBuffer[v].pos.y)};
+    high = {std::max(high.x, draw.VtxBuffer[v].pos.x), std::max(high.y, draw.VtxBuffer[v].pos.y)};
+  }
+  const Projected p = project(s.camera(), s.viewport(), place);
+  EXPECT_NEAR(0.5 * (low.x + high.x), p.pixel.x(), 1.0);
+  EXPECT_NEAR(high.y, p.pixel.y(), 4.0);
+  draw.PopClipRect();
+  ImGui::End();
+  ImGui::EndFrame();
+}
+
+/// The name of the selected goal lay on an arrow of its gizmo.
+TEST(Labels, NoneLiesOnTheGizmosArrows) {
+  testing::Stage stage({.model = "panda", .width = 800, .height = 600});
+  stage.play("", 2);
+  Sandbox::State& s = stage.sandbox.state();
+  s.selectedGoal = s.session->goals().front().id;
+  stage.play("", 2);
+  const auto gizmo = gizmoOf(s);
+  ASSERT_TRUE(gizmo);
+  LabelPlaces places({0, 0, 800, 600});
+  keepGizmoFree(s, places);
+  for (int axis = 0; axis < 3; ++axis)
+    for (double along : {0.3, 0.6, 0.95}) {
+      const Eigen::Vector2d at =
+          s.toWindow(gizmo->at + along * gizmo->size * Eigen::Vector3d::Unit(axis)).pixel;
+      const LabelBox spot{static_cast<float>(at.x()) - 1, static_cast<float>(at.y()) - 1, 2, 2};
+      LabelBox words{spot.x - 20, spot.y - 6, 40, 12};
+      LabelPlaces others = places;
+      ASSERT_TRUE(others.place(words));
+      EXPECT_FALSE(words.overlaps(spot)) << axis << " " << along;
+    }
 }
 
 /// At the edge of the view a label was moved in, over the dot that it names.

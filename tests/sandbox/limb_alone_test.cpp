@@ -47,6 +47,23 @@ TEST_F(LimbAlone, IsAPartOfTheBodyWithTwoSkinsBesideItAndTheBodyComesBack) {
   EXPECT_TRUE(canTake("head"));
 }
 
+/// The volume told was that of the whole body, of which a bent elbow is little.
+TEST_F(LimbAlone, WhatIsToldOfItsSkinsIsOfTheLimb) {
+  stage_.play("0 do Muscles layers on\n1 do Muscles alone on\n2 do Muscles bend 120\n", 3);
+  const auto limb = state_.view->skinFacts();
+  ASSERT_EQ(limb.size(), 3u);
+  ASSERT_EQ(toString(limb[1].choice), "lbs");
+  const auto chosen = state_.session->lab().skins;
+  stage_.play("0 do Muscles alone off\n", 3);
+  state_.session->lab().skins = chosen;
+  stage_.play("", 3);
+  const auto body = state_.view->skinFacts();
+  ASSERT_EQ(body.size(), 3u);
+  EXPECT_LT(limb[1].volume, -0.01);                 // linear blending loses at the elbow
+  EXPECT_LT(limb[1].volume, 3.0 * body[1].volume);  // of an arm, a twentieth of the body
+  EXPECT_GE(limb[1].section, body[1].section);      // one limb's sections are some of all
+}
+
 /// Every mesh is made anew by another skinning method and by other proportions of a limb.
 TEST_F(LimbAlone, StaysAloneWhateverIsMadeAnewAndWhichLimbItIs) {
   stage_.play("0 do Muscles layers on\n1 do Muscles alone on\n", 3);

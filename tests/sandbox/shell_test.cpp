@@ -209,6 +209,58 @@ TEST(Preferences, RecentFilesAndSizesAreRememberedAndDamageIsNothing) {
   EXPECT_EQ(readPreferences((stage.folder / "preferences.json").string()), Preferences{});
 }
 
+TEST(Preferences, AFileOfTheCommandLineIsAmongTheRecentOnes) {
+  const std::string scene = Stage::folderOfRun().string() + "_named.json";
+  {
+    Stage stage("planar");
+    ASSERT_TRUE(stage.sandbox.saveSceneTo(scene));
+  }
+  {
+    Stage stage(scene);
+    ASSERT_EQ(stage.state().preferences.recent.size(), 1u);
+    EXPECT_EQ(stage.state().preferences.recent[0], scene);
+  }
+  fs::remove(scene);
+}
+
+/// It covered the control below.
+TEST(Tooltips, StandBesideThePanelThatTheyTellOf) {
+  Stage stage("panda");
+  stage.play("0 tab Pictures\n", 3);
+  const Layout::Rect& inspector = stage.state().layout.inspector;
+  const auto* tip = [&]() -> const ImGuiWindow* {
+    for (double y = inspector.y + 20; y < inspector.y + 200; y += 8) {
+      stage.play("0 move " + at({inspector.x + 60, y}) + "\n", 3);
+      for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+        if (window->Active && (window->Flags & ImGuiWindowFlags_Tooltip)) return window;
+    }
+    return nullptr;
+  }();
+  ASSERT_TRUE(tip);
+  EXPECT_LT(tip->Pos.x + tip->Size.x, inspector.x);
+  EXPECT_GT(tip->Pos.x, 0.0f);
+}
+
+/// Half of it lay outside.
+TEST(Pictures, TheReachableSetIsInViewOnceItIsShown) {
+  Stage stage("panda");
+  stage.play("", 2);
+  for (const Action& action : actionsOf(stage.sandbox))
+    if (matches("show reachable", action.name)) action.run(stage.sandbox);
+  ASSERT_TRUE(stage.sandbox.options().reachable);
+  stage.play("", 30);
+  const auto box = stage.state().view->teaching().reachableBox(stage.sandbox.session(), std::nullopt);
+  ASSERT_GT(box.sizes().minCoeff(), 1.0);  // metres
+  for (int corner = 0; corner < 8; ++corner) {
+    const Projected p = project(stage.sandbox.camera(), stage.state().viewport(),
+                                box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    EXPECT_GT(p.pixel.x(), 0);
+    EXPECT_LT(p.pixel.x(), stage.state().viewport().width);
+    EXPECT_GT(p.pixel.y(), 0);
+    EXPECT_LT(p.pixel.y(), stage.state().viewport().height);
+  }
+}
+
 TEST(Splitters, TheInspectorsEdgeIsDragged) {
   Stage stage("planar");
   stage.play("", 2);

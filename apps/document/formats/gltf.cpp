@@ -26,8 +26,9 @@ void chooseClip(const std::string& path, const std::string& name, Imported& impo
   model.clipName = chosen->name;
   if (name.empty() && imported.clips.size() > 1)
     tell(model.notes, "several-motions",
-         fmt::format("{} motions: {}; '{}' is taken, --clip chooses another", model.clipNames.size(),
-                     listed(model.clipNames, 12), model.clipName));
+         fmt::format("{} motions: {}; '{}' is taken", model.clipNames.size(), listed(model.clipNames, 12),
+                     model.clipName),
+         1, "--clip chooses another");
 }
 
 void read(const std::string& path, const Companions& files, const ImportOptions& options, Imported& result) {

@@ -17,6 +17,7 @@ namespace gelenk {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 const std::string inputs = testing::inputFolder() + "/";
@@ -230,6 +231,8 @@ TEST_F(RealFiles, ABodyThatStandsAlongZIsShownStandingAndTold) {
   const auto note = noteOf(lying.model.notes, "up-axis");
   ASSERT_TRUE(note);
   EXPECT_TRUE(note->fact);
+  EXPECT_THAT(note->line(), HasSubstr("--up"));
+  EXPECT_THAT(note->lineWithoutRemedy(), Not(HasSubstr("--")));  // the window has no command line
   EXPECT_EQ(standing.model.up, Eigen::Vector3d::UnitY());
   EXPECT_FALSE(noteOf(standing.model.notes, "up-axis"));
   EXPECT_EQ(importFiles(inputs + "standing_z.bvh", {.up = "y"}).model.up, Eigen::Vector3d::UnitY());
