@@ -37,6 +37,10 @@ std::vector<Eigen::Vector3f> lookColours(const MeshLook& look, int count) {
   return values;
 }
 
+void nameBody(const Eigen::Vector3d& at, const std::string& name, const Colour& colour, RenderScene& scene) {
+  scene.labels.push_back({.at = at, .text = name, .colour = colour, .isName = true, .isAbove = true});
+}
+
 bool sameFrames(const Frames& a, const Frames& b) {
   return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return x.matrix() == y.matrix(); });
 }
@@ -246,17 +250,12 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
   }
   addSkinsBeside(session, scene);
   if (rig_ && settings_->split) {
-    const MarkColours& colours = markColours(scene.theme);
-    const Eigen::Vector3d above = 0.55 * size_ * session.model().up;
     ghosts_.push_back({.worldFromJoint = framesBeside(session, frames_, size_),
                        .tint = {0.80f, 0.76f, 0.71f},
                        .opacity = 1.0f});
-    const auto name = [&](const Frames& frames, const char* words, const Colour& colour) {
-      scene.labels.push_back(
-          {.at = frames[0].translation() + above, .text = words, .colour = colour, .isAbove = true});
-    };
-    name(ghosts_.back().worldFromJoint, "LBS", colours.dim);
-    name(frames_, "FFD", colours.accent);
+    const MarkColours& colours = markColours(scene.theme);
+    nameBody(placeAbove(session, ghosts_.back().worldFromJoint), "LBS", colours.dim, scene);
+    if (skinFacts_.empty()) nameBody(placeAbove(session, frames_), "FFD", colours.accent, scene);
   }
   ghostPoses_.resize(ghosts_.size());
   for (std::size_t i = 0; i < ghosts_.size(); ++i) {
@@ -266,6 +265,14 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
                             .pose = &ghostPoses_[i],
                             .tint = {ghost.tint.x(), ghost.tint.y(), ghost.tint.z(), ghost.opacity}});
   }
+}
+
+/// Where the name of the body stands, or of one of the same pose whose frames lie beside it.
+Eigen::Vector3d SceneView::placeAbove(const Session& session, const Frames& frames) const {
+  const Eigen::Vector3d& up = session.model().up;
+  const double height = 0.5 * up.cwiseAbs().dot(bounds_.sizes()) +
+                        0.06 * (aloneLimb_.empty() ? size_ : bounds_.diagonal().norm());
+  return bounds_.center() + height * up + frames[0].translation() - frames_[0].translation();
 }
 
 SkinFacts SceneView::factsOf(const SkinChoice& choice, const SkinnedVertices& at,
@@ -327,18 +334,10 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
     }
   }
   const SkinnedVertices& own = surface(session);
-  const Eigen::Vector3d top =
-      session.model().up *
-      (0.06 * (aloneLimb_.empty() ? size_ : bounds_.diagonal().norm()) +
-       session.model().up.dot(bounds_.center()) + 0.5 * session.model().up.cwiseAbs().dot(bounds_.sizes()));
-  const auto above = [&](const Eigen::Vector3d& shift) {
-    const Eigen::Vector3d up = session.model().up;
-    return Eigen::Vector3d(bounds_.center() - up.dot(bounds_.center()) * up + top + shift);
-  };
   SkinChoice shown = session.document().skin;
   if (rig_) shown.layers = SkinLayers::Muscles;
   skinFacts_.push_back(factsOf(shown, own, own));
-  skinFacts_.back().above = above(Eigen::Vector3d::Zero());
+  skinFacts_.back().above = placeAbove(session, frames_);
   skinsBeside_.resize(wanted.size());
   const bool split = rig_ && settings_->split;
   SkinnedVertices at;
@@ -364,14 +363,10 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
     scene.bodies.push_back(
         {.mesh = beside.mesh.get(), .pose = &beside.pose, .surface = SurfaceColour::Vertex});
     skinFacts_.push_back(factsOf(wanted[i], at, own));
-    skinFacts_.back().above = above(shifted[0].translation() - frames_[0].translation());
+    skinFacts_.back().above = placeAbove(session, shifted);
   }
   for (const SkinFacts& facts : skinFacts_)
-    scene.labels.push_back({.at = facts.above,
-                            .text = toString(facts.choice),
-                            .colour = markColours(scene.theme).dim,
-                            .isName = true,
-                            .isAbove = true});
+    nameBody(facts.above, toString(facts.choice), markColours(scene.theme).dim, scene);
 }
 
 void SceneView::addMarks(const Session& session, const PictureExtras& extras, RenderScene& scene) {

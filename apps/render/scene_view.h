@@ -118,6 +118,7 @@ class SceneView {
   };
   void prepareBeside(const Session& session, const SkinChoice& wanted, SkinBeside& beside);
   void addSkinsBeside(const Session& session, RenderScene& scene);
+  Eigen::Vector3d placeAbove(const Session& session, const Frames& frames) const;
   SkinFacts factsOf(const SkinChoice& choice, const SkinnedVertices& at, const SkinnedVertices& own) const;
   void prepare(const Session& session, bool stroke);
   const Eigen::VectorXd* knownPose(const Session& session) const { return ownPose_ ? &session.q() : nullptr; }

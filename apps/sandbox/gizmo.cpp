@@ -141,11 +141,16 @@ void drawGizmo(const Sandbox::State& s, ImDrawList& draw) {
 
 void keepGizmoFree(const Sandbox::State& s, LabelPlaces& places) {
   const std::optional<GizmoPlace> place = gizmoOf(s);
-  for (int axis = 0; place && axis < 3; ++axis)
-    for (int step = 1; place->arrows[axis] && step <= 8; ++step) {
-      const Vector2d at = s.toWindow(place->at + step / 8.0 * place->size * Vector3d::Unit(axis)).pixel;
-      places.takeAround(static_cast<float>(at.x()), static_cast<float>(at.y()), 6 * s.viewScale());
-    }
+  const auto keep = [&](const Vector2d& at) {
+    places.takeAround(static_cast<float>(at.x()), static_cast<float>(at.y()), 6 * s.viewScale());
+  };
+  for (int axis = 0; place && axis < 3; ++axis) {
+    for (int step = 1; place->arrows[axis] && step <= 8; ++step)
+      keep(s.toWindow(place->at + step / 8.0 * place->size * Vector3d::Unit(axis)).pixel);
+    if (!place->rings[axis]) continue;
+    const std::vector<Vector2d> ring = ringPixels(s, *place, axis);
+    for (std::size_t i = 0; i < ring.size(); i += 4) keep(ring[i]);  // nearer than a line of words is high
+  }
 }
 
 }  // namespace gelenk

@@ -27,7 +27,7 @@ std::optional<double> angleAbout(const Sandbox::State& state, const Eigen::Vecto
                                  const Eigen::Vector2d& pixel);
 
 void drawGizmo(const Sandbox::State& state, ImDrawList& draw);
-/// No words on its arrows.
+/// No words on its arrows and rings.
 void keepGizmoFree(const Sandbox::State& state, LabelPlaces& places);
 
 }  // namespace gelenk

@@ -1,3 +1,4 @@
+#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -72,7 +73,6 @@ class MotionPanel final : public Panel {
     play_ = &sandbox.session().playback();
     head_ = &sandbox.session().playhead();
     solver_.reset();
-    report_.clear();
     editor_.reset();
     leavePose();
     if (!sandbox.session().model().clip) return;
@@ -124,15 +124,17 @@ class MotionPanel final : public Panel {
     return editor_ && play_->showing && sandbox.playing() ? 0.0 : std::numeric_limits<double>::infinity();
   }
 
+  bool keyPressedInFront(Sandbox& sandbox, int key, int) override {
+    return editor_ && key == GLFW_KEY_HOME && goTo(sandbox, 0);
+  }
+
   bool keyPressed(Sandbox& sandbox, int key, int) override {
-    constexpr int right = 262, left = 263, home = 268, end = 269, k = 'K';
     if (!editor_) return false;
     const int frame = currentFrame();
-    if (key == right) return goTo(sandbox, frame + 1);
-    if (key == left) return goTo(sandbox, frame - 1);
-    if (key == home) return goTo(sandbox, 0);
-    if (key == end) return goTo(sandbox, editor_->clip().frameCount() - 1);
-    if (key == k) return tried(sandbox, [&] { keyMoved(sandbox); });
+    if (key == GLFW_KEY_RIGHT) return goTo(sandbox, frame + 1);
+    if (key == GLFW_KEY_LEFT) return goTo(sandbox, frame - 1);
+    if (key == GLFW_KEY_END) return goTo(sandbox, editor_->clip().frameCount() - 1);
+    if (key == GLFW_KEY_K) return tried(sandbox, [&] { keyMoved(sandbox); });
     return false;
   }
 
@@ -374,8 +376,8 @@ class MotionPanel final : public Panel {
 
   void keyJoints(Sandbox& sandbox, const std::vector<int>& joints) {
     edit(sandbox, [&] { editor_->setKeys(joints, currentFrame(), shownPose(sandbox)); });
-    report_ = fmt::format("{} {} keyed in frame {}", joints.size(), joints.size() == 1 ? "joint" : "joints",
-                          currentFrame() + 1);
+    sandbox.say(fmt::format("{} {} keyed in frame {}", joints.size(), joints.size() == 1 ? "joint" : "joints",
+                            currentFrame() + 1));
   }
   void keySelected(Sandbox& sandbox) {
     if (!sandbox.selectedJoint()) throw std::invalid_argument("select a joint to key it");
@@ -408,7 +410,7 @@ class MotionPanel final : public Panel {
 
   void smooth(Sandbox& sandbox, double hertz) {
     edit(sandbox, [&] { editor_->replace(lowPassed(sandbox.session().skeleton(), clip(), hertz)); });
-    report_ = fmt::format("zero-phase low-pass at {:.1f} Hz", hertz);
+    sandbox.say(fmt::format("Smoothed by a zero-phase low-pass at {:.1f} Hz", hertz));
   }
 
   void plantFeet(Sandbox& sandbox) {
@@ -419,9 +421,9 @@ class MotionPanel final : public Panel {
     const FootFacts before = footFacts(skeleton, clip(), feet, contacts, options.floor);
     edit(sandbox, [&] { editor_->replace(footPlanted(skeleton, clip(), feet, contacts, options)); });
     const FootFacts after = footFacts(skeleton, clip(), feet, contacts, options.floor);
-    report_ = fmt::format("slide {:.2f} to {:.4f} mm a frame, penetration {:.2f} to {:.2f} mm",
-                          1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
-                          1e3 * after.deepestPenetration);
+    sandbox.say(fmt::format("Feet slide {:.2f} mm a frame, now {:.4f}; penetrate {:.2f} mm, now {:.2f}",
+                            1e3 * before.meanSlide, 1e3 * after.meanSlide, 1e3 * before.deepestPenetration,
+                            1e3 * after.deepestPenetration));
   }
 
   static Companions withoutMotion(Companions files) {
@@ -437,8 +439,8 @@ class MotionPanel final : public Panel {
   }
   void fade(Sandbox& sandbox, const std::string& file, double seconds) {
     edit(sandbox, [&] { editor_->crossFade(secondClip(sandbox, file), seconds); });
-    report_ =
-        fmt::format("fades into {} within {:.2f} s; {} frames", stem(file), seconds, clip().frameCount());
+    sandbox.say(
+        fmt::format("Fades into {} within {:.2f} s; {} frames", stem(file), seconds, clip().frameCount()));
   }
   void lay(Sandbox& sandbox, const std::string& file, double weight, bool additive, std::vector<int> joints) {
     const std::string part =
@@ -449,8 +451,8 @@ class MotionPanel final : public Panel {
                     .weight = weight,
                     .joints = std::move(joints)});
     });
-    report_ = fmt::format("{:.0f} % of {} {}{}", 100.0 * weight, stem(file), additive ? "on top" : "in place",
-                          part);
+    sandbox.say(fmt::format("{:.0f} % of {} {}{}", 100.0 * weight, stem(file),
+                            additive ? "on top" : "in place", part));
   }
 
   /// Everything that is known about the clip before it plays. The editor holds the same clip: an undo in the
@@ -485,8 +487,9 @@ class MotionPanel final : public Panel {
     return content;
   }
 
+  /// One line, so that nothing below it moves while the clip plays; all of them are in its tooltip.
   void drawLimits(Sandbox& sandbox) {
-    const auto& outside = facts(sandbox).outside[currentFrame()];
+    std::vector<int> outside = facts(sandbox).outside[currentFrame()];
     const Palette& colours = sandbox.state().colours();
     if (outside.empty()) {
       ImGui::TextColored(colours.textDim, "No limit is left in this frame.");
@@ -494,13 +497,15 @@ class MotionPanel final : public Panel {
     }
     const Skeleton& skeleton = sandbox.session().skeleton();
     const Eigen::VectorXd q = clip().q.col(currentFrame());
-    for (std::size_t k = 0; k < outside.size() && k < 6; ++k)
-      ImGui::TextColored(colours.bad, "%s",
-                         fmt::format("{}  {:.1f}° beyond", skeleton.joint(outside[k]).name,
-                                     limitViolation(skeleton, q, outside[k]) * 180.0 / M_PI)
-                             .c_str());
-    if (outside.size() > 6)
-      ImGui::TextColored(colours.bad, "and %d more", static_cast<int>(outside.size()) - 6);
+    const auto beyond = [&](int joint) { return limitViolation(skeleton, q, joint); };
+    std::ranges::stable_sort(outside, std::greater<>(), beyond);
+    std::string all;
+    for (const int joint : outside)
+      all += fmt::format("{}{}  {:.1f}° beyond", all.empty() ? "" : "\n", skeleton.joint(joint).name,
+                         beyond(joint) * 180.0 / M_PI);
+    const std::string more = outside.size() > 1 ? fmt::format(", and {} more", outside.size() - 1) : "";
+    ImGui::TextColored(colours.bad, "%s", (all.substr(0, all.find('\n')) + more).c_str());
+    tooltip(all.c_str());
   }
 
   template <class Edit>
@@ -522,6 +527,7 @@ class MotionPanel final : public Panel {
     ImGui::BeginDisabled(facts(sandbox).feet.empty());
     if (ImGui::Button("Plant feet")) tried(sandbox, [&] { plantFeet(sandbox); });
     ImGui::EndDisabled();
+    tooltip("Holds a foot where it stands, and above the floor. Needs legs whose feet touch the ground.");
     ImGui::SameLine();
     ImGui::BeginDisabled(!sandbox.session().canUndo());
     if (ImGui::Button("Undo")) undoOrRedo(sandbox, false);
@@ -533,7 +539,6 @@ class MotionPanel final : public Panel {
     ImGui::SameLine();
     if (ImGui::Button("Original")) edit(sandbox, [&] { editor_->backToOriginal(); });
     tooltip("The clip as it was read, without edits and keys. Can be undone.");
-    if (!report_.empty()) wrappedText(report_);
   }
 
   void drawKeys(Sandbox& sandbox) {
@@ -646,7 +651,6 @@ class MotionPanel final : public Panel {
   float turnDegrees_[3] = {0, 0, 0};
   bool additive_ = false, onlyLimb_ = false;
   char exportPath_[512] = "motion.glb", secondPath_[512] = "";
-  std::string report_;
   Timeline timeline_;
   Eigen::VectorXd q_;  ///< of the clip at the playhead, with the goals on top
   Frames frames_;

@@ -72,7 +72,7 @@ class MusclePanel final : public Panel {
     tooltip(
         "Free-form deformation volumes between skeleton and skin (Chadwick 1989). Each link carries two "
         "tri-cubic Bezier "
-        "volumes; a limb acts as one bone in the skinning sum: x' = Σ w T x + W F(u, v, w).");
+        "volumes; a limb acts as one bone in the skinning sum: x' = Σ w T x + W F(u, v, w).");
     if (!settings_.enabled) {
       ImGui::TextColored(s.colours().textDim, "Off: the skin as the Skin tab has it.");
       return;

@@ -66,6 +66,9 @@ class Panel {
   /// A key that the sandbox itself has no use for (GLFW key code); true when taken.
   virtual bool keyPressed(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
 
+  /// The same while the panel's tab, or its strip's, is in front: asked before the sandbox.
+  virtual bool keyPressedInFront(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
+
   /// Takes back, or does again, what the panel did to the model itself: where the document's own history has
   /// nothing more. False: neither has the panel.
   virtual bool takeBack(Sandbox&, bool /*redo*/) { return false; }

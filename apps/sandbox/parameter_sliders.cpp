@@ -78,6 +78,7 @@ bool parameterSliders(std::string_view id, std::span<const Parameter> parameters
     changed = true;
   }
   ImGui::EndDisabled();
+  tooltip("All of them as the method comes. A right click on one does the same for it alone.");
   ImGui::PopID();
   return changed;
 }

@@ -1,5 +1,6 @@
 // A path of the effector, drawn with the mouse in the plane through it that faces the viewer; the joints
 // follow it with the fewest jumps (solvers/solutions/path_planner.h).
+#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -141,7 +142,7 @@ class PathPanel final : public Panel {
   }
 
   bool keyPressed(Sandbox& sandbox, int key, int) override {
-    if (key != 256 /* Escape */ || !takesMouse(sandbox)) return false;
+    if (key != GLFW_KEY_ESCAPE || !takesMouse(sandbox)) return false;
     drawing_ = false;
     return true;
   }

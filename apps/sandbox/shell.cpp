@@ -607,27 +607,34 @@ void tooltip(const char* words) {
   showTooltip(words);
 }
 
-/// Where it covers no control of the panel: beside a panel at the right, above what lies in one at the left.
+/// Where it covers no control of the panel: to the left of one at the right, above one at the foot of the
+/// window, above the mouse elsewhere in the lower half. As plain over what is disabled as over the rest.
 void showTooltip(const char* words) {
   const ImGuiStyle& style = ImGui::GetStyle();
-  const std::string text = brokenAtBlanks(words, ImGui::GetFontSize() * 22.0f);
-  const ImVec2 whole = ImGui::CalcTextSize(text.c_str()), mouse = ImGui::GetMousePos(),
-               display = ImGui::GetIO().DisplaySize;
-  const float width = whole.x + 2 * style.WindowPadding.x, height = whole.y + 2 * style.WindowPadding.y,
-              gap = 0.5f * ImGui::GetFontSize();
-  const float panel = ImGui::GetCurrentWindow()->RootWindow->Pos.x;
-  if (panel > 0.4f * display.x && width + gap < panel)
-    ImGui::SetNextWindowPos(
-        {panel - gap, std::clamp(mouse.y - 0.5f * height, 0.0f, std::max(0.0f, display.y - height))},
-        ImGuiCond_Always, {1.0f, 0.0f});
+  const ImGuiWindow& panel = *ImGui::GetCurrentWindow()->RootWindow;
+  const ImVec2 mouse = ImGui::GetMousePos(), display = ImGui::GetIO().DisplaySize;
+  const float font = ImGui::GetFontSize(), gap = 0.5f * font;
+  const bool isAtRight = panel.Pos.x > 0.4f * display.x;
+  const float room = (isAtRight ? panel.Pos.x - gap : display.x) - 2 * style.WindowPadding.x;
+  const std::string text = brokenAtBlanks(words, std::clamp(room, 10.0f * font, 22.0f * font));
+  const ImVec2 whole = ImGui::CalcTextSize(text.c_str());
+  const float width = whole.x + 2 * style.WindowPadding.x, height = whole.y + 2 * style.WindowPadding.y;
+  const auto place = [&](float x, float y) {
+    ImGui::SetNextWindowPos({std::clamp(x, 0.0f, std::max(0.0f, display.x - width)),
+                             std::clamp(y, 0.0f, std::max(0.0f, display.y - height))});
+  };
+  if (isAtRight && width + gap <= panel.Pos.x)
+    place(panel.Pos.x - gap - width, mouse.y - 0.5f * height);
+  else if (panel.Pos.y > 0.4f * display.y && height + gap <= panel.Pos.y)
+    place(std::min(mouse.x, panel.Pos.x + panel.Size.x - width), panel.Pos.y - gap - height);
   else if (mouse.y > 0.5f * display.y && height + 2 * gap < mouse.y)
-    ImGui::SetNextWindowPos({std::min(mouse.x, std::max(0.0f, display.x - width)), mouse.y - 2 * gap},
-                            ImGuiCond_Always, {0.0f, 1.0f});
+    place(mouse.x, mouse.y - 2 * gap - height);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, style.PopupRounding);
+  ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1.0f);
   ImGui::BeginTooltip();
   ImGui::TextUnformatted(text.c_str());
   ImGui::EndTooltip();
-  ImGui::PopStyleVar();
+  ImGui::PopStyleVar(2);
 }
 
 std::string brokenAtBlanks(const std::string& text, float width) {

@@ -276,11 +276,20 @@ bool plainKey(Sandbox& sandbox, int key) {
   }
 }
 
+/// Its inspector or its strip is seen.
+bool isInFront(const Sandbox::State& s, const Panel& panel) {
+  if (s.presenting) return false;
+  return (s.layout.inspector.width > 0 && panel.name() == s.inspectorTab) ||
+         (s.layout.strip.height > 0 && panel.name() == s.stripTab);
+}
+
 void pressKey(Sandbox& sandbox, int key) {
   Sandbox::State& s = sandbox.state();
   const int modifiers =
       (s.ctrl ? GLFW_MOD_CONTROL : 0) | (s.shift ? GLFW_MOD_SHIFT : 0) | (s.alt ? GLFW_MOD_ALT : 0);
   if (Panel* tool = toolOf(sandbox); tool && tool->keyPressed(sandbox, key, modifiers)) return;
+  for (const auto& panel : s.panels)
+    if (isInFront(s, *panel) && panel->keyPressedInFront(sandbox, key, modifiers)) return;
   if (s.ctrl ? controlKey(sandbox, key) : plainKey(sandbox, key)) return;
   for (const auto& panel : s.panels)
     if (panel->keyPressed(sandbox, key, modifiers)) return;

@@ -126,8 +126,8 @@ TEST(Labels, ANameAboveABodyIsCentredAboveIt) {
   ImGui::EndFrame();
 }
 
-/// The name of the selected goal lay on an arrow of its gizmo.
-TEST(Labels, NoneLiesOnTheGizmosArrows) {
+/// The name of the selected goal lay on an arrow of its gizmo, how far it is out of reach on a ring.
+TEST(Labels, NoneLiesOnTheGizmosArrowsAndRings) {
   testing::Stage stage({.model = "panda", .width = 800, .height = 600});
   stage.play("", 2);
   Sandbox::State& s = stage.sandbox.state();
@@ -137,16 +137,34 @@ TEST(Labels, NoneLiesOnTheGizmosArrows) {
   ASSERT_TRUE(gizmo);
   LabelPlaces places({0, 0, 800, 600});
   keepGizmoFree(s, places);
+  const auto isFreeOfWords = [&](const Eigen::Vector2d& at) {
+    const LabelBox spot{static_cast<float>(at.x()) - 1, static_cast<float>(at.y()) - 1, 2, 2};
+    LabelBox words{spot.x - 20, spot.y - 6, 40, 12};
+    LabelPlaces others = places;
+    return others.place(words) && !words.overlaps(spot);
+  };
   for (int axis = 0; axis < 3; ++axis)
-    for (double along : {0.3, 0.6, 0.95}) {
-      const Eigen::Vector2d at =
-          s.toWindow(gizmo->at + along * gizmo->size * Eigen::Vector3d::Unit(axis)).pixel;
-      const LabelBox spot{static_cast<float>(at.x()) - 1, static_cast<float>(at.y()) - 1, 2, 2};
-      LabelBox words{spot.x - 20, spot.y - 6, 40, 12};
-      LabelPlaces others = places;
-      ASSERT_TRUE(others.place(words));
-      EXPECT_FALSE(words.overlaps(spot)) << axis << " " << along;
-    }
+    for (double along : {0.3, 0.6, 0.95})
+      EXPECT_TRUE(
+          isFreeOfWords(s.toWindow(gizmo->at + along * gizmo->size * Eigen::Vector3d::Unit(axis)).pixel))
+          << axis << " " << along;
+  // A ring is taken within some pixels of it: in the middle of that band it is itself.
+  const auto isOnRing = [&](double x, double y) {
+    for (const auto& [dx, dy] : {std::pair{4.0, 0.0}, {-4.0, 0.0}, {0.0, 4.0}, {0.0, -4.0}})
+      if (const auto part = gizmoPartAt(s, *gizmo, {x + dx, y + dy});
+          !part || part->kind != GizmoPart::Kind::Ring)
+        return false;
+    return true;
+  };
+  int onRings = 0;
+  const Eigen::Vector2d middle = s.toWindow(gizmo->at).pixel;
+  for (double dx = -70; dx <= 70; ++dx)
+    for (double dy = -70; dy <= 70; ++dy)
+      if (isOnRing(middle.x() + dx, middle.y() + dy)) {
+        ++onRings;
+        EXPECT_TRUE(isFreeOfWords(middle + Eigen::Vector2d(dx, dy))) << dx << " " << dy;
+      }
+  EXPECT_GT(onRings, 200);
 }
 
 /// At the edge of the view a label was moved in, over the dot that it names.

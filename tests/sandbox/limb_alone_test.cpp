@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "apps/sandbox/sandbox_state.h"
 #include "tests/sandbox/stage.h"
@@ -62,6 +63,41 @@ TEST_F(LimbAlone, WhatIsToldOfItsSkinsIsOfTheLimb) {
   EXPECT_LT(limb[1].volume, -0.01);                 // linear blending loses at the elbow
   EXPECT_LT(limb[1].volume, 3.0 * body[1].volume);  // of an arm, a twentieth of the body
   EXPECT_GE(limb[1].section, body[1].section);      // one limb's sections are some of all
+}
+
+/// "LBS" and "FFD" lay on the chests, of one limb alone beside the elbow, and the body's own skin had two
+/// names.
+TEST_F(LimbAlone, EveryBodyHasOneNameAboveIt) {
+  const auto names = [&](const char* script) {
+    stage_.play(script, 3);
+    std::map<std::string, Eigen::Vector3d> names;
+    for (const SceneLabel& label : state_.view->compose(*state_.session).labels)
+      if (label.isAbove) names[label.text] = label.at;
+    return names;
+  };
+  const auto expectAbove = [&](const std::map<std::string, Eigen::Vector3d>& all) {
+    const Eigen::AlignedBox3d box = state_.view->bounds();
+    for (const auto& [name, at] : all) {
+      EXPECT_GT(at.y(), box.max().y()) << name;
+      EXPECT_LT(at.y(), box.max().y() + 0.2 * box.sizes().y()) << name;
+    }
+    EXPECT_NEAR(all.at("FFD").x(), box.center().x(), 1e-6);
+    EXPECT_GT(std::abs(all.at("LBS").x() - box.center().x()), 0.5 * box.sizes().x());
+  };
+  stage_.play("0 do Muscles layers on\n", 3);
+  MuscleSettings beside = *state_.session->edits().muscles;
+  beside.split = true;
+  state_.session->setMuscles(std::make_shared<const MuscleSettings>(beside));
+  const auto whole = names("");
+  ASSERT_EQ(whole.size(), 2u);
+  expectAbove(whole);
+  const auto several = names("0 do Muscles alone on\n");
+  EXPECT_EQ(several.size(), 1 + state_.view->skinFacts().size());  // the plain one, and those told of
+  EXPECT_EQ(several.count("FFD"), 0u);
+  state_.session->lab().skins.clear();
+  const auto limb = names("0 do Muscles bend 90\n");
+  ASSERT_EQ(limb.size(), 2u);
+  expectAbove(limb);
 }
 
 /// Every mesh is made anew by another skinning method and by other proportions of a limb.

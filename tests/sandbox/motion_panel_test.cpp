@@ -237,6 +237,34 @@ TEST_F(Driven, AnUndoBetweenStepAndDrawingLeavesNoFrameBeyondTheClip) {
   std::filesystem::remove(file);
 }
 
+/// Home framed everything, whatever the help said of the first frame.
+TEST_F(Driven, HomeIsTheFirstFrameWhileTheTimelineIsInFront) {
+  sandbox_.openModel(swingingArm(), {"arm"});
+  const auto frame = [&] {
+    for (const auto& panel : sandbox_.state().panels)
+      if (panel->name() == "Motion") return nlohmann::json::parse(panel->status()).at("frame").get<int>();
+    return 0;
+  };
+  const auto isFramed = [&] {
+    const Camera before = sandbox_.camera();
+    sandbox_.camera().distance *= 3.0;
+    play("0 key home\n", 60);
+    const bool framed = std::abs(sandbox_.camera().distance / before.distance - 3.0) > 0.1;
+    sandbox_.camera() = before;
+    return framed;
+  };
+  play("0 key end\n", 1);
+  EXPECT_EQ(frame(), 61);
+  EXPECT_FALSE(isFramed());
+  EXPECT_EQ(frame(), 1);
+  play("0 key end\n1 tab Plots\n", 1);  // the inspector still shows Motion
+  EXPECT_FALSE(isFramed());
+  EXPECT_EQ(frame(), 1);
+  play("0 key end\n1 tab Solve\n", 2);
+  EXPECT_TRUE(isFramed());
+  EXPECT_EQ(frame(), 61);
+}
+
 TEST_F(Driven, ASecondClipIsLaidOverAndFadedInto) {
   const Model model = swingingFigure();
   const std::string file = ::testing::TempDir() + "gelenk_second.glb";

@@ -30,10 +30,10 @@ namespace fs = std::filesystem;
 struct Stage : testing::Stage {
   fs::path folder = folderOfRun();
 
-  explicit Stage(const std::string& model, bool asks = false)
+  explicit Stage(const std::string& model, bool asks = false, int wide = 1000, int high = 700)
       : testing::Stage({.model = model,
-                        .width = 1000,
-                        .height = 700,
+                        .width = wide,
+                        .height = high,
                         .preferences = (folderOfRun() / "preferences.json").string(),
                         .asks = asks}) {
     fs::create_directories(folder);
@@ -58,7 +58,7 @@ TEST(CommandPalette, FindsEveryModelSolverExampleTabAndThingToShow) {
   for (const LectureTopic& topic : lectureTopics())
     EXPECT_TRUE(finds("lecture " + topic.title)) << topic.title;
   for (const auto& panel : stage.state().panels)
-    if (panel->hasInspector()) EXPECT_TRUE(finds("tab " + panel->name()));
+    EXPECT_EQ(finds("tab " + panel->name()), panel->hasInspector()) << panel->name();
   for (std::string word :
        {"next solver", "frame the selection", "ground", "convergence map", "reachable set", "all solutions",
         "self-motion", "velocity ellipsoid", "undo", "mirror", "screenshot", "compare"})
@@ -224,21 +224,61 @@ TEST(Preferences, AFileOfTheCommandLineIsAmongTheRecentOnes) {
 }
 
 /// It covered the control below.
+/// The tooltip that stands while the mouse goes down from the first place until there is one.
+const ImGuiWindow* tooltipBelow(Stage& stage, double x, double y) {
+  for (double down = 0; down < 200; down += 8) {
+    stage.play("0 move " + at({x, y + down}) + "\n", 3);
+    for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+      if (window->Active && (window->Flags & ImGuiWindowFlags_Tooltip)) return window;
+  }
+  return nullptr;
+}
+
+/// In a small window the words were wider than the view, and lay on the panel's next control.
 TEST(Tooltips, StandBesideThePanelThatTheyTellOf) {
-  Stage stage("panda");
-  stage.play("0 tab Pictures\n", 3);
-  const Layout::Rect& inspector = stage.state().layout.inspector;
-  const auto* tip = [&]() -> const ImGuiWindow* {
-    for (double y = inspector.y + 20; y < inspector.y + 200; y += 8) {
-      stage.play("0 move " + at({inspector.x + 60, y}) + "\n", 3);
-      for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
-        if (window->Active && (window->Flags & ImGuiWindowFlags_Tooltip)) return window;
-    }
-    return nullptr;
-  }();
-  ASSERT_TRUE(tip);
-  EXPECT_LT(tip->Pos.x + tip->Size.x, inspector.x);
-  EXPECT_GT(tip->Pos.x, 0.0f);
+  for (const auto& [width, height] : {std::pair{1280, 800}, {700, 500}}) {
+    Stage stage("panda", false, width, height);
+    stage.play("0 tab Pictures\n", 3);
+    const Layout::Rect& inspector = stage.state().layout.inspector;
+    const ImGuiWindow* tip = tooltipBelow(stage, inspector.x + 60, inspector.y + 20);
+    ASSERT_TRUE(tip) << width;
+    EXPECT_LE(tip->Pos.x + tip->Size.x, inspector.x) << width;
+    EXPECT_GE(tip->Pos.x, 0.0f) << width;
+  }
+}
+
+/// They covered the plot that they explain, or its neighbour, and reached over the inspector.
+TEST(Tooltips, OfThePlotsStandAboveThem) {
+  Stage stage("figure");
+  stage.play("", 3);
+  const Layout::Rect& strip = stage.state().layout.strip;
+  for (const double share : {0.1, 0.5, 0.95}) {
+    const ImGuiWindow* tip = tooltipBelow(stage, strip.x + share * strip.width, strip.y + 60);
+    ASSERT_TRUE(tip) << share;
+    EXPECT_LE(tip->Pos.y + tip->Size.y, strip.y) << share;
+    EXPECT_LE(tip->Pos.x + tip->Size.x, strip.x + strip.width) << share;
+  }
+}
+
+/// They were as pale as the button.
+TEST(Tooltips, AreAsPlainOverWhatIsDisabled) {
+  Stage stage("planar");
+  stage.play("", 1);
+  ImGui::NewFrame();
+  ImGui::Begin("alone");
+  ImGui::BeginDisabled();
+  showTooltip("words");
+  ImGui::EndDisabled();
+  ImGui::End();
+  ImGui::Render();
+  int vertices = 0;
+  for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows) {
+    if (!window->Active || !(window->Flags & ImGuiWindowFlags_Tooltip)) continue;
+    const ImVector<ImDrawVert>& drawn = window->DrawList->VtxBuffer;
+    for (int v = drawn.Size - 4 * 5; v < drawn.Size; ++v, ++vertices)  // the five letters, drawn last
+      EXPECT_EQ(drawn[v].col >> IM_COL32_A_SHIFT, 255u);
+  }
+  EXPECT_EQ(vertices, 20);
 }
 
 /// Half of it lay outside.
