@@ -41,6 +41,7 @@ class DragFrameSolver final : public FrameSolver {
     return leavingSaddles(problem, settle(problem.start));
   }
   void reset() override { fresh_ = true; }
+  void setPosture(const Eigen::VectorXd& q) override { solver_.setPosture(q); }
 
  private:
   /// At rest on a saddle, such as a straight arm with its target on its own line: a small step downhill, from

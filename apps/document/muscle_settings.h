@@ -29,7 +29,7 @@ LimbSettings defaultLimbSettings(const Limb& limb);
 struct MuscleSettings {
   bool enabled = false;
   bool lattice = true;         ///< drawn
-  bool split = false;          ///< LBS beside the layers
+  bool split = false;          ///< the same skin without layers beside it
   bool alone = false;          ///< of the body, the shown limb is drawn
   std::string shownLimb = {};  ///< whose lattice is drawn; empty: every limb's
   std::vector<std::pair<std::string, LimbSettings>> limbs = {};  ///< by name, in the order of limbsOf

@@ -679,6 +679,8 @@ void leaveStrangeTriangles(Edits& edits, Model& model) {
 
 bool isScene(const std::string& nameOrFile) { return lowerCase(nameOrFile).ends_with(".json"); }
 
+std::string scenePathOf(const std::string& name) { return isScene(name) ? name : name + ".json"; }
+
 Opened openDocument(const ModelReference& reference, Body body) {
   if (!isScene(reference.nameOrFile)) {
     auto model = std::make_shared<const Model>(

@@ -31,6 +31,8 @@ struct Opened {
   Document document;
 };
 bool isScene(const std::string& nameOrFile);  ///< by its ending, .json
+/// Where a scene of that name is saved, so that it may be opened again: .json is added.
+std::string scenePathOf(const std::string& name);
 /// What every command opens: a scene with its model (other files must not be given then), else a model with
 /// all its files, as it begins. Throws ParseError and std::invalid_argument.
 enum class Body {

@@ -30,9 +30,7 @@ Imported open(const std::string& path, const std::string& modelFile, Companions 
   companions.amc = path;
   if (isMesh(kind))
     return importFiles(modelFile, companions);  // a fitted body: the root's path is scaled for it
-  companions.amc.clear();
-  if (companions.asf.empty() && kind == FileKind::Asf) companions.asf = modelFile;
-  return importFiles(path, companions);
+  return importFiles(path, {.asf = kind == FileKind::Asf ? modelFile : companions.asf});
 }
 
 }  // namespace

@@ -155,6 +155,12 @@ void Session::setPose(const Eigen::VectorXd& q) {
   followPose();
 }
 
+void Session::setPosture(const Eigen::VectorXd& q) {
+  if (posture_.size() == q.size() && posture_ == q) return;
+  posture_ = q;
+  solver_->setPosture(q);
+}
+
 void Session::resetPose() {
   endDrag();
   remember();
@@ -164,6 +170,7 @@ void Session::resetPose() {
     if (goal.goal.kind == GoalKind::Pose) goal.goal.kind = GoalKind::Position;
   }
   place(skeleton().rest());
+  setPosture(skeleton().rest());
   followPose();
   for (const SceneGoal& goal : document_.edits.goals)
     if (std::ranges::count(model_->pins, goal.goal.name) > 0) setState(goal.id, GoalState::Pinned);
@@ -606,6 +613,7 @@ void Session::setSolver(const std::string& text) {
     for (const auto& [parameter, value] : kept->second)
       if (!spec.values.count(parameter)) spec = withParameter(spec, parameter, value);
   solver_ = makeFrameSolver(toText(spec), sharedSkeleton());
+  if (posture_.size() > 0) solver_->setPosture(posture_);
   asOpened_ = false;
   document_.solver.name = name;
   document_.solver.parameters.erase(name);

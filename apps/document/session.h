@@ -27,6 +27,9 @@ class FrameSolver {
   virtual IkReport frame(const IkProblem& problem) = 0;
   /// The pose was changed by something else than frame(): forget what was carried over.
   virtual void reset() {}
+  /// What the pose is pulled towards where the goals leave it free (nq), of solvers that pull; the rest pose
+  /// at the beginning.
+  virtual void setPosture(const Eigen::VectorXd& /*q*/) {}
 };
 
 /// Names that makeFrameSolver knows, with or without values of parameters in brackets (ik_solver.h): "drag"
@@ -126,6 +129,9 @@ class Session {
   /// become the points reached. q: nq; projected to the limits. Throws std::invalid_argument on a wrong
   /// length or values that are not finite.
   void setPose(const Eigen::VectorXd& q);
+  /// What a solver that pulls (drag) pulls towards; the rest pose by default. No part of the document: who
+  /// shows another pose, such as a clip's, says so.
+  void setPosture(const Eigen::VectorXd& q);
   void resetPose();  ///< rest pose, only the handles pinned at the beginning are pinned
   /// Left and right change places, see kinematics/symmetry.h; goals of points, orientations and poles go
   /// along, others ask for what is then. Throws std::invalid_argument where the model is not symmetric.
@@ -265,6 +271,7 @@ class Session {
   int lastId_ = 0;
   std::optional<Drag> drag_;
   std::unique_ptr<FrameSolver> solver_;
+  Eigen::VectorXd posture_;  ///< that it pulls towards; empty: its own
   FrameSolve lastSolve_;
   std::vector<Eigen::Vector3d> standing_, support_;  ///< soles on the ground; their hull, inset
   bool asOpened_ = false;

@@ -124,12 +124,16 @@ void addWorkspace(Overlay& overlay, const Session& session, const Frames& frames
   if (inner > 0.0) overlay.arc(centre, Vector3d::UnitX(), Vector3d::UnitY(), inner, line);
 }
 
+Vector3d levelRight(const Camera& camera, const Vector3d& up) {
+  const Vector3d right = (camera.target - camera.eye()).cross(up);
+  return right.norm() > 1e-9 ? Vector3d(right.normalized()) : Vector3d::UnitX();
+}
+
 Frames framesBeside(const Session& session, Frames frames, double size, int place) {
   const Camera& camera = session.document().view.camera;
-  const Vector3d right = (camera.target - camera.eye()).cross(session.model().up);
   // Near the camera less: what is looked at stands beside itself, both within the view.
-  const Vector3d shift = -place * std::min(0.55 * size, 0.6 * camera.halfHeight()) *
-                         (right.norm() > 1e-9 ? Vector3d(right.normalized()) : Vector3d::UnitX());
+  const Vector3d shift =
+      -place * std::min(0.55 * size, 0.6 * camera.halfHeight()) * levelRight(camera, session.model().up);
   for (Isometry3d& frame : frames) frame.pretranslate(shift);
   return frames;
 }

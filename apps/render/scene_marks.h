@@ -18,6 +18,9 @@ void addLimit(Overlay& overlay, const Session& session, const Frames& worldFromJ
 void addWorkspace(Overlay& overlay, const Session& session, const Frames& worldFromJoint,
                   const MarkColours& colours);
 
+/// The picture's right, level: orthogonal to up. Unit length.
+Eigen::Vector3d levelRight(const Camera& camera, const Eigen::Vector3d& up);
+
 /// The body moved aside as the document's camera sees it, so many places to the left (below 0: to the right).
 Frames framesBeside(const Session& session, Frames worldFromJoint, double size, int place = 1);
 

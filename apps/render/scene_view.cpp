@@ -41,6 +41,13 @@ void nameBody(const Eigen::Vector3d& at, const std::string& name, const Colour& 
   scene.labels.push_back({.at = at, .text = name, .colour = colour, .isName = true, .isAbove = true});
 }
 
+/// Of the i-th skin beside the body, one to the right, then to the left; there the first is the muscle view's
+/// where it is split.
+int placeBeside(std::size_t i, bool isSplit) {
+  static constexpr int places[] = {-1, 1, 2, -2};
+  return places[isSplit && i > 0 ? i + 1 : i];
+}
+
 bool sameFrames(const Frames& a, const Frames& b) {
   return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return x.matrix() == y.matrix(); });
 }
@@ -213,7 +220,15 @@ Camera SceneView::wholeView(const Session& session, const Viewport& viewport,
     box.extend(base + far);
     box.extend(base - far);
   }
-  return frameBox(newDocument(session.model(), {}).view.camera, viewport, box);
+  const Camera camera = newDocument(session.model(), {}).view.camera;
+  if (!aloneLimb_.empty()) {  // and those beside it
+    const Eigen::Vector3d right = levelRight(camera, session.model().up),
+                          step = 0.55 * sizeBeside(camera, session) * right;
+    for (std::size_t i = 0; i < session.document().lab.skins.size(); ++i)
+      box.extend(shown.translated(-placeBeside(i, isSplit()) * step));
+    if (isSplit()) box.extend(shown.translated(-step));
+  }
+  return frameBox(camera, viewport, box);
 }
 
 void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderScene& scene) {
@@ -249,13 +264,15 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
     scene.bodies.push_back(body);
   }
   addSkinsBeside(session, scene);
-  if (rig_ && settings_->split) {
-    ghosts_.push_back({.worldFromJoint = framesBeside(session, frames_, size_),
+  if (isSplit()) {
+    ghosts_.push_back({.worldFromJoint = framesBeside(session, frames_,
+                                                      sizeBeside(session.document().view.camera, session)),
                        .tint = {0.80f, 0.76f, 0.71f},
                        .opacity = 1.0f});
-    const MarkColours& colours = markColours(scene.theme);
-    nameBody(placeAbove(session, ghosts_.back().worldFromJoint), "LBS", colours.dim, scene);
-    if (skinFacts_.empty()) nameBody(placeAbove(session, frames_), "FFD", colours.accent, scene);
+    const SkinChoice& plain = session.document().skin;
+    const Colour& dim = markColours(scene.theme).dim;
+    nameBody(placeAbove(session, ghosts_.back().worldFromJoint), toString(plain), dim, scene);
+    if (skinFacts_.empty()) nameBody(placeAbove(session, frames_), toString(drawnSkin(session)), dim, scene);
   }
   ghostPoses_.resize(ghosts_.size());
   for (std::size_t i = 0; i < ghosts_.size(); ++i) {
@@ -265,6 +282,19 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
                             .pose = &ghostPoses_[i],
                             .tint = {ghost.tint.x(), ghost.tint.y(), ghost.tint.z(), ghost.opacity}});
   }
+}
+
+SkinChoice SceneView::drawnSkin(const Session& session) const {
+  SkinChoice drawn = session.document().skin;
+  if (rig_) drawn.layers = SkinLayers::Muscles;
+  return drawn;
+}
+
+/// By which framesBeside() measures: a limb alone takes as much room as it is wide.
+double SceneView::sizeBeside(const Camera& camera, const Session& session) const {
+  if (aloneLimb_.empty()) return size_;
+  const double wide = levelRight(camera, session.model().up).cwiseAbs().dot(bounds_.sizes());
+  return 1.15 * wide / 0.55;
 }
 
 /// Where the name of the body stands, or of one of the same pose whose frames lie beside it.
@@ -334,20 +364,17 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
     }
   }
   const SkinnedVertices& own = surface(session);
-  SkinChoice shown = session.document().skin;
-  if (rig_) shown.layers = SkinLayers::Muscles;
-  skinFacts_.push_back(factsOf(shown, own, own));
+  skinFacts_.push_back(factsOf(drawnSkin(session), own, own));
   skinFacts_.back().above = placeAbove(session, frames_);
   skinsBeside_.resize(wanted.size());
-  const bool split = rig_ && settings_->split;
+  const double size = sizeBeside(session.document().view.camera, session);
   SkinnedVertices at;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     SkinBeside& beside = skinsBeside_[i];
     prepareBeside(session, wanted[i], beside);
     if (!beside.skin) continue;
     beside.skin->pose(frames_, knownPose(session), at);
-    static constexpr int places[] = {-1, 1, 2, -2};  // the first one to the left is the muscle view's
-    const Frames shifted = framesBeside(session, frames_, size_, places[split ? (i == 0 ? 0 : i + 1) : i]);
+    const Frames shifted = framesBeside(session, frames_, size, placeBeside(i, isSplit()));
     const Eigen::VectorXd* q = knownPose(session);
     if (const LayeredSkin* layered = beside.skin->layered()) {
       const std::vector<LimbPose> limbs = beside.skin->rig()->pose(shifted, q);

@@ -104,6 +104,8 @@ class SceneView {
   const std::vector<Ghost>& ghosts() const { return ghosts_; }
   /// The body's own skin first, then those beside it (LabSettings::skins), as they were composed last.
   const std::vector<SkinFacts>& skinFacts() const { return skinFacts_; }
+  /// The body's own as it is drawn: the document's, with the muscle layers where they are on.
+  SkinChoice drawnSkin(const Session& session) const;
   /// The skin as the document's method has it; nullptr without one.
   const PreparedSkin* prepared() const { return prepared_.get(); }
 
@@ -118,6 +120,8 @@ class SceneView {
   };
   void prepareBeside(const Session& session, const SkinChoice& wanted, SkinBeside& beside);
   void addSkinsBeside(const Session& session, RenderScene& scene);
+  double sizeBeside(const Camera& camera, const Session& session) const;
+  bool isSplit() const { return rig_ && settings_->split; }
   Eigen::Vector3d placeAbove(const Session& session, const Frames& frames) const;
   SkinFacts factsOf(const SkinChoice& choice, const SkinnedVertices& at, const SkinnedVertices& own) const;
   void prepare(const Session& session, bool stroke);

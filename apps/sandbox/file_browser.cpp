@@ -1,5 +1,7 @@
 #include "apps/sandbox/file_browser.h"
 
+#include <GLFW/glfw3.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -103,8 +105,10 @@ void FileBrowser::begin(Purpose purpose, const std::string& folder, const std::s
   std::snprintf(name_, sizeof name_, "%s", name.c_str());
   filter_ = 0;
   focus_ = true;
+  replaced_.clear();
   std::error_code error;
-  enter(folder.empty() || !fs::is_directory(folder, error) ? fs::current_path(error).string() : folder);
+  enter(folder.empty() || !fs::is_directory(folder, error) ? fs::current_path(error).string()
+                                                           : fs::absolute(folder, error).string());
 }
 
 void FileBrowser::enter(const std::string& folder) {
@@ -156,7 +160,8 @@ void FileBrowser::list(Sandbox& sandbox, float height, std::optional<std::string
                                  ImGuiSelectableFlags_AllowDoubleClick)) {
       selected_ = entry.name;
       std::snprintf(name_, sizeof name_, "%s", entry.name.c_str());
-      if (ImGui::IsMouseDoubleClicked(0)) chosen = (folder / entry.name).string();
+      if (ImGui::IsMouseDoubleClicked(0) && purpose_ == Purpose::Open)
+        chosen = (folder / entry.name).string();
     }
     ImGui::PopID();
   }
@@ -191,18 +196,30 @@ std::optional<std::string> FileBrowser::draw(Sandbox& sandbox) {
     }
   }
   ImGui::PushFont(s.gui.fonts().small);
-  ImGui::TextColored(s.colours().textDim, "%s",
-                     purpose_ == Purpose::Save ? "A name in this folder, or a whole path; .json is added."
-                                               : "A file, a folder, or the name of a built-in model.");
+  if (!replaced_.empty())
+    ImGui::TextColored(s.colours().bad, "%s is there already: its contents will be lost.",
+                       fs::path(replaced_).filename().string().c_str());
+  else
+    ImGui::TextColored(s.colours().textDim, "%s",
+                       purpose_ == Purpose::Save ? "A name in this folder, or a whole path; .json is added."
+                                                 : "A file, a folder, or the name of a built-in model.");
   ImGui::PopFont();
-  const bool confirmed =
-      ImGui::Button(purpose_ == Purpose::Save ? "Save" : "Open", {96 * s.scale, 0}) || entered;
+  const bool confirmed = ImGui::Button(purpose_ == Purpose::Open ? "Open"
+                                       : replaced_.empty()       ? "Save"
+                                                                 : "Replace",
+                                       {96 * s.scale, 0}) ||
+                         entered;
+  std::error_code error;
+  const fs::path typed(name_), inFolder = typed.is_absolute() ? typed : fs::path(folder_) / typed;
+  const std::string scene = scenePathOf(inFolder.string());
+  if (scene != replaced_) replaced_.clear();
   if (confirmed && name_[0] != '\0') {
-    std::error_code error;
-    const fs::path typed(name_), inFolder = typed.is_absolute() ? typed : fs::path(folder_) / typed;
     if (fs::is_directory(inFolder, error)) {
       enter(inFolder.string());
       name_[0] = '\0';
+    } else if (purpose_ == Purpose::Save && replaced_.empty() && fs::exists(scene, error) &&
+               !fs::equivalent(scene, s.scenePath, error)) {
+      replaced_ = scene;
     } else if (purpose_ == Purpose::Save || fs::exists(inFolder, error)) {
       chosen = inFolder.string();
     } else {

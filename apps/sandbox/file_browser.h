@@ -49,6 +49,7 @@ class FileBrowser {
   int filter_ = 0;
   char name_[1024] = "";
   bool focus_ = true;
+  std::string replaced_;  ///< a file in whose place it would be saved; asked once
 };
 
 }  // namespace gelenk

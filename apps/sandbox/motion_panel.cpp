@@ -109,7 +109,7 @@ class MotionPanel final : public Panel {
   void step(Sandbox& sandbox, double dt) override {
     if (!editor_) return;
     followEdits(sandbox);
-    if (!play_->showing) return;
+    if (!play_->showing) return sandbox.session().setPosture(sandbox.session().skeleton().rest());
     if (sandbox.playing()) advance(sandbox, play_->speed * dt);
     placeHead(sandbox);
     const bool resting = !sandbox.playing() && !play_->goalsOnTop;
@@ -332,6 +332,7 @@ class MotionPanel final : public Panel {
     restedSeconds_ = (*head_);
     restedVersion_ = editor_->version();
     restedQ_ = sandbox.session().q();
+    sandbox.session().setPosture(restedQ_);  // a drag starts from the clip's pose, not from the rest pose
   }
   void leavePose() { restedSeconds_.reset(); }
 
@@ -344,6 +345,7 @@ class MotionPanel final : public Panel {
     restedSeconds_ = (*head_);
     restedVersion_ = editor_->version();
     restedQ_ = projectToLimits(session.skeleton(), q_);
+    session.setPosture(restedQ_);
     if ((session.q() - q_).norm() > 1e-9 && (session.q() - restedQ_).norm() > 1e-9) return;
     session.setPose(q_);
     restedQ_ = session.q();

@@ -34,7 +34,8 @@ bool slider(Sandbox& sandbox, const char* label, double& value, double lower, do
   return moved;
 }
 
-/// Chadwick's muscle layers (lecture 10.3): lattices drawn, planes shaped, muscle curves, LBS beside FFD.
+/// Chadwick's muscle layers (lecture 10.3): lattices drawn, planes shaped, muscle curves, a plain skin
+/// beside.
 class MusclePanel final : public Panel {
  public:
   std::string name() const override { return "Muscles"; }
@@ -84,11 +85,9 @@ class MusclePanel final : public Panel {
         "a plane to select it; drag one of planes 2 and 4 to scale it, with Shift to turn it about the "
         "bone.");
     ImGui::SameLine();
-    if (ImGui::Checkbox("LBS beside", &settings_.split)) look(sandbox);
-    tooltip("Split view: the same pose with linear blend skinning alone, to the left.");
+    if (ImGui::Checkbox("Plain skin beside", &settings_.split)) look(sandbox);
+    tooltip("Split view: to the left the same pose without layers, by the method of the Skin tab.");
 
-    heading(s, "SIDE BY SIDE");
-    drawSkinComparison(sandbox);
     heading(s, "LIMB");
     limbChoice(sandbox);
     if (ImGui::Checkbox("This limb alone", &settings_.alone)) showAlone(sandbox);
@@ -97,6 +96,9 @@ class MusclePanel final : public Panel {
         "volumes without muscles, or what is chosen under SIDE BY SIDE.");
     LimbSettings& limb = settings_.limbs[shownLimb_].second;
     measures(sandbox);
+
+    heading(s, "SIDE BY SIDE");
+    drawSkinComparison(sandbox);
 
     heading(s, "MUSCLES");
     bool changed = slider(sandbox, "Activation", limb.control.activation, 0.0, 1.0, "%.2f",
@@ -328,7 +330,7 @@ class MusclePanel final : public Panel {
   }
 
   /// Bends elbow or knee, whatever held it; where no hinge does, the bend is told.
-  static void bendSlider(Sandbox& sandbox, const Limb& limb, double degrees) {
+  void bendSlider(Sandbox& sandbox, const Limb& limb, double degrees) {
     Session& session = sandbox.session();
     const auto range = limbBend(session.skeleton(), limb, session.q());
     if (!range) {
@@ -338,6 +340,7 @@ class MusclePanel final : public Panel {
     if (slider(sandbox, "Bend", degrees, range->least / degree, range->most / degree, "%.1f°",
                "Total bend of the joint between the links, straight = 0, degrees: moves it."))
       session.setPose(bentBy(session.skeleton(), limb, *range, session.q(), degrees * degree));
+    if (ImGui::IsItemDeactivatedAfterEdit() && settings_.alone) frameShown(sandbox);
   }
 
   /// Scale of planes 2 and 4 against the joint's bend.

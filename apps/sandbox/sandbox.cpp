@@ -251,7 +251,7 @@ Document Sandbox::document() const {
 }
 
 bool Sandbox::saveSceneTo(const std::string& name) {
-  const std::string path = isScene(name) ? name : name + ".json";  // that it may be opened again
+  const std::string path = scenePathOf(name);
   try {
     writeScene(path, document(), session().model());
     state_->scenePath = path;

@@ -409,7 +409,8 @@ void askUnsaved(Sandbox& sandbox) {
     s.savedEdits = s.session->editCount();
     if (const auto next = std::exchange(s.next, nullptr)) s.afterFrame = next;
   };
-  if (ImGui::Button("Save…", {110 * s.scale, 0})) {
+  if (ImGui::Button(s.scenePath.empty() ? "Save…" : "Save", {110 * s.scale, 0}) ||
+      (ImGui::IsKeyPressed(GLFW_KEY_ENTER, false) && !ImGui::IsWindowAppearing())) {
     if (s.scenePath.empty()) {
       openDialog(s, Dialog::SaveScene);
       ImGui::CloseCurrentPopup();
@@ -609,7 +610,11 @@ void tooltip(const char* words) {
 
 /// Where it covers no control of the panel: to the left of one at the right, above one at the foot of the
 /// window, above the mouse elsewhere in the lower half. As plain over what is disabled as over the rest.
+/// One a frame: the first.
 void showTooltip(const char* words) {
+  for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+    if ((window->Flags & ImGuiWindowFlags_Tooltip) && window->LastFrameActive == ImGui::GetFrameCount())
+      return;
   const ImGuiStyle& style = ImGui::GetStyle();
   const ImGuiWindow& panel = *ImGui::GetCurrentWindow()->RootWindow;
   const ImVec2 mouse = ImGui::GetMousePos(), display = ImGui::GetIO().DisplaySize;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "apps/sandbox/sandbox_state.h"
 
@@ -38,7 +39,8 @@ void facts(Sandbox& sandbox) {
   for (const SkinFacts& skin : s.view->skinFacts()) {
     const std::string name = toString(skin.choice);
     ImGui::TextColored(s.colours().textDim, "%s", name.c_str());
-    ImGui::TextUnformatted(fmt::format("volume {:+.1f} %", 100.0 * skin.volume).c_str());
+    const double percent = std::round(1000.0 * skin.volume) / 10.0 + 0.0;  // no -0.0
+    ImGui::TextUnformatted(fmt::format("volume {:+.1f} %", percent).c_str());
     ImGui::SameLine(0.38f * width);
     ImGui::TextUnformatted(fmt::format("section {:.2f}", skin.section).c_str());
     ImGui::SameLine(0.7f * width);
@@ -66,6 +68,7 @@ void drawSkinComparison(Sandbox& sandbox) {
       if (choice.layers != SkinLayers::None && !hasLimbs) continue;
       const auto found = std::find(beside.begin(), beside.end(), choice);
       bool shown = found != beside.end();
+      if (!shown && choice == s.view->drawnSkin(*s.session)) continue;  // stands there already
       ImGui::BeginDisabled(!shown && beside.size() >= LabSettings::mostSkins);
       if (ImGui::Checkbox(toString(choice).c_str(), &shown)) {
         if (shown)

@@ -241,10 +241,12 @@ class SolvePanel final : public Panel {
         }
         tooltip(fmt::format("{}: {}", type.title, type.asks).c_str());
         ImGui::TableNextColumn();
-        if (goal.state != GoalState::Free) showError(s, goal);
-        tooltip(
-            "Distance between target and the point reached, by forward kinematics. Poles: distance of the "
-            "elbow or knee from the half plane of the pole. Orientation and aim: the angle.");
+        if (goal.state != GoalState::Free) {
+          showError(s, goal);
+          tooltip(
+              "Distance between target and the point reached, by forward kinematics. Poles: distance of the "
+              "elbow or knee from the half plane of the pole. Orientation and aim: the angle.");
+        }
         ImGui::TableNextColumn();
         if (ImGui::SmallButton(stateWord(goal.state))) toPin = goal.id;
         static const std::string states = fmt::format(

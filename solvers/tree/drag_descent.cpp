@@ -33,7 +33,15 @@ Vector3d rotationVector(const double* a, const double* b) {
 
 DragDescent::DragDescent(const Skeleton& skeleton, double unit, std::vector<double> stiffness,
                          const VectorXd& rest)
-    : tree_(skeleton, unit), stiffnessOfDof_(std::move(stiffness)), rest_(rest) {}
+    : tree_(skeleton, unit), stiffnessOfDof_(std::move(stiffness)), posture_(rest) {}
+
+void DragDescent::setPosture(const VectorXd& q) {
+  if (posture_ == q) return;
+  posture_ = q;
+  TreePose pose;
+  tree_.load(posture_, pose);
+  restCoordinates_ = pose.coordinates;
+}
 
 void DragDescent::build(std::span<const int> joints, const Vector3d& origin) {
   tree_.build(joints, origin);
@@ -55,7 +63,7 @@ void DragDescent::build(std::span<const int> joints, const Vector3d& origin) {
   sums_.clear();
   shares_.clear();
   rows_ = 0;
-  tree_.load(rest_, trial_);
+  tree_.load(posture_, trial_);
   restCoordinates_ = trial_.coordinates;
   forget();
 }

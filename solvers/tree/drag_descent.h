@@ -91,6 +91,8 @@ class DragDescent {
     look(block, pose_, corrected, exact, model);
   }
 
+  /// What the posture term pulls towards, nq.
+  void setPosture(const Eigen::VectorXd& q);
   /// New structure; forgets what earlier steps were worth. Points must be set anew.
   void build(std::span<const int> joints, const Eigen::Vector3d& origin);
   /// Takes the tree's joints from q, moved into the limits.
@@ -151,7 +153,7 @@ class DragDescent {
 
   GoalTree tree_;
   std::vector<double> stiffnessOfDof_;  ///< of the skeleton's tangent
-  Eigen::VectorXd rest_;
+  Eigen::VectorXd posture_;
   std::vector<TreePoint> points_;
   std::vector<TreeBlock> blocks_;
   std::vector<TreeSum> sums_;

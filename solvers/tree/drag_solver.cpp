@@ -87,6 +87,13 @@ void DragSolver::reset(const VectorXd& q) {
   memory_.clear();
 }
 
+void DragSolver::setPosture(const VectorXd& q) {
+  if (q.size() != skeleton().nq())
+    throw std::invalid_argument("the drag solver needs a posture of nq = " + std::to_string(skeleton().nq()) +
+                                " values, found " + std::to_string(q.size()));
+  descent_.setPosture(q);
+}
+
 bool DragSolver::sameStructure(std::span<const Goal> goals) const {
   if (fresh_ || countOf(goals) != memory_.size()) return false;
   for (std::size_t i = 0; i < memory_.size(); ++i) {

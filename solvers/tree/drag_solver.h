@@ -72,9 +72,9 @@ double characteristicLength(const Skeleton& skeleton);
 ///
 /// Goals may come, go and change joint, point, kind and role between frames. Every type with a DragForm is
 /// served (a Pole wants a small weight: it is a preference); Posture goals are ignored: the posture term
-/// always pulls towards the skeleton's rest pose. Drags and holds are drawn, pins stand by their weight.
-/// Targets that are not finite are left out. Throws std::invalid_argument for a goal that makes no sense on
-/// the skeleton (whyMisplaced).
+/// pulls towards the skeleton's rest pose, or what setPosture() says. Drags and holds are drawn, pins stand
+/// by their weight. Targets that are not finite are left out. Throws std::invalid_argument for a goal that
+/// makes no sense on the skeleton (whyMisplaced).
 class DragSolver {
  public:
   /// skeleton must outlive the solver.
@@ -82,6 +82,8 @@ class DragSolver {
 
   /// Begins anew at q (nq), moved into the limits.
   void reset(const Eigen::VectorXd& q);
+  /// What the posture term pulls towards from now on (nq); the skeleton's rest pose at the beginning.
+  void setPosture(const Eigen::VectorXd& q);
   /// One frame. The report is valid until the next call: q, why (Converged: goals met within 1e-4 units;
   /// Stationary: at rest short of them; Budget: still moving), the goals' residual (weighted root of summed
   /// squares, metres; orientation by its arm; pins by their Goal::weight), work done and, on demand, a record

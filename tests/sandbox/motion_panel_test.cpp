@@ -180,6 +180,29 @@ TEST_F(Driven, ADraggedPoseIsKeyedAndTheClipGoesThroughIt) {
   std::filesystem::remove(file);
 }
 
+/// The drag solver pulled towards the rest pose: a hand led by two pixels threw the body by a metre.
+TEST_F(Driven, ADragStartsFromTheClipsPose) {
+  Model model = openModel("figure");
+  Eigen::VectorXd q = model.skeleton.rest();
+  q[0] += 0.6, q[2] += 0.9;
+  for (const char* name : {"upperarm_l", "upperarm_r", "neck_01"}) {
+    const int i = model.skeleton.jointIndex(name);
+    setJointRotation(model.skeleton, q, i,
+                     jointRotation(model.skeleton, q, i) * expRotation(Eigen::Vector3d(0.3, 0, 0.2)));
+  }
+  model.clip = MotionClip{.framesPerSecond = 30.0, .q = q.replicate(1, 31)};
+  model.pins.clear();
+  sandbox_.openModel(model, {"figure"});
+  play("0 do Motion frame 11\n", 2);
+  const Eigen::Vector3d foot = shown("foot_l"), head = shown("head"), hand = shown("hand_r");
+  play("0 drag hand_r 0 -3 6\n", 60);
+  EXPECT_GT((shown("hand_r") - hand).norm(), 0.002);
+  EXPECT_LT((shown("foot_l") - foot).norm(), 0.03);
+  EXPECT_LT((shown("head") - head).norm(), 0.03);
+  play("0 key r\n", 60);  // the rest pose stays where it is
+  EXPECT_LT((sandbox_.session().q() - sandbox_.session().skeleton().rest()).norm(), 1e-6);
+}
+
 TEST_F(Driven, ATurnedJointIsKeyedAlone) {
   sandbox_.openModel(swingingFigure(), {"figure"});
   play(

@@ -121,7 +121,7 @@ TEST(Review, AHandleWinsOverTheLattice) {
   EXPECT_EQ(stage.sandbox.session().goal(*stage.sandbox.session().dragged()).goal.name, "hand_l");
 }
 
-/// 9: "LBS beside" left the view when zoomed in.
+/// 9: the skin beside left the view when zoomed in.
 TEST(Review, TheBodyBesideStaysInViewWhenZoomedIn) {
   Stage stage("figure");
   Camera& camera = stage.sandbox.camera();

@@ -426,6 +426,31 @@ TEST(StatusLine, SaysWhatTheMouseDoesInTheToolThatHasIt) {
   says("Drag a handle");
 }
 
+/// Save as wrote over any file at once.
+TEST(FileBrowser, AnotherFileIsReplacedOnlyWhenAskedTwice) {
+  Stage stage("planar");
+  stage.play("", 2);
+  const fs::path other = stage.folder / "other.json", own = stage.folder / "own.json";
+  writeFile(other.string(), "kept");
+  ASSERT_TRUE(stage.sandbox.saveSceneTo(own.string()));
+  const auto saveAs = [&](const std::string& name) {
+    stage.sandbox.state().dialog = Sandbox::State::Dialog::SaveScene;
+    stage.play("", 3);
+    stage.play("0 keydown ctrl\n0 key a\n0 keyup ctrl\n3 text " + name + "\n6 key enter\n", 4);
+  };
+  saveAs("own");  // the scene itself
+  EXPECT_EQ(stage.state().dialog, Sandbox::State::Dialog::None);
+  saveAs("other");
+  EXPECT_EQ(stage.state().dialog, Sandbox::State::Dialog::SaveScene);
+  EXPECT_EQ(readFile(other.string()), "kept");
+  stage.play("0 key escape\n", 3);
+  EXPECT_EQ(readFile(other.string()), "kept");
+  saveAs("other");
+  stage.play("0 key enter\n", 4);
+  EXPECT_EQ(stage.state().dialog, Sandbox::State::Dialog::None);
+  EXPECT_NE(readFile(other.string()), "kept");
+}
+
 TEST(Unsaved, ChangesAreAskedAboutBeforeTheyAreLost) {
   Stage stage("figure", true);
   stage.play("", 2);

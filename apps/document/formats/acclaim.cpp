@@ -69,9 +69,13 @@ void writeAmc(const std::string& path, const MotionExport& motion) {
 constinit const FileFormat asfFormat{.description = "Acclaim skeleton (ASF)",
                                      .endings = ".asf",
                                      .saysItsUnit = true,
+                                     .companions = "amc",
                                      .read = readAsfFile,
                                      .write = writeAsf};
-constinit const FileFormat amcFormat{
-    .description = "Acclaim motion (AMC)", .endings = ".amc", .read = readAmcFile, .writeMotion = writeAmc};
+constinit const FileFormat amcFormat{.description = "Acclaim motion (AMC)",
+                                     .endings = ".amc",
+                                     .companions = "asf",
+                                     .read = readAmcFile,
+                                     .writeMotion = writeAmc};
 
 }  // namespace gelenk

@@ -195,6 +195,9 @@ void readMeshFile(const std::string& path, const Companions& files, const Import
     throw std::invalid_argument("'" + path +
                                 "' is a mesh without a skeleton: give one with --skeleton, or name the "
                                 "skeleton's file where there is no such option");
+  if (files.asf.empty() && !(files.amc.empty() && files.mapping.empty()))
+    throw std::invalid_argument(fmt::format("--{} needs --asf: it is of the bones of that skeleton",
+                                            files.amc.empty() ? "mapping" : "amc"));
   if (!files.asf.empty())
     result = exerciseSheet(path, files, options);
   else
@@ -223,13 +226,19 @@ void writeObjFile(const std::string& path, Imported& imported, const ExportOptio
 
 }  // namespace
 
+constexpr std::string_view companionsOfMesh = "skeleton weights asf amc mapping";
+
 constinit const FileFormat objFormat{.description = "OBJ mesh",
                                      .endings = ".obj",
                                      .isMesh = true,
+                                     .companions = companionsOfMesh,
                                      .read = readMeshFile,
                                      .write = writeObjFile};
 /// A surface that is tessellated and then treated as an OBJ.
-constinit const FileFormat nurbsFormat{
-    .description = "NURBS surface", .endings = ".nurbs", .isMesh = true, .read = readMeshFile};
+constinit const FileFormat nurbsFormat{.description = "NURBS surface",
+                                       .endings = ".nurbs",
+                                       .isMesh = true,
+                                       .companions = companionsOfMesh,
+                                       .read = readMeshFile};
 
 }  // namespace gelenk

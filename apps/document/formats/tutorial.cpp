@@ -88,6 +88,7 @@ constinit const FileFormat tutorialPoseFormat{.description = "tutorial pose",
                                               .endings = ".pose",
                                               .sharedEndings = ".skel .txt",
                                               .recognises = isPose,
+                                              .companions = "figure",
                                               .read = readPose,
                                               .write = writePose};
 

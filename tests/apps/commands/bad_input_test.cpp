@@ -8,6 +8,7 @@
 #include "kinematics/io/parse_error.h"
 #include "kinematics/io/text_file.h"
 #include "skinning/blend/linear_blend.h"
+#include "tests/places.h"
 
 namespace gelenk {
 namespace {
@@ -73,6 +74,25 @@ TEST_F(BadFiles, AnObjWithASkeletonAndNoWeightsGetsHeatWeights) {
                                                                  .figure = {}});
   ASSERT_TRUE(imported.model.skin);
   EXPECT_THAT(imported.model.notes.at(0).text, HasSubstr("heat"));
+}
+
+TEST_F(BadFiles, WhatIsGivenBesideAModelIsReadOrRefused) {
+  const auto refusal = [](const std::string& model, const Companions& files) {
+    try {
+      importFiles(model, files);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refusal("figure", {.asf = "a.asf"}), HasSubstr("not read together with --asf a.asf"));
+  EXPECT_THAT(refusal("panda", {.weights = "w"}), HasSubstr("--weights w"));
+  EXPECT_THAT(refusal("figure", {.clip = "wave"}), HasSubstr("--clip"));
+  EXPECT_THAT(refusal("figure", {.up = "z"}), HasSubstr("--up"));
+  EXPECT_THAT(refusal(gelenk::testing::inputFolder() + "/forearm.bvh", {.amc = "m.amc"}),
+              HasSubstr("--amc m.amc"));
+  EXPECT_THAT(refusal(file("b.obj", goodObj), {.skeleton = file("s.skel", goodSkeleton), .amc = "m.amc"}),
+              HasSubstr("--amc needs --asf"));
 }
 
 TEST_F(BadFiles, EachIsRefusedInOneSentenceThatNamesTheFile) {

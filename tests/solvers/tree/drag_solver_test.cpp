@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "solvers/iteration/evaluator.h"
 #include "solvers/problem/judge.h"
 #include "solvers/tree/drag_solver.h"
@@ -280,6 +282,35 @@ TEST(DragSolver, RandomSkeletonsStayWithinLimitsAndFiniteWhateverIsAsked) {
       EXPECT_EQ(static_cast<int>(report.trace.size()), report.counters.iterations);
     }
   }
+}
+
+/// At a goal that is met, the rest of a planar arm stays in the posture asked for, and leaves it for the
+/// skeleton's rest pose.
+TEST(DragSolver, PullsTowardsThePostureThatItIsTold) {
+  std::vector<Joint> joints{{.name = "base"}};
+  for (int i = 0; i < 4; ++i) {
+    Joint joint{.name = "j" + std::to_string(i), .parent = i};
+    joint.parentFromZero.translation() << (i == 0 ? 0.0 : 0.5), 0, 0;
+    joint.axes = {{AxisDof::Kind::Rotation, Eigen::Vector3d::UnitZ()}};
+    joints.push_back(joint);
+  }
+  joints.push_back({.name = "tip", .parent = 4});
+  joints.back().parentFromZero.translation() << 0.5, 0, 0;
+  const Skeleton arm(joints);
+  const Eigen::Vector4d bent(1.2, -1.0, 0.8, -1.1);
+  std::vector<Goal> goals{
+      {.joint = 5, .target = forwardKinematics(arm, bent)[5].translation(), .role = Role::Drag}};
+  const auto atRest = [&](const std::optional<Eigen::VectorXd>& posture) {
+    DragSolver solver(arm);
+    if (posture) solver.setPosture(*posture);
+    solver.reset(bent);
+    for (int frame = 0; frame < 300; ++frame) solver.frame(goals);
+    return Eigen::VectorXd(solver.q());
+  };
+  EXPECT_LT((atRest(bent) - bent).norm(), 1e-6);
+  EXPECT_GT((atRest(std::nullopt) - bent).norm(), 0.05);
+  DragSolver solver(arm);
+  EXPECT_THROW(solver.setPosture(Eigen::Vector3d::Zero()), std::invalid_argument);
 }
 
 TEST(DragSolver, SaysWhatIsWrongWithAGoal) {
