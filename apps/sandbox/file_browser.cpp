@@ -208,7 +208,7 @@ std::optional<std::string> FileBrowser::draw(Sandbox& sandbox) {
                                        : replaced_.empty()       ? "Save"
                                                                  : "Replace",
                                        {96 * s.scale, 0}) ||
-                         entered;
+                         entered || (!replaced_.empty() && ImGui::IsKeyPressed(GLFW_KEY_ENTER, false));
   std::error_code error;
   const fs::path typed(name_), inFolder = typed.is_absolute() ? typed : fs::path(folder_) / typed;
   const std::string scene = scenePathOf(inFolder.string());
