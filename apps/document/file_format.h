@@ -27,11 +27,10 @@ struct FileFormat {
   bool (*recognises)(std::string_view head) = nullptr;  ///< by the file's first 255 characters
   bool isMesh = false;                                  ///< nothing but a surface
   bool saysItsUnit = false;
-  bool alwaysMetres = false;  ///< by definition: another unit is refused
-  bool saysUp = false;        ///< which axis points up, by definition
-  bool namesMotions = false;  ///< --clip chooses one
-  std::string_view companions =
-      {};  ///< that it is read together with: skeleton weights asf amc mapping figure
+  bool alwaysMetres = false;         ///< by definition: another unit is refused
+  bool saysUp = false;               ///< which axis points up, by definition
+  bool namesMotions = false;         ///< --clip chooses one
+  std::string_view companions = {};  ///< it is read together with: some of companionNames, blanks between
   /// Fills in what the file holds; result.model has its name. Throws ParseError and std::invalid_argument.
   void (*read)(const std::string& path, const Companions&, const ImportOptions&, Imported& result) = nullptr;
   /// Null: written by writeMotion, or not at all. Tells in imported's notes what the format cannot hold.

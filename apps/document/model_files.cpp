@@ -258,15 +258,8 @@ namespace {
 
 /// Nothing that was given is left aside without a word.
 void demandUsed(const std::string& nameOrFile, const Companions& given, std::string_view used) {
-  constexpr std::array<std::pair<std::string Companions::*, std::string_view>, 6> names{
-      {{&Companions::skeleton, "skeleton"},
-       {&Companions::weights, "weights"},
-       {&Companions::asf, "asf"},
-       {&Companions::amc, "amc"},
-       {&Companions::mapping, "mapping"},
-       {&Companions::figure, "figure"}}};
   const std::vector<std::string_view> taken = splitWords(used);
-  for (const auto& [file, name] : names)
+  for (const auto& [file, name] : companionNames)
     if (!(given.*file).empty() && std::ranges::count(taken, name) == 0)
       throw std::invalid_argument(
           fmt::format("'{}' is not read together with --{} {}", nameOrFile, name, given.*file));
@@ -278,9 +271,6 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
                      const ImportOptions& options) {
   if (standsInNoFile(nameOrFile)) {
     demandUsed(nameOrFile, companions, "");
-    if (!companions.clip.empty() || !companions.up.empty())
-      throw std::invalid_argument(fmt::format("'{}' is built in: --{} is for files", nameOrFile,
-                                              companions.clip.empty() ? "up" : "clip"));
     return {.model = openModel(nameOrFile)};
   }
   const auto kind = fileKind(nameOrFile);
@@ -299,7 +289,7 @@ Imported importFiles(const std::string& nameOrFile, const Companions& companions
                                 "' says its own frame rate; another one can be given for an AMC only");
   if (!companions.clip.empty() && !format.namesMotions)
     throw std::invalid_argument("'" + nameOrFile + "' does not name its motions: --clip is for glTF");
-  demandUsed(nameOrFile, companions, format.companions);
+  demandUsed(nameOrFile, companions, std::string(format.companions) + " clip up");  // these: above, below
   Imported result{.model = {.name = stem(nameOrFile), .skeleton = {}}};
   format.read(nameOrFile, companions, options, result);
   if (result.model.clip && result.asf) standWhereMotionBegins(result.model);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <string>
+#include <utility>
 
 namespace gelenk {
 
@@ -15,6 +17,17 @@ struct Companions {
   std::string up = {};       ///< y or z where a format does not say it; default: along which the body stands
   bool operator==(const Companions&) const = default;
 };
+
+/// As scenes and options (--skeleton, ...) name them.
+inline constexpr std::array<std::pair<std::string Companions::*, const char*>, 8> companionNames{
+    {{&Companions::skeleton, "skeleton"},
+     {&Companions::weights, "weights"},
+     {&Companions::asf, "asf"},
+     {&Companions::amc, "amc"},
+     {&Companions::mapping, "mapping"},
+     {&Companions::clip, "clip"},
+     {&Companions::up, "up"},
+     {&Companions::figure, "figure"}}};
 
 /// What a model is opened from: a built-in model or a file, and what belongs to it.
 struct ModelReference {

@@ -33,15 +33,6 @@ constexpr std::array<std::pair<GoalState, const char*>, 4> stateNames{{{GoalStat
 constexpr std::array<std::pair<Theme, const char*>, 2> themeNames{
     {{Theme::Light, "light"}, {Theme::Dark, "dark"}}};
 
-constexpr std::array<std::pair<std::string Companions::*, const char*>, 8> companionNames{
-    {{&Companions::skeleton, "skeleton"},
-     {&Companions::weights, "weights"},
-     {&Companions::asf, "asf"},
-     {&Companions::amc, "amc"},
-     {&Companions::mapping, "mapping"},
-     {&Companions::clip, "clip"},
-     {&Companions::up, "up"},
-     {&Companions::figure, "figure"}}};
 constexpr std::array<std::pair<bool Playback::*, const char*>, 7> playbackNames{
     {{&Playback::loop, "loop"},
      {&Playback::follow, "follow"},

@@ -99,6 +99,7 @@ Session::Session(std::shared_ptr<const Model> model, Document document)
   double reach = 1.0;
   for (int i = 0; i < skeleton().jointCount(); ++i) reach = std::max(reach, chainLength(skeleton(), i));
   reachedWithin_ = 1e-3 * reach;
+  posture_ = skeleton().rest();
   setSolver(document_.solver.name);
   for (const SceneGoal& goal : goals()) lastId_ = std::max(lastId_, static_cast<int>(goal.id));
   if (goals().empty()) makeHandles();
@@ -156,9 +157,8 @@ void Session::setPose(const Eigen::VectorXd& q) {
 }
 
 void Session::setPosture(const Eigen::VectorXd& q) {
-  if (posture_.size() == q.size() && posture_ == q) return;
-  posture_ = q;
   solver_->setPosture(q);
+  posture_ = q;
 }
 
 void Session::resetPose() {
@@ -613,7 +613,7 @@ void Session::setSolver(const std::string& text) {
     for (const auto& [parameter, value] : kept->second)
       if (!spec.values.count(parameter)) spec = withParameter(spec, parameter, value);
   solver_ = makeFrameSolver(toText(spec), sharedSkeleton());
-  if (posture_.size() > 0) solver_->setPosture(posture_);
+  solver_->setPosture(posture_);
   asOpened_ = false;
   document_.solver.name = name;
   document_.solver.parameters.erase(name);

@@ -271,7 +271,7 @@ class Session {
   int lastId_ = 0;
   std::optional<Drag> drag_;
   std::unique_ptr<FrameSolver> solver_;
-  Eigen::VectorXd posture_;  ///< that it pulls towards; empty: its own
+  Eigen::VectorXd posture_;  ///< that it pulls towards
   FrameSolve lastSolve_;
   std::vector<Eigen::Vector3d> standing_, support_;  ///< soles on the ground; their hull, inset
   bool asOpened_ = false;

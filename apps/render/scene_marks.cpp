@@ -129,11 +129,11 @@ Vector3d levelRight(const Camera& camera, const Vector3d& up) {
   return right.norm() > 1e-9 ? Vector3d(right.normalized()) : Vector3d::UnitX();
 }
 
-Frames framesBeside(const Session& session, Frames frames, double size, int place) {
+Frames framesBeside(const Session& session, Frames frames, double step, int place) {
   const Camera& camera = session.document().view.camera;
   // Near the camera less: what is looked at stands beside itself, both within the view.
   const Vector3d shift =
-      -place * std::min(0.55 * size, 0.6 * camera.halfHeight()) * levelRight(camera, session.model().up);
+      -place * std::min(step, 0.6 * camera.halfHeight()) * levelRight(camera, session.model().up);
   for (Isometry3d& frame : frames) frame.pretranslate(shift);
   return frames;
 }

@@ -21,8 +21,9 @@ void addWorkspace(Overlay& overlay, const Session& session, const Frames& worldF
 /// The picture's right, level: orthogonal to up. Unit length.
 Eigen::Vector3d levelRight(const Camera& camera, const Eigen::Vector3d& up);
 
-/// The body moved aside as the document's camera sees it, so many places to the left (below 0: to the right).
-Frames framesBeside(const Session& session, Frames worldFromJoint, double size, int place = 1);
+/// The body moved aside as the document's camera sees it, so many places to the left (below 0: to the right),
+/// each of step metres, less where the camera is near.
+Frames framesBeside(const Session& session, Frames worldFromJoint, double step, int place = 1);
 
 /// Goals that can be seen and taken now; pole handles only where their limb is held.
 bool isGoalShown(const Session& session, const SceneGoal& goal);

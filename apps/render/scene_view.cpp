@@ -222,8 +222,7 @@ Camera SceneView::wholeView(const Session& session, const Viewport& viewport,
   }
   const Camera camera = newDocument(session.model(), {}).view.camera;
   if (!aloneLimb_.empty()) {  // and those beside it
-    const Eigen::Vector3d right = levelRight(camera, session.model().up),
-                          step = 0.55 * sizeBeside(camera, session) * right;
+    const Eigen::Vector3d step = stepBeside(camera, session) * levelRight(camera, session.model().up);
     for (std::size_t i = 0; i < session.document().lab.skins.size(); ++i)
       box.extend(shown.translated(-placeBeside(i, isSplit()) * step));
     if (isSplit()) box.extend(shown.translated(-step));
@@ -266,7 +265,7 @@ void SceneView::addBodies(const Session& session, PictureExtras& extras, RenderS
   addSkinsBeside(session, scene);
   if (isSplit()) {
     ghosts_.push_back({.worldFromJoint = framesBeside(session, frames_,
-                                                      sizeBeside(session.document().view.camera, session)),
+                                                      stepBeside(session.document().view.camera, session)),
                        .tint = {0.80f, 0.76f, 0.71f},
                        .opacity = 1.0f});
     const SkinChoice& plain = session.document().skin;
@@ -290,11 +289,10 @@ SkinChoice SceneView::drawnSkin(const Session& session) const {
   return drawn;
 }
 
-/// By which framesBeside() measures: a limb alone takes as much room as it is wide.
-double SceneView::sizeBeside(const Camera& camera, const Session& session) const {
-  if (aloneLimb_.empty()) return size_;
-  const double wide = levelRight(camera, session.model().up).cwiseAbs().dot(bounds_.sizes());
-  return 1.15 * wide / 0.55;
+/// From one body to the next, metres: a limb alone takes as much room as it is wide.
+double SceneView::stepBeside(const Camera& camera, const Session& session) const {
+  if (aloneLimb_.empty()) return 0.55 * size_;
+  return 1.15 * levelRight(camera, session.model().up).cwiseAbs().dot(bounds_.sizes());
 }
 
 /// Where the name of the body stands, or of one of the same pose whose frames lie beside it.
@@ -367,14 +365,14 @@ void SceneView::addSkinsBeside(const Session& session, RenderScene& scene) {
   skinFacts_.push_back(factsOf(drawnSkin(session), own, own));
   skinFacts_.back().above = placeAbove(session, frames_);
   skinsBeside_.resize(wanted.size());
-  const double size = sizeBeside(session.document().view.camera, session);
+  const double step = stepBeside(session.document().view.camera, session);
   SkinnedVertices at;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     SkinBeside& beside = skinsBeside_[i];
     prepareBeside(session, wanted[i], beside);
     if (!beside.skin) continue;
     beside.skin->pose(frames_, knownPose(session), at);
-    const Frames shifted = framesBeside(session, frames_, size, placeBeside(i, isSplit()));
+    const Frames shifted = framesBeside(session, frames_, step, placeBeside(i, isSplit()));
     const Eigen::VectorXd* q = knownPose(session);
     if (const LayeredSkin* layered = beside.skin->layered()) {
       const std::vector<LimbPose> limbs = beside.skin->rig()->pose(shifted, q);

@@ -120,7 +120,7 @@ class SceneView {
   };
   void prepareBeside(const Session& session, const SkinChoice& wanted, SkinBeside& beside);
   void addSkinsBeside(const Session& session, RenderScene& scene);
-  double sizeBeside(const Camera& camera, const Session& session) const;
+  double stepBeside(const Camera& camera, const Session& session) const;
   bool isSplit() const { return rig_ && settings_->split; }
   Eigen::Vector3d placeAbove(const Session& session, const Frames& frames) const;
   SkinFacts factsOf(const SkinChoice& choice, const SkinnedVertices& at, const SkinnedVertices& own) const;

@@ -101,7 +101,7 @@ class MotionPanel final : public Panel {
     const bool isAsf = fileKind(reference.nameOrFile) == FileKind::Asf;
     if (!isAsf && reference.files.asf.empty()) return false;  // opened with the ASF that lies beside it
     ModelReference next = reference;
-    next.files.amc = path;
+    (fileKind(reference.nameOrFile) == FileKind::Amc ? next.nameOrFile : next.files.amc) = path;
     sandbox.openModel(readModel(next), next);
     return true;
   }
@@ -124,15 +124,12 @@ class MotionPanel final : public Panel {
     return editor_ && play_->showing && sandbox.playing() ? 0.0 : std::numeric_limits<double>::infinity();
   }
 
-  bool keyPressedInFront(Sandbox& sandbox, int key, int) override {
-    return editor_ && key == GLFW_KEY_HOME && goTo(sandbox, 0);
-  }
-
   bool keyPressed(Sandbox& sandbox, int key, int) override {
     if (!editor_) return false;
     const int frame = currentFrame();
     if (key == GLFW_KEY_RIGHT) return goTo(sandbox, frame + 1);
     if (key == GLFW_KEY_LEFT) return goTo(sandbox, frame - 1);
+    if (key == GLFW_KEY_HOME) return goTo(sandbox, 0);
     if (key == GLFW_KEY_END) return goTo(sandbox, editor_->clip().frameCount() - 1);
     if (key == GLFW_KEY_K) return tried(sandbox, [&] { keyMoved(sandbox); });
     return false;

@@ -63,11 +63,9 @@ class Panel {
   /// Puts into the document what the panel alone knows of it, before it is written.
   virtual void store(const Sandbox&, Document&) const {}
 
-  /// A key that the sandbox itself has no use for (GLFW key code); true when taken.
+  /// A key (GLFW key code); true when taken. Without Ctrl it is asked before the sandbox while the panel's
+  /// tab or its strip's is in front, otherwise for what the sandbox itself has no use for.
   virtual bool keyPressed(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
-
-  /// The same while the panel's tab, or its strip's, is in front: asked before the sandbox.
-  virtual bool keyPressedInFront(Sandbox&, int /*key*/, int /*modifiers*/) { return false; }
 
   /// Takes back, or does again, what the panel did to the model itself: where the document's own history has
   /// nothing more. False: neither has the panel.

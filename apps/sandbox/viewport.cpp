@@ -289,7 +289,7 @@ void pressKey(Sandbox& sandbox, int key) {
       (s.ctrl ? GLFW_MOD_CONTROL : 0) | (s.shift ? GLFW_MOD_SHIFT : 0) | (s.alt ? GLFW_MOD_ALT : 0);
   if (Panel* tool = toolOf(sandbox); tool && tool->keyPressed(sandbox, key, modifiers)) return;
   for (const auto& panel : s.panels)
-    if (isInFront(s, *panel) && panel->keyPressedInFront(sandbox, key, modifiers)) return;
+    if (!s.ctrl && isInFront(s, *panel) && panel->keyPressed(sandbox, key, modifiers)) return;
   if (s.ctrl ? controlKey(sandbox, key) : plainKey(sandbox, key)) return;
   for (const auto& panel : s.panels)
     if (panel->keyPressed(sandbox, key, modifiers)) return;

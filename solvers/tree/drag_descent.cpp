@@ -40,7 +40,7 @@ void DragDescent::setPosture(const VectorXd& q) {
   posture_ = q;
   TreePose pose;
   tree_.load(posture_, pose);
-  restCoordinates_ = pose.coordinates;
+  postureCoordinates_ = pose.coordinates;
 }
 
 void DragDescent::build(std::span<const int> joints, const Vector3d& origin) {
@@ -64,7 +64,7 @@ void DragDescent::build(std::span<const int> joints, const Vector3d& origin) {
   shares_.clear();
   rows_ = 0;
   tree_.load(posture_, trial_);
-  restCoordinates_ = trial_.coordinates;
+  postureCoordinates_ = trial_.coordinates;
   forget();
 }
 
@@ -88,7 +88,7 @@ double DragDescent::regulariser(const Settings& settings, const TreePose& pose) 
   double posture = 0.0, change = 0.0;
   for (const TreeNode& node : tree_.nodes()) {
     const double* c = pose.coordinates.data() + node.coordinate;
-    const double* rest = restCoordinates_.data() + node.coordinate;
+    const double* rest = postureCoordinates_.data() + node.coordinate;
     const double* anchor = changeAnchor_.data() + node.coordinate;
     if (node.motion == TreeMotion::FreeBall) {
       if (settings.lambda > 0.0) posture += s_[node.dof] * rotationVector(rest, c).squaredNorm();
@@ -294,7 +294,7 @@ void DragDescent::addRegulariser(const Settings& settings) {
   const double lambda = settings.lambda, kappa = settings.kappa;
   for (const TreeNode& node : tree_.nodes()) {
     const double* c = pose_.coordinates.data() + node.coordinate;
-    const double* rest = restCoordinates_.data() + node.coordinate;
+    const double* rest = postureCoordinates_.data() + node.coordinate;
     const double* anchor = changeAnchor_.data() + node.coordinate;
     if (node.motion == TreeMotion::FreeBall) {
       const double s = lambda * s_[node.dof];

@@ -35,10 +35,10 @@ struct TreeBlock {
 };
 
 /// Minimises, on the dofs between the goals and the root and within the joints' limits,
-///     f = 1/2 sum_points w |t - x|^2 + sum_blocks w phi(y) + 1/2 lambda sum_i s_i (c_i - rest_i)^2 + 1/2
+///     f = 1/2 sum_points w |t - x|^2 + sum_blocks w phi(y) + 1/2 lambda sum_i s_i (c_i - posture_i)^2 + 1/2
 ///     kappa |c - c_anchor|^2
 /// by damped Newton steps that take the exact Hessian far from a solution and Gauss-Newton near one. Free
-/// balls measure c - rest by the rotation vector. The state between steps (mu of both kinds, what the last
+/// balls measure c - posture by the rotation vector. The state between steps (mu of both kinds, what the last
 /// step was worth) persists, so that a drag goes on where the frame before ended. Lengths are units of the
 /// tree.
 ///
@@ -162,7 +162,7 @@ class DragDescent {
   TreePose pose_, trial_, anchor_;
   std::vector<double> changeAnchor_;
 
-  std::vector<double> s_, restCoordinates_;  ///< by dof; by coordinate
+  std::vector<double> s_, postureCoordinates_;  ///< by dof; by coordinate
   TreeMatrix H_, W_;
   std::vector<double> g_, d_, x_, value_;
   std::vector<DofState> state_;

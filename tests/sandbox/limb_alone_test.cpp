@@ -101,6 +101,33 @@ TEST_F(LimbAlone, EveryBodyHasOneNameAboveIt) {
   expectAbove(limb);
 }
 
+/// Bent arms lay through each other, and the outermost left the view.
+TEST_F(LimbAlone, BodiesBesideABentOneStandApartAndInView) {
+  stage_.play("0 do Muscles layers on\n1 do Muscles bend 114\n2 do Muscles alone on\n", 60);
+  for (const std::size_t others : {1, 2, 3}) {
+    auto& skins = state_.session->lab().skins;
+    skins.clear();
+    for (const char* name : {"lbs", "dqs", "cor"})
+      if (skins.size() < others) skins.push_back(parseSkinChoice(name));
+    frameEverything(stage_.sandbox, false);
+    stage_.play("", 3);
+    const auto facts = state_.view->skinFacts();
+    ASSERT_EQ(facts.size(), others + 1);
+    const Eigen::AlignedBox3d box = state_.view->bounds();
+    const double wide = levelRight(state_.camera(), state_.session->model().up).cwiseAbs().dot(box.sizes());
+    for (std::size_t i = 0; i < facts.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) EXPECT_GT((facts[i].above - facts[j].above).norm(), 1.05 * wide);
+      const Eigen::Vector3d shift = facts[i].above - facts[0].above;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d at = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) + shift;
+        const Eigen::Vector2d pixel = project(state_.camera(), state_.viewport(), at).pixel;
+        EXPECT_GT(pixel.x(), 0) << others << " " << i;
+        EXPECT_LT(pixel.x(), state_.viewport().width) << others << " " << i;
+      }
+    }
+  }
+}
+
 /// Every mesh is made anew by another skinning method and by other proportions of a limb.
 TEST_F(LimbAlone, StaysAloneWhateverIsMadeAnewAndWhichLimbItIs) {
   stage_.play("0 do Muscles layers on\n1 do Muscles alone on\n", 3);

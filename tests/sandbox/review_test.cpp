@@ -128,8 +128,8 @@ TEST(Review, TheBodyBesideStaysInViewWhenZoomedIn) {
   camera.target = stage.sandbox.session().reached(*stage.sandbox.session().findGoal("hand_l"));
   camera.distance = 0.8;
   stage.play("", 1);
-  const Frames beside =
-      framesBeside(stage.sandbox.session(), stage.sandbox.session().frames(), stage.sandbox.state().size());
+  const Frames beside = framesBeside(stage.sandbox.session(), stage.sandbox.session().frames(),
+                                     0.55 * stage.sandbox.state().size());
   const int hand = stage.sandbox.session().skeleton().jointIndex("hand_l");
   const Vector2d pixel = stage.sandbox.state().toWindow(beside[hand].translation()).pixel;
   const Layout::Rect& view = stage.sandbox.state().layout.view;
@@ -375,6 +375,18 @@ TEST(Review, AMotionThatIsDroppedFindsItsSkeletonBesideIt) {
     stage.play("0 drop " + (folder / "walk.amc").string() + "\n", 3);
     EXPECT_EQ(stage.sandbox.session().skeleton().jointCount(), joints);
     EXPECT_TRUE(stage.sandbox.session().model().clip);
+  }
+  {  // another one takes the place of one that was opened with its ASF; it was left aside without a word
+    MotionClip& clip = *motion.model.clip;
+    const Eigen::MatrixXd first = clip.q.leftCols(1);
+    clip.q = first.replicate(1, 5);
+    exportFile((folder / "stand.amc").string(), motion);
+    Stage stage("figure");
+    ASSERT_TRUE(stage.sandbox.open(
+        {.nameOrFile = (folder / "walk.amc").string(), .files = {.asf = (folder / "walk.asf").string()}}));
+    ASSERT_NE(stage.sandbox.session().model().clip->frameCount(), 5);
+    stage.play("0 drop " + (folder / "stand.amc").string() + "\n", 3);
+    EXPECT_EQ(stage.sandbox.session().model().clip->frameCount(), 5);
   }
   fs::remove(folder / "walk.asf");  // and alone it says what is missing, and what opens it
   Stage stage("figure");

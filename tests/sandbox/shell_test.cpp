@@ -223,7 +223,6 @@ TEST(Preferences, AFileOfTheCommandLineIsAmongTheRecentOnes) {
   fs::remove(scene);
 }
 
-/// It covered the control below.
 /// The tooltip that stands while the mouse goes down from the first place until there is one.
 const ImGuiWindow* tooltipBelow(Stage& stage, double x, double y) {
   for (double down = 0; down < 200; down += 8) {
@@ -234,7 +233,8 @@ const ImGuiWindow* tooltipBelow(Stage& stage, double x, double y) {
   return nullptr;
 }
 
-/// In a small window the words were wider than the view, and lay on the panel's next control.
+/// It covered the control below; in a small window the words were wider than the view, and lay on the panel's
+/// next control.
 TEST(Tooltips, StandBesideThePanelThatTheyTellOf) {
   for (const auto& [width, height] : {std::pair{1280, 800}, {700, 500}}) {
     Stage stage("panda", false, width, height);
@@ -279,6 +279,28 @@ TEST(Tooltips, AreAsPlainOverWhatIsDisabled) {
       EXPECT_EQ(drawn[v].col >> IM_COL32_A_SHIFT, 255u);
   }
   EXPECT_EQ(vertices, 20);
+}
+
+/// One was printed over the other.
+TEST(Tooltips, AreOneAFrame) {
+  Stage stage("planar");
+  stage.play("", 1);
+  const auto vertices = [&](int tips) {
+    ImGui::NewFrame();
+    ImGui::Begin("alone");
+    for (int i = 0; i < tips; ++i) showTooltip("words");
+    ImGui::End();
+    ImGui::Render();
+    int count = 0;
+    for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows)
+      if (window->Active && (window->Flags & ImGuiWindowFlags_Tooltip))
+        count += window->DrawList->VtxBuffer.Size;
+    return count;
+  };
+  vertices(1);  // its first frame is hidden
+  const int one = vertices(1);
+  EXPECT_GT(one, 0);
+  EXPECT_EQ(vertices(2), one);
 }
 
 /// Half of it lay outside.
@@ -473,6 +495,15 @@ TEST(Unsaved, ChangesAreAskedAboutBeforeTheyAreLost) {
   ASSERT_TRUE(stage.sandbox.saveSceneTo((stage.folder / "s.json").string()));
   stage.sandbox.requestClose();
   EXPECT_TRUE(stage.sandbox.wantsToClose());
+  stage.play("0 drag " + tool + " -20 20 6\n", 8);
+  const std::string before = readFile((stage.folder / "s.json").string());
+  stage.sandbox.requestOpen("planar");
+  stage.play("", 3);
+  EXPECT_EQ(stage.state().dialog, Sandbox::State::Dialog::Unsaved);
+  stage.play("0 key enter\n", 3);  // saves, and goes on
+  EXPECT_EQ(stage.state().dialog, Sandbox::State::Dialog::None);
+  EXPECT_NE(readFile((stage.folder / "s.json").string()), before);
+  EXPECT_EQ(stage.sandbox.session().model().name, "planar");
 }
 
 TEST(Gizmo, AnArrowMovesAlongItsAxisAndARingTurnsAboutIt) {
